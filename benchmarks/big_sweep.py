@@ -1,8 +1,10 @@
 """Sweep a million points of a cheap scene, and print time, rate, memory and size.
 
-Run: python benchmarks/big_sweep.py [--points 1000000] [--jobs N] [--engine-alone] [-o OUT.h5]. The scene is the
-paper's point with its ports alone and no error estimate, over speeds and pressures; `--engine-alone` simulates
-one point and gives its result to all, which leaves what the sweep itself costs.
+Run: python benchmarks/big_sweep.py [--points 1000000] [--jobs N] [--real] [--batch] [--engine-alone] [-o OUT.h5]. The
+scene is the paper's point with its ports alone and no error estimate, over speeds and pressures; with `--real` one
+on R134a with all its effects and its errors estimated, over speeds and condensing temperatures. `--batch` solves
+points side by side; `--engine-alone` simulates one point and gives its result to all, which leaves what the sweep
+itself costs.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from screwsim.study.sweep import run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
 POINT = ROOT / "configs" / "paper" / "point.yaml"
+REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 PORTS = ("suction_port", "discharge_port")
 MEBI = 1 << 20
 
@@ -63,6 +66,16 @@ def scene_of(points: int) -> Scene:
     return load(str(POINT), ["numerics.error=none", *axes], [name for name in whole.effects if name not in PORTS])
 
 
+def real_scene_of(points: int) -> Scene:
+    """Return a machine on R134a over speeds and condensing temperatures, about `points` in all."""
+    rows = max(1, round(points**0.5))
+    axes = [
+        f"sweep.operation.speed={{from: 2000 rpm, to: 5000 rpm, count: {rows}}}",
+        f"sweep.operation.condensing_temperature={{from: 35 degC, to: 60 degC, count: {max(1, points // rows)}}}",
+    ]
+    return load(str(REAL), axes)
+
+
 def repeat(result: Result, scenes: Iterable[Scene]) -> Iterator[Result]:
     """Give one result for every scene."""
     return (result for _ in scenes)
@@ -74,18 +87,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--points", type=int, default=1_000_000)
     parser.add_argument("--jobs", type=int)
+    parser.add_argument("--real", action="store_true")
+    parser.add_argument("--batch", action="store_true")
     parser.add_argument("--engine-alone", action="store_true")
     parser.add_argument("-o", type=Path)
     given = parser.parse_args()
-    scene = scene_of(given.points)
+    scene = (real_scene_of if given.real else scene_of)(given.points)
     many = partial(repeat, simulate(case(scene, 0), trace=False)) if given.engine_alone else None
     with tempfile.TemporaryDirectory() as folder:
         output = given.o or Path(folder) / "big.h5"
         progress = Tenths(output.with_name(output.name + ".parts"))
-        summary = run_sweep(scene, output, jobs=given.jobs, simulate_many=many, progress=progress, restart=True)
+        how = {"jobs": given.jobs, "batch": given.batch, "simulate_many": many, "restart": True}
+        summary = run_sweep(scene, output, progress=progress, **how)
         size = output.stat().st_size
     peaks = [resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    print(f"{summary.cases} points ({summary.ok} ok) in {summary.seconds:.0f} s", end=", ")
+    statuses = f"{summary.ok} ok, {summary.not_closed} not closed, {summary.failed} failed"
+    print(f"{summary.cases} points ({statuses}) in {summary.seconds:.0f} s", end=", ")
     print(f"the file of {size / MEBI:.0f} MiB in the last {summary.seconds - progress.times[-1]:.0f} s of them")
     print(f"points/s by tenths: {' '.join(progress.rates())}")
     print(f"at most {progress.most} files of parts; peak memory {peaks[0]:.0f} MiB, of a worker {peaks[1]:.0f} MiB")

@@ -105,6 +105,9 @@ def sweep(
         option("SECONDS", "Give up a case after that time (default: 300; with --jobs 1: never).", min=0.001),
     ] = None,
     restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
+    batch: Annotated[
+        bool, typer.Option("--batch", help="Solve points side by side, in the lanes of each core: for many points.")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate the grid of a scene, or resume it."""
@@ -123,7 +126,7 @@ def sweep(
     if output is not None:
         options.check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
-    where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit}
+    where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch}
     summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
     document = sweep_document(scene, summary)
     (print_json if as_json else print_sweep)(document)

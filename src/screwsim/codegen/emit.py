@@ -81,7 +81,9 @@ class Emitter(Expressions):
         """Give a variable a value."""
         if value.kind == NOTHING:
             raise self.fail(node, f"{name} is given nothing")
-        known = self.wide.get(name) if not self.depth else self.kinds.get(name)  # outside of branches it may change
+        known = (self.kinds.get(name) if self.depth else None) or self.wide.get(
+            name
+        )  # outside of branches it may change
         kind = joined(known or value.kind, value.kind)
         if kind is None:
             raise self.fail(node, f"{name} is {known} here and {value.kind} there")

@@ -1,4 +1,8 @@
-"""Kinds of values in compiled text: number, array, tuple; what each is made of in LLVM's language."""
+"""Kinds of values in compiled text: number, array, tuple; what each is made of in LLVM's language.
+
+Where points run side by side (`codegen.lanes`) a number is one of all lanes, and an array is shared by them, has their
+elements beside each other (`p`), or is one of each lane: `v` at an address of its own, `w` a part of such a `p`.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
+LANES = 8  # points side by side: numbers in the widest registers of today's processors
 _kinds: dict[tuple[Any, ...], Kind] = {}
 
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """What a value is: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` a context.
+    """What a value is: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` a context;
+    `F`, `I`, `B` numbers of all lanes, `p`, `v`, `w` arrays of all lanes.
 
     A context is a tuple that the caller keeps, in memory that does not change. There is one object of each kind: equal
     ones are the same, which the compiler asks for each operation.
@@ -33,8 +39,9 @@ class Kind:
     @cached_property
     def parts(self) -> tuple[str, ...]:
         """The types of the registers that hold a value, in LLVM's language."""
-        if self.name == "a":
-            return ("ptr", *("i64" for _ in range(self.axes)))
+        if self.name in ARRAYS:
+            first = "ptr" if self.name in "ap" else ADDRESSES
+            return (first, *("i64" for _ in range(self.axes)))
         if self.name == "t":
             return tuple(part for each in self.of for part in each.parts)
         return (_REGISTERS[self.name],) if self.name != "n" else ()
@@ -44,12 +51,19 @@ class Kind:
         """The type that a function returns."""
         if self.name == "n":
             return "void"
-        return "{" + ", ".join(self.parts) + "}" if self.name in "at" else self.parts[0]
+        return "{" + ", ".join(self.parts) + "}" if self.name in "apvwt" else self.parts[0]
 
 
+ARRAYS = "apvw"
+LANED = "FIBpvw"
+ADDRESSES = f"<{LANES} x ptr>"
 _REGISTERS = {"f": "double", "i": "i64", "b": "i1", "c": "ptr"}
+_REGISTERS |= {name.upper(): f"<{LANES} x {one}>" for name, one in _REGISTERS.items() if name != "c"}
 FLOAT, INTEGER, TRUTH, NOTHING = Kind("f"), Kind("i"), Kind("b"), Kind("n")
+FLOATS, INTEGERS, TRUTHS = Kind("F"), Kind("I"), Kind("B")  # of all lanes
 NUMBERS = (TRUTH, INTEGER, FLOAT)  # each holds those before it
+OF_LANES = {TRUTH: TRUTHS, INTEGER: INTEGERS, FLOAT: FLOATS}
+OF_ONE = {many: one for one, many in OF_LANES.items()}
 
 
 def array(of: Kind, axes: int) -> Kind:
@@ -58,7 +72,7 @@ def array(of: Kind, axes: int) -> Kind:
 
 def row_of(kind: Kind) -> Kind:
     """Return what an array holds along its first axis."""
-    return kind.of[0] if kind.axes == 1 else array(kind.of[0], kind.axes - 1)
+    return kind.of[0] if kind.axes == 1 else Kind(kind.name, kind.of, kind.axes - 1)
 
 
 def joined(one: Kind, other: Kind) -> Kind | None:
@@ -67,6 +81,8 @@ def joined(one: Kind, other: Kind) -> Kind | None:
         return one
     if one in NUMBERS and other in NUMBERS:
         return max(one, other, key=NUMBERS.index)
+    if OF_ONE.get(one, one) in NUMBERS and OF_ONE.get(other, other) in NUMBERS:  # of all lanes, if either is
+        return OF_LANES[max(OF_ONE.get(one, one), OF_ONE.get(other, other), key=NUMBERS.index)]
     if one.name == other.name == "t" and len(one.of) == len(other.of):
         inner = [joined(a, b) for a, b in zip(one.of, other.of, strict=True)]
         return None if None in inner else Kind("t", tuple(each for each in inner if each is not None))

@@ -58,6 +58,10 @@ class Library:
             return self._arrays[name][0]
         return None if value is None else constant(value)
 
+    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Emitter:
+        """Return what writes a function."""
+        return Emitter(self, name, kinds)
+
     def function(self, name: str, kinds: tuple[Kind, ...]) -> tuple[str, Kind]:
         """Return the symbol of a function for kinds of arguments, and the kind of what it returns."""
         key = (name, kinds)
@@ -67,7 +71,7 @@ class Library:
             found = self._functions[key] = _Written(f"{name}.{len(self._functions)}")
             self._open.append(found)
             try:
-                emitter = Emitter(self, name, kinds)
+                emitter = self.emitter(name, kinds)
                 found.text = emitter.written(found.symbol)
                 found.returned = emitter.returns or NOTHING
             except CannotCompile:
@@ -136,9 +140,13 @@ class Library:
         else:
             lines.append("  ret i64 0")
         assert all(kind in (FLOAT, INTEGER, TRUTH) for kind in scalars)
+        return returned, self.whole_text((name, kinds), symbol, lines)
+
+    def whole_text(self, key: _Key, symbol: str, lines: list[str]) -> str:
+        """Return the text of what Python calls, given its lines, with all that it calls."""
         call = "\n".join([f'define i64 @"{symbol}"(ptr %in, ptr %out) nounwind {{', *lines, "}"])
-        used = self._with_all_it_calls((name, kinds))
+        used = self._with_all_it_calls(key)
         arrays = {array: self._arrays[array][1] for one in used for array in one.arrays}
         declared = {line: None for one in used for line in one.declared}
         texts = [FAULT, *arrays.values(), *declared, *(one.text for one in used), call, "!0 = !{}"]
-        return returned, "\n".join(texts) + "\n"
+        return "\n".join(texts) + "\n"

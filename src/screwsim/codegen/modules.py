@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import Any
 
 from screwsim.codegen.calls import KINDS, Variant, known, take
-from screwsim.codegen.kinds import Kind
+from screwsim.codegen.kinds import LANED, Kind
 from screwsim.numerics import compiling, store
 
 _loaded: dict[str, Module] = {}
@@ -86,6 +86,20 @@ class Module(ModuleType):
         """Return a function for kinds of arguments, as it was kept or compiled now, and whether it is a fast one."""
         from screwsim.codegen import machine
 
+        returned, code, symbol, fast = self._code(name, kinds, fast)
+        return Variant(machine.loaded(code, symbol), kinds, returned), fast
+
+    def of_lanes(self, name: str, kinds: tuple[Kind, ...]) -> Any:
+        """Return the entry of a function of points side by side (`codegen.lane_library`), written for speed."""
+        from screwsim.codegen import machine
+
+        _, code, symbol, _ = self._code(name, kinds, True)
+        return machine.loaded(code, symbol)
+
+    def _code(self, name: str, kinds: tuple[Kind, ...], fast: bool) -> tuple[str, bytes, str, bool]:
+        """Return what a function returns, its machine code, the symbol of its entry, and whether it is fast."""
+        from screwsim.codegen import machine
+
         of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
         symbol, kept = f"{self.__name__}.{name}.{of}", None
         lasting = not (self._outside or self._checks)
@@ -101,11 +115,13 @@ class Module(ModuleType):
             if lasting:
                 store.keep(f"{symbol}.{'fast' if fast else 'code'}", kept)
         returned, _, code = kept.partition(b"\n")
-        return Variant(machine.loaded(code, symbol), kinds, returned.decode()), fast
+        return returned.decode(), code, symbol, fast
 
     def _written(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
-        from screwsim.codegen import library, program
+        from screwsim.codegen import lane_library, library, program
 
+        if any(kind.name in LANED for kind in kinds):
+            return lane_library.LaneLibrary(program.read(self.text)).entry(name, kinds, symbol)
         with _writing:
             found = _libraries.pop(id(self), None)
             if found is None or found[0] is not self:

@@ -14,6 +14,7 @@ COMPILED = {  # what each driver is, and about how long its compilation takes
     "one": ("this combination of effects", "a second or two"),
     "all": ("coupled chambers of this combination", "a second or two"),
     "tangents": ("derivatives of coupled chambers of this combination", "a second"),
+    "lanes": ("points of this combination side by side", "some seconds"),
     "ledger": ("the ledger of this combination", "a second"),
 }
 

@@ -10,7 +10,7 @@ from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 
 STRUCTURES = 8  # of which free arrays are kept
-KEPT = 4  # free ones of a structure
+KEPT = 32  # free ones of a structure: so many points may be solved side by side
 
 _free: dict[str, list[Machinery]] = {}  # by the text of the module; each step on it is one of the interpreter's own
 

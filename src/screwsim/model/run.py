@@ -19,6 +19,7 @@ from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
+from screwsim.model.exchange import here
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.compiling import seconds_again
@@ -101,7 +102,7 @@ class Machinery:
         """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
         if "one" not in compiled.warm(self.module):
             with self.compiling("one"):
-                self.turn(start(), 1e-2, 1e-3)
+                self.own_turn(start(), 1e-2, 1e-3)
                 self.swap()
                 self.states_at(np.array([0.1]))
                 self.blend([self.image(), self.image()], np.array([0.5, 0.5]))
@@ -120,6 +121,12 @@ class Machinery:
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
         self.watch()
+        if here.turn is not None:
+            return here.turn(self, y, rtol, h)
+        return self.own_turn(y, rtol, h)
+
+    def own_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        """Do what `turn` does, whoever else integrates turns in this thread."""
         c = self.composition
         q = np.zeros(self.nq)
         status, phi, h = self.module.rodas__integrate_one(

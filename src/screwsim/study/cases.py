@@ -6,6 +6,7 @@ import pickle
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from screwsim.outputs import Result
@@ -13,7 +14,7 @@ from screwsim.results.table import Table, table_of
 from screwsim.scene import cross_check, with_values
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Wanted, refuse_to_differ
-from screwsim.study.limit import Limit
+from screwsim.study.limit import Limit, running
 
 SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
 Outcome = tuple[Table, float]  # results, and the time that they took [s]
@@ -32,6 +33,7 @@ class Job:
     warm_up: Callable[[Scene], None]
     keep_cycle: bool
     limit: float | None
+    batch: bool = False  # blocks side by side
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,17 @@ def run_packed(raw: bytes, wanted: Wanted, blocks: Sequence[Block]) -> Outcome:
 def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
     """Return the results of blocks, cases in the order of their values."""
     began = time.perf_counter()
-    results = [result for block in blocks for result in _run(job, block)]
+    results = [result for found in _found(job, blocks) for result in found]
     return table_of(results, keep_cycle=job.keep_cycle), time.perf_counter() - began
+
+
+def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
+    """Return the results of each block, one after the other or side by side."""
+    if not job.batch:
+        return [_run(job, block) for block in blocks]
+    from screwsim.batch import together
+
+    return together([partial(_run, job, block) for block in blocks], during=running if job.limit else None)
 
 
 def _run(job: Job, block: Block) -> list[Result]:

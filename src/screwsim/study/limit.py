@@ -8,12 +8,15 @@ from __future__ import annotations
 import signal
 import threading
 import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from screwsim.faults import UsageError
 
 CASE_LIMIT = 300.0  # [s] of one case; the hardest known ones take some seconds
 LEAST, MOST = 0.001, 1e8  # [s] that a case may be given: beyond, the system's timer overflows
 _deadlines: dict[int, float] = {}  # [s], by thread: a worker of a cluster may have several, a process has one timer
+_left: dict[int, float] = {}  # [s], of threads that wait for others
 _lock = threading.Lock()
 
 
@@ -41,6 +44,36 @@ class Limit:
             with _lock:
                 _deadlines.pop(threading.get_ident(), None)
                 _arm()
+
+
+@contextmanager
+def running(threads: Sequence[int]) -> Iterator[None]:
+    """Let the time of these threads run within, which wait for what this one does; of none: stop that of this one."""
+    if not threads:
+        _stop([threading.get_ident()])
+    else:
+        _go_on(threads)
+    try:
+        yield
+    finally:
+        if not threads:
+            _go_on([threading.get_ident()])
+        else:
+            _stop(threads)
+
+
+def _stop(threads: Sequence[int]) -> None:
+    with _lock:
+        now = time.monotonic()
+        _left.update({one: _deadlines.pop(one) - now for one in threads if one in _deadlines})
+        _arm()
+
+
+def _go_on(threads: Sequence[int]) -> None:
+    with _lock:
+        now = time.monotonic()
+        _deadlines.update({one: now + _left.pop(one) for one in threads if one in _left})
+        _arm()
 
 
 def _arm() -> None:

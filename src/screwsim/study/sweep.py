@@ -35,6 +35,7 @@ from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 
 CHUNK_CASES = 1024  # at most in one chunk,
 CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
+BESIDE = 8  # blocks at least in one chunk where they are simulated side by side: as many as there are lanes
 FEW_BLOCKS = 512  # up to which the last chunks decide how long a sweep takes
 SPEED, FLUID = "operation.speed", grid.FLUID
 Simulate = Callable[[Scene], Result]
@@ -62,6 +63,7 @@ def run_sweep(
     scheduler: str | None = None,
     case_limit: float | None = None,
     restart: bool = False,
+    batch: bool = False,
     simulate: Simulate | None = None,
     simulate_many: SimulateMany | None = None,
     warm_up: WarmUp | None = None,
@@ -72,9 +74,10 @@ def run_sweep(
     `jobs` workers (default: all cores; 1: in this process), or those of a dask scheduler at an address or in a
     scheduler file. A case that takes longer than `case_limit` [s] (default: 300, but none in this process) is failed,
     and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
-    lies in `output.parts` and is not computed again, unless `restart`. What simulates one scene, or consecutive ones
-    each from the one before it, and what warms up, default to those of `screwsim.simulate`. Raise UsageError when the
-    file or its parts belong to another scene, or cannot be written, or when the scheduler cannot be reached.
+    lies in `output.parts` and is not computed again, unless `restart`. With `batch` the blocks of a worker are
+    simulated side by side, in the lanes of its core (docs/how-to/sweeps.md). What simulates one scene, or consecutive
+    ones each from the one before it, and what warms up, default to those of `screwsim.simulate`. Raise UsageError when
+    the file or its parts belong to another scene, or cannot be written, or when the scheduler cannot be reached.
     """
     began = time.perf_counter()
     check_limit(case_limit)
@@ -90,7 +93,7 @@ def run_sweep(
     try:
         many, warm = _simulator(scene, simulate, simulate_many, warm_up)
         with Draft(output, scene, axes_of(scene), "sweep", parts.folder) as draft:
-            run = _Sweep(scene, parts, progress or Silent(), many, warm, draft)
+            run = _Sweep(scene, parts, progress or Silent(), many, warm, draft, batch)
             reused = run.run(jobs, scheduler, case_limit)
             draft.complete(parts.all(run.blocks.cases))
         parts.discard()
@@ -140,14 +143,22 @@ class _Sweep:
     """One run over the cases that the parts do not hold yet."""
 
     def __init__(
-        self, scene: Scene, parts: Parts, progress: Progress, many: SimulateMany, warm_up: WarmUp, draft: Draft
+        self,
+        scene: Scene,
+        parts: Parts,
+        progress: Progress,
+        many: SimulateMany,
+        warm_up: WarmUp,
+        draft: Draft,
+        batch: bool,
     ) -> None:
         self.scene = scene
         self.blocks = blocks_of(scene)
         self._parts = parts
         self._progress = progress
         self._many = many
-        self._warm_up = warm_up
+        self._warm_up = partial(_warm_for_lanes, warm_up) if batch else warm_up
+        self._batch = batch
         self._angle = np.empty(0)  # the grid of the traces: chambers live longer in some cases, which is refused
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
@@ -178,7 +189,7 @@ class _Sweep:
 
         One of them that began last would leave the other workers idle.
         """
-        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS:
+        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or self._batch:
             return todo
 
         def speed(block: int) -> float:
@@ -198,9 +209,9 @@ class _Sweep:
         self._warm_up(self.scene)  # before the fork: every worker inherits what is compiled here
         keep = self.scene.output.keep == "cycle"
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // len(self.blocks.cases_of(range(1)))
-        self._chunks = Chunks(todo, longest, pool.workers)
+        self._chunks = Chunks(todo, longest, pool.workers, BESIDE if self._batch else 1)
         base = replace(self.scene, sweep={}, joints=(), text="")
-        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit)
+        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, self._batch)
         self._progress.start(self.blocks.cases, reused)
         try:
             if limit is None:
@@ -259,6 +270,14 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
     from screwsim.simulate import simulate_many  # by the module's own name: the package has a function of that name
 
     return partial(simulate_many, trace=scene.output.keep == "cycle")
+
+
+def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:
+    """Warm up what runs alone, and what runs side by side."""
+    from screwsim.batch import warm_up as beside
+
+    warm_up(scene)
+    beside(scene)
 
 
 def nothing(scene: Scene) -> None:

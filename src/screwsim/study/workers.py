@@ -66,13 +66,18 @@ def cores() -> int:
 
 
 class Chunks:
-    """Cut what is left to do into chunks of consecutive blocks that take about CHUNK_SECONDS."""
+    """Cut what is left to do into chunks of consecutive blocks that take about CHUNK_SECONDS.
 
-    def __init__(self, todo: Iterable[range], longest: int, jobs: Callable[[], int]) -> None:
+    Of `beside` blocks at least, where they are simulated side by side, as long as all workers have some.
+    """
+
+    def __init__(self, todo: Iterable[range], longest: int, jobs: Callable[[], int], beside: int = 1) -> None:
         self._gaps = deque(blocks for blocks in todo if len(blocks))
         self._left = sum(map(len, self._gaps))
         self._jobs = jobs
         self._longest = longest
+        self._beside = beside
+        self._least = 0  # of a chunk: not known yet
         self._blocks = 0
         self._seconds = 0.0
 
@@ -93,11 +98,15 @@ class Chunks:
         self._left += len(blocks)
 
     def _size(self) -> int:
+        if not self._least:
+            self._least = min(self._beside, max(1, -(-self._left // self._jobs())))
+        least = self._least
         if not self._blocks:
-            return _FIRST
+            return max(_FIRST, least)
         wanted = int(CHUNK_SECONDS * self._blocks / max(self._seconds, 1e-9))
         fair = -(-self._left // (4 * self._jobs()))  # the last chunks end together
-        return max(1, min(wanted, fair, self._longest))
+        size = max(1, min(wanted, fair, self._longest))
+        return max(least, size // self._beside * self._beside or size)
 
     def learn(self, blocks: int, seconds: float) -> None:
         """Take note of how long blocks took."""

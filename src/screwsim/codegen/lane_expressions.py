@@ -1,0 +1,110 @@
+"""Expressions of a text for points side by side: choices under a mask, elements and parts of arrays of all lanes."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+
+from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, OF_LANES, TRUTH, TRUTHS, Kind, Value, row_of
+from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, LaneOperations
+from screwsim.codegen.program import constant
+
+
+class LaneExpressions(LaneOperations):
+    """What an emitter writes for an expression of all lanes; it knows the variables, and sets the mask."""
+
+    def set_mask(self, mask: str) -> None:
+        """Say which lanes are at work from here on."""
+        self.add(f"store {MASK} {mask}, ptr %m")
+
+    def _both(self, every: bool, nodes: Sequence[ast.expr]) -> Value:
+        """Return whether all hold, or any; a lane that knows already does not ask what follows."""
+        found, before = self.truth(nodes[0]), ""
+        for node in nodes[1:]:
+            if found.known is not None:
+                if bool(found.known) is not every:
+                    break
+                found = self.truth(node)
+                continue
+            mask = before or self.mask()
+            before = mask
+            so_far = self.as_kind(found, TRUTHS).parts[0]
+            self.set_mask(self.both(mask, so_far) if every else self.without(mask, so_far))
+            value = self.truth(node)
+            if found.kind == value.kind == TRUTH:
+                ways = (value.parts[0], "false") if every else ("true", value.parts[0])
+                found = Value(TRUTH, (self.new(f"select i1 {found.parts[0]}, i1 {ways[0]}, i1 {ways[1]}"),))
+                continue
+            other = self.as_kind(value, TRUTHS).parts[0]
+            whole = f"{MASK} {other}, {MASK} {NONE_OF_THEM}" if every else f"{MASK} splat (i1 true), {MASK} {other}"
+            found = Value(TRUTHS, (self.new(f"select {MASK} {so_far}, {whole}"),))
+        if before:
+            self.set_mask(before)
+        return found
+
+    def _compared(self, left: ast.expr, ops: Sequence[ast.cmpop], others: Sequence[ast.expr], node: ast.expr) -> Value:
+        values = [self.expression(each) for each in (left, *others)]
+        found = [self.compare(op, a, b, node) for op, a, b in zip(ops, values, values[1:], strict=False)]
+        if len(found) == 1:
+            return found[0]
+        whole = self.as_kind(found[0], TRUTHS)
+        for each in found[1:]:
+            both = f"and {MASK} {whole.parts[0]}, {self.as_kind(each, TRUTHS).parts[0]}"
+            whole = Value(TRUTHS, (self.new(both),))
+        return whole
+
+    def _choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr, node: ast.expr) -> Value:
+        decided = self.truth(test)
+        if decided.known is not None:
+            return self.expression(body if decided.known else orelse)
+        where, before = self.as_kind(decided, TRUTHS).parts[0], self.mask()
+        self.set_mask(self.both(before, where))
+        one = self.expression(body)
+        self.set_mask(self.without(before, where))
+        other = self.expression(orelse)
+        self.set_mask(before)
+        if decided.kind == TRUTH and one.kind == other.kind and one.kind in OF_LANES and one.kind != FLOAT:
+            part = one.kind.parts[0]
+            ways = f"{part} {one.parts[0]}, {part} {other.parts[0]}"
+            return Value(one.kind, (self.new(f"select i1 {decided.parts[0]}, {ways}"),))
+        return self.chosen(where, one, other)
+
+    def _subscript(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
+        if of.kind.name in "tc":
+            return super()._subscript(of, index, node)
+        if isinstance(index, ast.Slice):
+            return self._slice(of, index, node)
+        if self.count_of(index) < of.kind.axes:
+            return self._row(of, index, node)
+        return self.read(*self.element(of, index, node))
+
+    def _attribute(self, of: Value, name: str, node: ast.expr) -> Value:
+        if of.kind.name in ARRAYS and name == "shape":
+            return Value(Kind("t", (INTEGER,) * of.kind.axes), of.parts[1:])
+        return super()._attribute(of, name, node)
+
+    def _row(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
+        if isinstance(index, ast.Tuple):
+            value = of
+            for each in index.elts:
+                value = self._row(value, each, node)
+            return value
+        skip = self.whole(self.expression(index), node)
+        for size in of.parts[2:]:
+            skip = self.operation(ast.Mult(), skip, Value(INTEGER, (size,)), node)
+        at, kind = self.moved(of, skip)
+        return Value(row_of(kind), (at, *of.parts[2:]))
+
+    def _slice(self, of: Value, index: ast.Slice, node: ast.expr) -> Value:
+        if index.step is not None or of.kind.name not in ARRAYS:
+            raise self.fail(node, "this slice is not compiled")
+        first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
+        last = Value(INTEGER, (of.parts[1],))
+        last = last if index.upper is None else self.whole(self.expression(index.upper), node)
+        count, skip = self.operation(ast.Sub(), last, first, node), first
+        if count.kind != INTEGER:
+            raise self.fail(node, "lanes cannot take parts of different length")
+        for size in of.parts[2:]:
+            skip = self.operation(ast.Mult(), skip, Value(INTEGER, (size,)), node)
+        at, kind = self.moved(of, skip)
+        return Value(kind, (at, count.parts[0], *of.parts[2:]))

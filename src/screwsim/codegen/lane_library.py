@@ -1,0 +1,59 @@
+"""What functions of a program become for points side by side, and what Python calls of them."""
+
+from __future__ import annotations
+
+from screwsim.codegen import lane_math
+from screwsim.codegen.kinds import LANES, NOTHING, TRUTHS, Kind
+from screwsim.codegen.lane_operations import MASK, WHOLE, words_of
+from screwsim.codegen.lanes import LaneEmitter
+from screwsim.codegen.library import Library
+from screwsim.codegen.program import Program, read
+
+
+class LaneLibrary(Library):
+    """A library whose functions do for all lanes what they do for one."""
+
+    def __init__(self, program: Program) -> None:
+        written = read(lane_math.texts())
+        functions, constants = written.functions | program.functions, written.constants | program.constants
+        super().__init__(Program(functions, constants))
+
+    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> LaneEmitter:
+        return LaneEmitter(self, name, kinds)
+
+    def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
+        """Return what `Library.entry` does; the first word is a bit for each lane that is at work.
+
+        An argument of all lanes takes a word of each.
+        """
+        lines = [f"  %bits = load i{LANES}, ptr %in", f"  %mask = bitcast i{LANES} %bits to {MASK}"]
+        given, at = [f"{MASK} %mask"], 1
+        for k, kind in enumerate(kinds):
+            if kind.name == "c":
+                lines.append(f"  %c{k} = getelementptr i64, ptr %in, i64 {at}")
+                given.append(f"ptr %c{k}")
+                at += words_of(kind)
+                continue
+            for i, part in enumerate(kind.parts):
+                lines.append(f"  %p{k}.{i} = getelementptr i64, ptr %in, i64 {at}")
+                lines.append(f"  %a{k}.{i} = load {part}, ptr %p{k}.{i}, align 8")
+                given.append(f"{part} %a{k}.{i}")
+                at += LANES if part[0] == "<" else 1
+        called, returned = self.function(name, kinds)
+        call = f"call {returned.returned} @{called}({', '.join(given)})"
+        lines.append(f"  {call}" if returned == NOTHING else f"  %r = {call}")
+        numbers = returned.of if returned.name == "t" else (returned,) if returned != NOTHING else ()
+        for i, kind in enumerate(numbers):
+            value, part = "%r", kind.parts[0]
+            if returned.name == "t":
+                value = f"%r{i}"
+                lines.append(f"  {value} = extractvalue {returned.returned} %r, {i}")
+            if kind == TRUTHS:
+                lines.append(f"  %w{i} = zext {MASK} {value} to {WHOLE}")
+                value, part = f"%w{i}", WHOLE
+            if part[0] != "<":
+                raise TypeError(f"{name} returns what is the same for all lanes")
+            lines.append(f"  %o{i} = getelementptr i64, ptr %out, i64 {LANES * i}")
+            lines.append(f"  store {part} {value}, ptr %o{i}, align 8")
+        lines.append("  ret i64 0")
+        return returned, self.whole_text((name, kinds), symbol, lines)

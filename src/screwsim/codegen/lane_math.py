@@ -1,0 +1,101 @@
+"""Exponential, logarithm and power of all lanes: as kernels of arithmetic alone, which a processor does side by side.
+
+Each is what its series gives: exp to 1.5 units in the last place, log to 2, a power to as many as its exponent times
+the logarithm has whole units, and one. `bits_of` and `of_bits` take a float for the whole number of its 64 bits.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable
+from typing import Any
+
+from screwsim.numerics.kernel import Kernel, Slot, flatten, kernel
+
+PER_LN2 = 1.0 / math.log(2.0)
+LN2_HIGH = 0.6931471803691238  # its last bits are nothing, so that multiples of it are exact
+LN2_LOW = 1.9082149292705877e-10
+SHIFTED = 6755399441055744.0  # 1.5 * 2**52: a float added to it is rounded to a whole number, in its last bits
+LEAST, MOST = -708.0, 709.0  # beyond: nothing, too much
+ROOT_HALF = 4604544271217802188  # bits of the root of a half
+SMALL = 2.2250738585072014e-308  # the least float of full precision; below it there is nothing
+E2, E3, E4, E5, E6, E7 = (1.0 / math.factorial(i) for i in range(2, 8))
+E8, E9, E10, E11, E12, E13 = (1.0 / math.factorial(i) for i in range(8, 14))
+A3, A5, A7, A9, A11 = (2.0 / i for i in range(3, 13, 2))
+A13, A15, A17, A19, A21 = (2.0 / i for i in range(13, 23, 2))
+
+
+class _OfBits(Slot):
+    """A function that the compiler knows."""
+
+    def __init__(self, name: str, function: Callable[[Any], Any]) -> None:
+        super().__init__(name)
+        self.function = function
+
+    def __call__(self, *given: Any) -> Any:
+        return self.function(*given)
+
+
+def _bits(x: float) -> int:
+    return struct.unpack("<q", struct.pack("<d", x))[0]
+
+
+def _float(i: int) -> float:
+    return struct.unpack("<d", struct.pack("<Q", i % (1 << 64)))[0]
+
+
+bits_of = _OfBits("bits_of", _bits)
+of_bits = _OfBits("of_bits", _float)
+
+
+@kernel
+def exp_of_lanes(x):
+    """Return the exponential: 2^n times a polynomial on half a logarithm of two to both sides."""
+    held = min(max(x, LEAST), MOST)
+    shifted = held * PER_LN2 + SHIFTED
+    n = shifted - SHIFTED
+    r = (held - n * LN2_HIGH) - n * LN2_LOW
+    r2 = r * r
+    r4 = r2 * r2
+    a = E2 + r * E3 + r2 * (E4 + r * E5)
+    b = E6 + r * E7 + r2 * (E8 + r * E9)
+    c = E10 + r * E11 + r2 * (E12 + r * E13)
+    p = 1.0 + (r + r2 * (a + r4 * (b + r4 * c)))
+    found = of_bits(bits_of(p) + int(n) * 4503599627370496)
+    found = 0.0 if x < LEAST else found
+    found = math.inf if x > MOST else found
+    return x if x != x else found
+
+
+@kernel
+def log_of_lanes(x):
+    """Return the logarithm: that of a power of two, and of what is left between the root of a half and that of two."""
+    bits = bits_of(x)
+    k = (bits - ROOT_HALF) // 4503599627370496
+    m = of_bits(bits - k * 4503599627370496)
+    s = (m - 1.0) / (m + 1.0)
+    z = s * s
+    z2 = z * z
+    z4 = z2 * z2
+    a = A3 + z * A5 + z2 * (A7 + z * A9)
+    b = A11 + z * A13 + z2 * (A15 + z * A17)
+    c = A19 + z * A21
+    found = k * LN2_HIGH + (2.0 * s + (s * (z * (a + z4 * (b + z4 * c))) + k * LN2_LOW))
+    found = (-math.inf if x >= 0.0 else math.nan) if x < SMALL else found
+    return found if x < math.inf else x
+
+
+@kernel
+def power_of_lanes(x, y):
+    """Return x^y of a positive x, and 0^y of none."""
+    return exp_of_lanes(y * log_of_lanes(x))
+
+
+def texts() -> str:
+    """Return the functions as a text, under the names that the compiler calls them by."""
+    kernels: tuple[Kernel, ...] = (exp_of_lanes, log_of_lanes, power_of_lanes)
+    text = "\n\n".join(flatten(kernels, {"bits_of": "bits_of", "of_bits": "of_bits"}).values())
+    for each in kernels:
+        text = text.replace(each.flat_name, each.__name__)
+    return text

@@ -1,0 +1,368 @@
+"""One function of a text for points side by side: what `emit` writes, with a mask of the lanes that are at work.
+
+A branch that lanes do not take together is taken by those that want it while the others wait; a loop runs until none
+of its lanes is left. So each lane does what it would do alone, operation by operation, whatever the others do: no bit
+of its results depends on them. A variable's value is that of the lanes that were at work when it was given; what others
+hold stays.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from screwsim.codegen.emit import LONG, Emitter
+from screwsim.codegen.expressions import EMPTY, NONE
+from screwsim.codegen.kinds import (
+    ARRAYS,
+    FLOAT,
+    INTEGER,
+    INTEGERS,
+    NOTHING,
+    OF_LANES,
+    TRUTH,
+    TRUTHS,
+    Kind,
+    Value,
+    joined,
+)
+from screwsim.codegen.lane_expressions import LaneExpressions
+from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE
+from screwsim.codegen.program import constant
+from screwsim.numerics.kernel import nodes
+
+if TYPE_CHECKING:
+    from screwsim.codegen.library import Library
+
+
+class _Loop(NamedTuple):
+    """Slots of masks: lanes that go on with a loop, lanes that go on after it; where those go that are done."""
+
+    inside: str
+    after: str
+
+
+class LaneEmitter(LaneExpressions, Emitter):
+    """Writes one function of all lanes; `split` tells how many branches that lanes take apart it is within."""
+
+    def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
+        Emitter.__init__(self, library, name, arguments)
+        returns = [each for each in nodes(self.node) if isinstance(each, ast.Return)]
+        self.leaves = len(returns) > 1 or (bool(returns) and returns[0] is not self.node.body[-1])
+        self.split, self.ended = 0, False
+
+    def written(self, symbol: str) -> str:
+        self.passes = 1
+        parameters = self._write()
+        while self.again:
+            self.passes += 1
+            parameters = self._write()
+        returned = self.returns or NOTHING
+        self.jump("out")
+        self.start("out")
+        if returned == NOTHING:
+            self.add("ret void")
+        else:
+            self._give_back(returned)
+        apart = " noinline" if len(self.lines) > LONG else ""
+        head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"
+        return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
+
+    def _give_back(self, returned: Kind) -> None:
+        parts = [self.new(f"load {part}, ptr {slot}") for part, slot in zip(returned.parts, self.results, strict=True)]
+        whole = parts[0]
+        if returned.name in f"{ARRAYS}t":
+            whole = "undef"
+            for i, (part, register) in enumerate(zip(returned.parts, parts, strict=True)):
+                whole = self.new(f"insertvalue {returned.returned} {whole}, {part} {register}, {i}")
+        self.add(f"ret {returned.returned} {whole}")
+
+    def _write(self) -> str:
+        self.results: list[str] = []
+        self.lane_loops: list[_Loop] = []
+        self.split, self.ended = 0, False
+        return super()._write()
+
+    def _parameters(self) -> str:
+        self.slots.append(f"  %m = alloca {MASK}")
+        self.add(f"store {MASK} %mask, ptr %m")
+        return ", ".join(each for each in (f"{MASK} %mask", super()._parameters()) if each)
+
+    # ---- variables -------------------------------------------------------------------------------------------------
+
+    def store(self, name: str, value: Value, node: ast.AST) -> None:
+        """Give a variable a value, in the lanes that are at work."""
+        value = self.laned(value) if self.split and self.apart else self.floating(value)
+        if value.kind == NOTHING:
+            raise self.fail(node, f"{name} is given nothing")
+        known = (self.kinds.get(name) if self.depth else None) or self.wide.get(name)
+        kind = joined(known or value.kind, value.kind)
+        if kind is None:
+            raise self.fail(node, f"{name} is {known} here and {value.kind} there")
+        if kind != self.kinds.get(name):
+            if self.depth and name in self.kinds:
+                self.wide[name], self.again = kind, True
+            self.kinds[name] = kind
+            self.places.pop(name, None)
+        value = self.as_kind(value, kind)
+        for part, register, place in zip(kind.parts, value.parts, self._place(name), strict=True):
+            self._put(part, register, place, self.split > 0)
+
+    apart = True  # do lanes differ in what is stored?
+
+    def _put(self, part: str, register: str, slot: str, masked: bool) -> None:
+        if masked and part[0] == "<":
+            before = self.new(f"load {part}, ptr {slot}")
+            register = self.new(f"select {MASK} {self.mask()}, {part} {register}, {part} {before}")
+        self.add(f"store {part} {register}, ptr {slot}")
+
+    def masks(self, first: str) -> str:
+        """Return room for a mask."""
+        slot = self.slot(MASK)
+        self.add(f"store {MASK} {first}, ptr {slot}")
+        return slot
+
+    # ---- statements ------------------------------------------------------------------------------------------------
+
+    def body(self, statements: Sequence[ast.stmt]) -> None:
+        for each in statements:
+            if self.closed or self.ended:
+                return
+            self.statement(each)
+
+    def inside(self, statements: Sequence[ast.stmt]) -> None:
+        super().inside(statements)
+        self.ended = False
+
+    def apart_inside(self, statements: Sequence[ast.stmt]) -> None:
+        self.split += 1
+        self.inside(statements)
+        self.split -= 1
+
+    def statement(self, node: ast.stmt) -> None:
+        if isinstance(node, ast.Break | ast.Continue):
+            gone, loop = self.mask(), self.lane_loops[-1]
+            if isinstance(node, ast.Break):
+                self._drop(gone, loop.inside)
+            self.set_mask(NONE_OF_THEM)
+            self.ended = True
+        else:
+            super().statement(node)
+
+    def _drop(self, gone: str, slot: str) -> None:
+        left = self.without(self.new(f"load {MASK}, ptr {slot}"), gone)
+        self.add(f"store {MASK} {left}, ptr {slot}")
+
+    def assign(self, target: ast.expr, value: Value) -> None:
+        if isinstance(target, ast.Subscript):
+            place, kind = self.element(self.expression(target.value), target.slice, target)
+            self.write(place, kind, value)
+            return
+        super().assign(target, value)
+
+    def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
+        if test.known is not None or test.kind == TRUTH:
+            super()._if(test, body, orelse)
+            return
+        leaves = _leaves([*body, *orelse])
+        before = self.mask()
+        those, others = self.both(before, test.parts[0]), self.without(before, test.parts[0])
+        left = self.masks(NONE_OF_THEM) if leaves else ""
+        then, other, work, after = self.labels("then", "else", "work", "after")
+        self.set_mask(those)
+        self.branch(self.any_of(those), then, other)
+        self.start(then)
+        self.apart_inside(body)
+        if leaves:
+            self.add(f"store {MASK} {self.mask()}, ptr {left}")
+        self.jump(other)
+        self.start(other)
+        self.set_mask(others)
+        if orelse:
+            self.branch(self.any_of(others), work, after)
+            self.start(work)
+            self.apart_inside(orelse)
+            self.jump(after)
+            self.start(after)
+        if leaves:
+            before = self.new(f"or {MASK} {self.mask()}, {self.new(f'load {MASK}, ptr {left}')}")
+        self.set_mask(before)
+
+    def _begin_loop(self) -> _Loop:
+        now = self.mask()
+        loop = _Loop(self.masks(now), self.masks(now))
+        self.lane_loops.append(loop)
+        return loop
+
+    def _end_loop(self, loop: _Loop) -> None:
+        self.lane_loops.pop()
+        self.set_mask(self.new(f"load {MASK}, ptr {loop.after}"))
+
+    def _go_on(self, loop: _Loop) -> str:
+        """Let those work that have not left a loop; return them."""
+        now = self.new(f"load {MASK}, ptr {loop.inside}")
+        self.set_mask(now)
+        return now
+
+    def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
+        loop = self._begin_loop()
+        head, inside, after = self.labels("head", "inside", "after")
+        self.jump(head)
+        self.start(head)
+        now = self._go_on(loop)
+        going = self.both(now, self.as_kind(self.truth(test), TRUTHS).parts[0])
+        self.add(f"store {MASK} {going}, ptr {loop.inside}")
+        self.set_mask(going)
+        self.branch(self.any_of(going), inside, after)
+        self.start(inside)
+        self.apart_inside(body)
+        self.jump(head)
+        self.start(after)
+        self._end_loop(loop)
+
+    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
+        values = [self.whole(self.expression(each), each) for each in bounds]
+        first = values[0] if len(values) > 1 else constant(0)
+        last = values[0] if len(values) == 1 else values[1]
+        step = values[2].known if len(values) == 3 else 1
+        if not step:
+            raise self.fail(node, "the step of range must be a number of the text")
+        if INTEGERS in (first.kind, last.kind):
+            self._for_apart(name, (first, last, step), node)
+            return
+        leaves = _leaves(node.body)
+        loop = self._begin_loop() if leaves else None
+        counter = self.slot("i64")
+        self.add(f"store i64 {first.parts[0]}, ptr {counter}")
+        head, inside, following, after = self.labels("head", "inside", "next", "after")
+        self.jump(head)
+        self.start(head)
+        now = self.new(f"load i64, ptr {counter}")
+        more = Value(TRUTH, (self.new(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {last.parts[0]}"),))
+        if loop is not None:
+            left = self.any_of(self._go_on(loop))
+            more = Value(TRUTH, (self.new(f"select i1 {more.parts[0]}, i1 {left.parts[0]}, i1 false"),))
+        self.branch(more, inside, after)
+        self.start(inside)
+        self._count(name, Value(INTEGER, (now,)), node)
+        if loop is None:
+            self.inside(node.body)
+        else:
+            self.apart_inside(node.body)
+        self.jump(following)
+        self.start(following)
+        now = self.new(f"load i64, ptr {counter}")
+        self.add(f"store i64 {self.new(f'add nsw i64 {now}, {step}')}, ptr {counter}")
+        self.jump(head)
+        self.start(after)
+        if loop is not None:
+            self._end_loop(loop)
+
+    def _count(self, name: str, value: Value, node: ast.AST) -> None:
+        self.apart = False
+        self.store(name, value, node)
+        self.apart = True
+
+    def _for_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
+        """Write a loop of which lanes go round different times."""
+        first, last, step = bounds
+        loop, counter = self._begin_loop(), self.slot(WHOLE)
+        self.add(f"store {WHOLE} {self.as_whole(first)}, ptr {counter}")
+        last_one = self.as_whole(last)
+        head, inside, after = self.labels("head", "inside", "after")
+        self.jump(head)
+        self.start(head)
+        now = self.new(f"load {WHOLE}, ptr {counter}")
+        more = self.new(f"icmp {'slt' if step > 0 else 'sgt'} {WHOLE} {now}, {last_one}")
+        going = self.both(self._go_on(loop), more)
+        self.add(f"store {MASK} {going}, ptr {loop.inside}")
+        self.set_mask(going)
+        self.branch(self.any_of(going), inside, after)
+        self.start(inside)
+        self.split += 1
+        self.store(name, Value(INTEGERS, (now,)), node)
+        self.inside(node.body)
+        self.split -= 1
+        now = self.new(f"load {WHOLE}, ptr {counter}")
+        self.add(f"store {WHOLE} {self.new(f'add {WHOLE} {now}, splat (i64 {step})')}, ptr {counter}")
+        self.jump(head)
+        self.start(after)
+        self._end_loop(loop)
+
+    def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
+        leaves = _leaves(node.body)
+        loop = self._begin_loop() if leaves else None
+        for each in elements:
+            self.depth += 1
+            self.split += leaves
+            self.assign(target, self.expression(each))
+            self.inside(node.body)
+            self.split -= leaves
+            self.depth -= 1
+            if loop is not None:
+                self._go_on(loop)
+        if loop is not None:
+            self._end_loop(loop)
+
+    def _return(self, value: Value, node: ast.Return) -> None:
+        value = self.laned(value) if self.split else self.floating(value)
+        kind = joined(self.returns or value.kind, value.kind)
+        if kind is None or "c" in (kind.name, *(each.name for each in kind.of)):
+            raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
+        self.again |= kind != (self.returns or kind)
+        self.returns = kind
+        value = self.as_kind(value, kind)
+        if not self.results or self.again:
+            self.results = [self.slot(part) for part in kind.parts]
+        for part, register, slot in zip(kind.parts, value.parts, self.results, strict=True):
+            self._put(part, register, slot, self.leaves)
+        if not self.split:
+            self.jump("out")
+            return
+        gone = self.mask()
+        for loop in self.lane_loops:
+            self._drop(gone, loop.inside)
+            self._drop(gone, loop.after)
+        self.set_mask(NONE_OF_THEM)
+        self.ended = True
+
+    # ---- calls -----------------------------------------------------------------------------------------------------
+
+    def _kernel(self, name: str, values: Sequence[Value]) -> Value:
+        values = [self.floating(value) for value in values]
+        symbol, returned = self.library.function(name, tuple(value.kind for value in values))
+        given = "".join(
+            f", {part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)
+        )
+        call = f"call {returned.returned} @{symbol}({MASK} {self.mask()}{given})"
+        if returned == NOTHING:
+            self.add(call)
+            return NONE
+        found = self.new(call)
+        if returned.name not in f"{ARRAYS}t":
+            return Value(returned, (found,))
+        parts = range(len(returned.parts))
+        return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
+
+    def _room(self, node: ast.Call, cleared: bool) -> Value:
+        """Return an array of the function's own, of all lanes."""
+        assert ast.unparse(node.func) in EMPTY
+        shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
+        sizes = [self.whole(self.expression(each), each) for each in shape]
+        whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"
+        of = INTEGER if whole else FLOAT
+        total = sizes[0]
+        for size in sizes[1:]:
+            total = self.operation(ast.Mult(), total, size, node)
+        if total.kind != INTEGER or cleared:
+            raise self.fail(node, "lanes have arrays of one size, and fill them themselves")
+        part = OF_LANES[of].parts[0]
+        at = self.slot(f"{part}, i64 {total.parts[0]}") if total.known is not None else ""
+        at = at or self.new(f"alloca {part}, i64 {total.parts[0]}, align 64")
+        return Value(Kind("p", (of,), len(sizes)), (at, *(size.parts[0] for size in sizes)))
+
+
+def _leaves(statements: Sequence[ast.stmt]) -> bool:
+    """Tell whether lanes may leave what surrounds statements."""
+    return any(isinstance(each, ast.Return | ast.Break | ast.Continue) for each in nodes(*statements))

@@ -1,0 +1,158 @@
+"""Turns of several points of one structure in one call: each in a lane, with its own angle, step and tolerance.
+
+What is small is laid side by side for the call and put back after it; histories and tables stay where they are.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.codegen.kinds import FLOAT, FLOATS, INTEGER, INTEGERS, LANES, Kind
+from screwsim.model.contexts import ChamberContext
+from screwsim.model.run import Machinery
+
+Array = np.ndarray
+TURN = "rodas__integrate_one"
+BESIDE = ("P", "R", "kept", "hints", "state", "own")  # of a context: laid side by side
+WHOLE = ("kept", "hints")  # arrays of whole numbers
+
+
+def _kind(name: str, of: Kind, axes: int) -> Kind:
+    return Kind(name, (of,), axes)
+
+
+_AXES = {"d_old": 3, "d_new": 3}
+_CONTEXT = Kind(
+    "c",
+    tuple(
+        _kind("p" if name in BESIDE else "v", INTEGER if name in WHOLE else FLOAT, _AXES.get(name, 1))
+        for name in ChamberContext._fields
+    ),
+    names=ChamberContext._fields,
+)
+KINDS = (
+    *(_kind("v", FLOAT, 1), INTEGERS),  # breakpoints, and how many
+    *(_kind("p", FLOAT, 1), _kind("p", FLOAT, 1)),  # y, q
+    *(_CONTEXT, FLOATS, FLOATS, INTEGER),  # tolerance, first step, numbers of the surroundings
+    *(_kind("v", FLOAT, 1), _kind("v", FLOAT, 3), _kind("v", FLOAT, 2)),  # the history that is written
+    *(_kind("p", INTEGER, 1), _kind("p", INTEGER, 1)),  # kept, counts
+)
+
+
+class Asked(NamedTuple):
+    """A turn that is asked for: of whom, from which state (changed in place), with which tolerance and first step."""
+
+    machinery: Machinery
+    y: Array
+    rtol: float
+    h: float
+
+
+Answer = tuple[int, float, float, Array]  # of `Machinery.turn`
+
+
+class Lanes:
+    """Turns of one structure side by side."""
+
+    def __init__(self, like: Machinery) -> None:
+        self.entry = like.module.of_lanes(TURN, KINDS)
+        c = like.composition
+        sizes = {"y": like.n, "q": like.nq, "P": len(c.P), "R": c.n_R, "counts": len(like.counts)}
+        sizes |= {"kept": 2, "hints": len(like.hints), "state": len(like.spaces[0]), "own": len(like.spaces[1])}
+        self._rows = {
+            name: _aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()
+        }
+        self._out = np.zeros(3 * LANES)
+        self._n_E = c.n_E
+        self._alone = threading.Lock()  # of two threads of a worker one after the other
+
+    def turns(self, asked: Sequence[Asked]) -> list[Answer]:
+        """Integrate a life of each, at most as many as there are lanes."""
+        with self._alone:
+            return self._turns(asked)
+
+    def _turns(self, asked: Sequence[Asked]) -> list[Answer]:
+        named = [self._arrays(each) for each in asked]
+        for name, rows in self._rows.items():
+            for lane, arrays in enumerate(named):
+                rows[:, lane] = arrays[name]
+        self._out[:] = 0.0
+        words = self._words(asked, named)  # held, as long as the call looks at it
+        self.entry(words.ctypes.data, self._out.ctypes.data)
+        for name, rows in self._rows.items():
+            for lane, arrays in enumerate(named):
+                arrays[name][:] = rows[:, lane]
+        status, (angles, steps) = self._out[:LANES].view(np.int64), self._out[LANES:].reshape(2, LANES)
+        return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(asked))]
+
+    def _arrays(self, each: Asked) -> dict[str, Array]:
+        machinery = each.machinery
+        c, (old, new) = machinery.composition, machinery.histories
+        state, own = machinery.spaces
+        return {
+            "y": each.y,
+            "q": np.zeros(machinery.nq),
+            "P": c.P,
+            "R": machinery.R,
+            "counts": machinery.counts,
+            "kept": machinery.kept,
+            "hints": machinery.hints,
+            "state": state,
+            "own": own,
+            "breakpoints": c.breakpoints,
+            "TAB": c.TAB,
+            "t_old": old[0],
+            "d_old": old[1],
+            "t_new": new[0],
+            "d_new": new[1],
+            "quads": new[2],
+        }
+
+    def _words(self, asked: Sequence[Asked], named: Sequence[dict[str, Array]]) -> Array:
+        words: list[float | int] = [(1 << len(asked)) - 1]
+        idle = LANES - len(asked)
+
+        def each(numbers: Sequence[Any]) -> None:
+            words.extend(numbers)
+            words.extend([numbers[0]] * idle)
+
+        def floats(numbers: Sequence[float]) -> None:
+            each(np.array(numbers).view(np.int64).tolist())
+
+        def array(name: str) -> None:
+            shape = named[0][name].shape if name not in self._rows else self._rows[name].shape[:1]
+            if name in self._rows:
+                words.append(self._rows[name].ctypes.data)
+            else:
+                each([_address(arrays[name]) for arrays in named])
+                shape = (min(len(arrays[name]) for arrays in named), *shape[1:])
+            words.extend(shape)
+
+        array("breakpoints")
+        each([len(arrays["breakpoints"]) for arrays in named])
+        for name in ("y", "q", *ChamberContext._fields):
+            array(name)
+        floats([one.rtol for one in asked])
+        floats([one.h for one in asked])
+        words.append(self._n_E)
+        for name in ("t_new", "d_new", "quads", "kept", "counts"):
+            array(name)
+        return np.array(words, np.int64)
+
+
+def _aligned(rows: int, of: Any) -> Array:
+    """Return rows of lanes, each in a line of the processor's cache."""
+    raw = np.zeros((rows + 1) * LANES, of)
+    skip = -raw.ctypes.data % 64 // raw.itemsize
+    return raw[skip : skip + rows * LANES].reshape(rows, LANES)
+
+
+def _address(table: Array) -> int:
+    if table.flags.writeable and table.size:
+        return ctypes.addressof(ctypes.c_char.from_buffer(table))  # type: ignore[arg-type]
+    return table.ctypes.data  # the same, slower

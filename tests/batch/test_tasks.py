@@ -1,0 +1,146 @@
+"""Points side by side: what each comes to is what it comes to alone, and does not depend on the others."""
+
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.batch import simulate_courses, tasks, together
+from screwsim.model import leases
+from screwsim.model.run import Machinery
+from screwsim.scene import case, load
+from screwsim.simulate import simulate, simulate_many
+
+ROOT = Path(__file__).parents[2]
+POINTS = 16
+SAMPLE = [
+    "sweep.sample={kind: sobol, count: 16, seed: 3, over: {operation.speed: {from: 300 rpm, to: 6000 rpm}, "
+    "operation.condensing_temperature: {from: 20 degC, to: 75 degC}, "
+    "oil_supply.ratio: {from: 0.05, to: 5, spacing: log}, oil_supply.temperature: {from: 265 K, to: 350 K}}}"
+]
+ROUNDING = 1e-8  # differences in the last bits of exponentials, through some turns: far below the accuracy
+
+
+def told(result):
+    """Return all that a result says but times."""
+    numerics = {name: value for name, value in result.numerics.items() if "time" not in name}
+    figures = (result.performance, result.error, result.balance)
+    return result.status, result.message, result.warnings, numerics, *map(dict, figures)
+
+
+@pytest.fixture(scope="module")
+def sample():
+    """Points of a real gas, of which some condense, and are failed."""
+    scene = load(str(ROOT / "tests" / "plain" / "r134a.yaml"), SAMPLE)
+    return [case(scene, k) for k in range(POINTS)]
+
+
+@pytest.fixture(scope="module")
+def many(sample):
+    return [result for (result,) in simulate_courses([[scene] for scene in sample])]
+
+
+@pytest.fixture(scope="module")
+def alone(sample):
+    return [simulate(scene, trace=False) for scene in sample]
+
+
+def test_status_message_and_warnings_are_those_of_single_points(alone, many):
+    assert {result.status for result in alone} == {"ok", "failed"}
+    for one, other in zip(alone, many, strict=True):
+        assert (one.status, one.message, one.warnings) == (other.status, other.message, other.warnings)
+
+
+def test_figures_and_their_errors_are_those_of_single_points(alone, many):
+    for one, other in zip(alone, many, strict=True):
+        assert one.performance.keys() == other.performance.keys()
+        for name, value in one.performance.items():
+            assert other.performance[name] == (None if value is None else pytest.approx(value, rel=ROUNDING))
+        for name, value in one.error.items():
+            near = None if value is None else pytest.approx(value, rel=1e-3, abs=ROUNDING)
+            assert other.error[name] == near
+
+
+@pytest.mark.parametrize("size", [1, 7])
+def test_no_bit_depends_on_the_grouping(size, sample, many):
+    some = sample[:3] if size == 1 else sample
+    groups = [some[first : first + size] for first in range(0, len(some), size)]
+    found = [result for group in groups for (result,) in simulate_courses([[scene] for scene in group])]
+    assert list(map(told, found)) == list(map(told, many[: len(some)]))
+
+
+def test_more_courses_than_run_at_a_time_are_taken_in_turn(sample, many):
+    found = together([partial(simulate, scene, False) for scene in sample], in_flight=3)
+    assert list(map(told, found)) == list(map(told, many))
+
+
+def test_a_course_begins_each_point_from_those_before_it():
+    speeds = "sweep.operation.speed={from: 2500 rpm, to: 3000 rpm, count: 12}"
+    scene = load(str(ROOT / "configs" / "paper" / "point.yaml"), [speeds])
+    courses = [[case(scene, k) for k in range(first, first + 4)] for first in (0, 4, 8)]
+    found = simulate_courses(courses)
+    for course, results in zip(courses, found, strict=True):
+        for one, other in zip(simulate_many(course, trace=False), results, strict=True):
+            assert one.numerics.rhs_evaluations == other.numerics.rhs_evaluations
+            assert one.performance.shaft_power == pytest.approx(other.performance.shaft_power, rel=ROUNDING)
+    assert found[1][1].numerics.turns < found[1][0].numerics.turns
+
+
+def test_times_of_points_side_by_side_add_up_to_no_more_than_what_they_took(sample):
+    began = time.perf_counter()
+    found = simulate_courses([[scene] for scene in sample[:8]])
+    elapsed = time.perf_counter() - began
+    spent = sum(result.numerics.wall_time + result.numerics.estimating_time for results in found for result in results)
+    assert 0.0 < spent <= elapsed
+
+
+def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sample, monkeypatch):
+    """What a turn leaves behind (the ends of its steps, run-time cells, counts) is what a single one leaves."""
+    kept = {}
+
+    def noted(machinery, y, rtol, h, turn):
+        answer = turn(machinery, y, rtol, h)
+        steps = int(machinery.kept[0])
+        kept.setdefault(turn, []).append((
+            *(answer[0], answer[1], answer[3].copy(), y.copy(), steps, machinery.counts.copy(), machinery.R.copy()),
+            *(machinery.histories[1][0][: steps + 1].copy(), machinery.histories[1][1][:steps, :2].copy()),
+        ))  # fmt: skip
+        return answer
+
+    def beside(machinery, y, rtol, h):
+        return tasks._turns([tasks.side_by_side.Asked(machinery, y, rtol, h)])[0]
+
+    for turn in (Machinery.own_turn, beside):
+        monkeypatch.setattr(Machinery, "turn", lambda self, y, rtol, h, turn=turn: noted(self, y, rtol, h, turn))
+        simulate(sample[0], trace=False)
+    for one, other in zip(*kept.values(), strict=True):
+        for a, b in zip(one, other, strict=True):
+            # steps end where their error says, which is a small difference: rounding is seen in it
+            np.testing.assert_allclose(a, b, rtol=1e-5, atol=1e-10)
+
+
+def test_what_a_task_raises_is_raised_and_the_others_end():
+    ended = []
+
+    def waits(scene):
+        try:
+            simulate(scene, trace=False)
+        finally:
+            ended.append(threading.current_thread().name)
+
+    def fails():
+        raise ZeroDivisionError("of one task")
+
+    scene = load(str(ROOT / "configs" / "paper" / "point.yaml"))
+    before = threading.active_count()
+    with pytest.raises(ZeroDivisionError, match="of one task"):
+        together([partial(waits, scene), fails, partial(waits, scene)])
+    assert len(ended) == 2
+    assert threading.active_count() == before
+
+
+def test_so_many_points_at_a_time_share_their_working_arrays():
+    assert leases.KEPT >= tasks.IN_FLIGHT
