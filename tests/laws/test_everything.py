@@ -34,13 +34,16 @@ def test_all_together_close():
 
 
 @pytest.mark.slow
-def test_near_points_close_in_one_turn_and_give_what_each_gives_alone():
+def test_near_points_close_in_a_turn_or_two_and_give_what_each_gives_alone():
     scene = load(SCENE)
     course = [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + 0.002 * i)}) for i in range(8)]
     found = list(simulate_many(course, trace=False))
     assert [result.status for result in found] == ["ok"] * len(course)
-    assert [result.numerics.turns for result in found[3:]] == [1] * (len(course) - 3)
-    alone = simulate(course[-1], trace=False).performance
+    assert all(result.numerics.turns <= 2 for result in found[1:]) and found[-1].numerics.turns == 1
+    alone = simulate(course[-1], trace=False)
+    later = [result.numerics.rhs_evaluations for result in found[1:]]
+    assert sum(later) < 0.6 * len(later) * alone.numerics.rhs_evaluations
+    alone = alone.performance
     for name in ("gas_mass_flow", "shaft_power", "rotor_temperature", "mean_speed"):
         assert found[-1].performance[name] == pytest.approx(alone[name], rel=scene.numerics.accuracy), name
 

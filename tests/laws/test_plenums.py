@@ -147,7 +147,8 @@ def test_the_oil_is_lifted_to_the_plenum_and_loses_the_rest_to_the_line(transpor
     p = result.performance
     oil = p.oil_mass_flow / 1000.0
     lost = oil * (p.discharge_plenum_pressure - 12e5)
-    assert p.oil_lift_power == pytest.approx(oil * (p.discharge_plenum_pressure - p.injection_pressure), rel=1e-5)
+    # what the last turn still changes of the plenum's pressure is within a tenth of the accuracy
+    assert p.oil_lift_power == pytest.approx(oil * (p.discharge_plenum_pressure - p.injection_pressure), rel=3e-5)
     assert lost > 0.001 * p.shaft_power  # three times the accuracy
     assert abs(result.ledger.residue) < 0.1 * lost
     both = (each.ledger.exergy_destroyed_plenums for each in (result, lossless))
