@@ -88,3 +88,13 @@ def test_the_effects_are_those_that_the_machine_can_have(base):
     found = {effect["name"]: effect["on"] for effect in document(base)["effects"]}
     assert {name for name, on in found.items() if on} == set(base.scene.effects)
     assert ("cylinder_heat" in found) == (base.scene.machine.kind == "slider_crank")
+
+
+def test_a_value_with_a_tolerance_shows_it_in_its_own_unit():
+    sure = open_base(
+        str(CONFIGS / "paper" / "point.yaml"),
+        ["effects.tip_leakage.gap=27.5 um ± 5 um", "effects.oil_heat.droplet_radius=9.5 um ×/÷ 2"],
+    )
+    _, controls = controls_of(sure)
+    told = {each["path"]: each["tolerance"] for each in controls if "tolerance" in each}
+    assert told == {"effects.tip_leakage.gap": "± 5", "effects.oil_heat.droplet_radius": "×/÷ 2"}

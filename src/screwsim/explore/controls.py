@@ -12,6 +12,7 @@ from screwsim.faults import SceneError, UsageError
 from screwsim.machine import protocol
 from screwsim.scene import Scene, value_at
 from screwsim.scene.fields import Leaf
+from screwsim.scene.types import Tolerance
 from screwsim.scene.units import ZERO_CELSIUS, Refused, customary_unit, parse_quantity
 from screwsim.scene.values import limits_text
 
@@ -58,6 +59,8 @@ def document(base: Base) -> dict[str, Any]:
     controls = {
         path: control(path, leaf, value_at(scene, path), _is_needed(scene, path, leaf)) for path, leaf in leaves.items()
     }
+    for path in scene.uncertain.keys() & controls.keys():
+        controls[path]["tolerance"] = _tolerance(leaves[path], value_at(scene, path), scene.uncertain[path])
     groups = [
         {"name": name, "words": words, "controls": [each for path, each in controls.items() if _under(path, name)]}
         for name, words in GROUPS.items()
@@ -73,6 +76,13 @@ def document(base: Base) -> dict[str, Any]:
         for name, effect in every.items()
     ]
     return {"groups": [group for group in groups if group["controls"]], "effects": effects, "presets": presets(base)}
+
+
+def _tolerance(leaf: Leaf, value: float, tolerance: Tolerance) -> str:
+    """Return a tolerance in the shown unit of its value: '± 5', '×/÷ 2'."""
+    if tolerance.factor:
+        return f"×/÷ {tolerance.size:.4g}"
+    return f"± {tolerance.size / shown_unit(leaf, value).size:.4g}"
 
 
 def _under(path: str, name: str) -> bool:

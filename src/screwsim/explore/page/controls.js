@@ -96,6 +96,11 @@ function rowOf(control, effect) {
   label.htmlFor = id;
   label.textContent = control.words;
   label.title = `${control.path}: ${control.about}`;
+  if (control.tolerance) {
+    const sure = document.createElement("small");
+    sure.textContent = ` ${control.tolerance}${control.tolerance.startsWith("±") ? ` ${unitWords(control.unit)}` : ""}`;
+    label.append(sure);
+  }
   const value = document.createElement("div");
   value.className = "value";
   const back = document.createElement("button");
