@@ -231,9 +231,11 @@ class Waterfall extends Chart {
     const unit = scale >= 1e3 ? [1e-3, "kW"] : [1, "W"];
     const left = Math.min(0.46 * width, 190);
     const row = Math.min((height - 6) / steps.length, 26);
-    const X = (power) => left + ((width - left - 118) * power) / scale;
     pen.font = FONT;
     pen.textBaseline = "middle";
+    const told = (step) => `${plain(step.power * unit[0])} ${unit[1]}, ${((100 * step.power) / whole).toFixed(1)} %`;
+    const room = 8 + Math.max(...steps.map((step) => pen.measureText(told(step)).width)); // behind the longest bar
+    const X = (power) => left + ((width - left - room) * power) / scale;
     let at = 0;
     steps.forEach((step, i) => {
       const start = step.total ? 0 : at - step.power;
@@ -247,7 +249,7 @@ class Waterfall extends Chart {
       pen.textAlign = "right";
       pen.fillText(step.words, left - 8, y + 0.4 * row, left - 12);
       pen.textAlign = "left";
-      pen.fillText(`${plain(step.power * unit[0])} ${unit[1]}, ${((100 * step.power) / whole).toFixed(1)} %`, X(Math.max(start, start + step.power)) + 5, y + 0.4 * row);
+      pen.fillText(told(step), X(Math.max(start, start + step.power)) + 5, y + 0.4 * row);
     });
     this.below.setAttribute("aria-label", `${this.words}: ${steps.map((step) => `${step.words} ${plain(step.power * unit[0])} ${unit[1]}`).join(", ")}`);
   }
