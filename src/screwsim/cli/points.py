@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -44,9 +43,9 @@ def run(
         names = [f"without {name}" for name in scene.effects]
         result = knocked_out(scene, result, for_terminal("knock-out", names))
     if scene.uncertain and result.status == "ok":
-        from screwsim.study.uncertain import uncertainty
+        from screwsim.study.uncertain import with_uncertainty
 
-        result = replace(result, uncertainty=uncertainty(scene, result=result).as_json())
+        result = with_uncertainty(scene, result)
     if output is not None:
         from screwsim.results import save
 

@@ -40,8 +40,6 @@ def print_uncertainty(result: Result) -> None:
             say(textwrap.indent(wrapped(f"  {text}"), "  "))
     told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
     say(wrapped(f"{told}; shares are those of the variance; the model's own error is another (screwsim validate)"))
-    for path, why in result.uncertainty["left_out"].items():
-        say(wrapped(f"warning: {path} is in none of them: {why}"))
 
 
 def _shown(result: Result, name: str, value: float, spread: Mapping[str, Any]) -> list[str]:

@@ -9,9 +9,10 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import tee
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,6 +72,7 @@ class Uncertainty:
 
     spreads: Mapping[str, Spread]
     slopes: Sensitivities
+    groups: tuple[tuple[str, ...], ...] = ()  # inputs that err together, one or more
     left_out: Mapping[str, str] = field(default_factory=dict)
     sampled: Mapping[str, Sampled] = field(default_factory=dict)
     samples: int = 0
@@ -90,7 +92,13 @@ class Uncertainty:
             for name, spread in self.spreads.items()
         }
         methods = {path: self.slopes.method[path] for path in self.slopes.method}
-        return {"coverage_factor": COVERAGE, "figures": figures, "method": methods, "left_out": dict(self.left_out)}
+        return {
+            "coverage_factor": COVERAGE,
+            "groups": [list(group) for group in self.groups],
+            "figures": figures,
+            "method": methods,
+            "left_out": dict(self.left_out),
+        }
 
 
 def uncertainty(
@@ -105,10 +113,38 @@ def uncertainty(
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
     found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
-    groups = [*scene.correlated, *((path,) for path in scene.uncertain if path not in sum(scene.correlated, ()))]
-    spreads = {name: _spread(scene, found, slopes, groups) for name, slopes in found.derivatives.items()}
-    left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
-    return Uncertainty(spreads, found, left_out if found.derivatives else {})
+    groups, there = groups_of(scene), set(found.values)
+    complete = {name: slopes for name, slopes in found.derivatives.items() if there and there <= slopes.keys()}
+    spreads = {name: _spread(scene, found, slopes, groups) for name, slopes in complete.items()}
+    left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in there}
+    return Uncertainty(spreads, found, groups, left_out if found.derivatives else {})
+
+
+def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
+    """Return the inputs with a tolerance: those that err together as one, in the order of the scene."""
+    group_of = {path: group for group in scene.correlated for path in group}
+    return tuple(dict.fromkeys(group_of.get(path, (path,)) for path in scene.uncertain))
+
+
+def with_uncertainty(scene: Scene, result: Result) -> Result:
+    """Return a result with what the tolerances of its scene make of it; as it is where it has no figures.
+
+    An input that has no derivative there is in none of them, and a warning says so.
+    """
+    if result.status != "ok" or not scene.uncertain:
+        return result
+    found = uncertainty(scene, result=result)
+    told = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
+    return replace(result, uncertainty=found.as_json(), warnings=(*result.warnings, *told))
+
+
+def simulate_uncertain(
+    many: Callable[[Iterable[Scene]], Iterator[Result]], scenes: Iterable[Scene]
+) -> Iterator[Result]:
+    """Yield the results of consecutive scenes by what simulates them, each with what its tolerances make of it."""
+    first, second = tee(scenes)
+    for result in many(first):
+        yield with_uncertainty(next(second), result)
 
 
 def _spread(
@@ -128,8 +164,7 @@ def _spread(
 
 def _standard(scene: Scene, found: Sensitivities, path: str) -> float:
     """Return the standard uncertainty [SI] of a number, of a factor that of small changes."""
-    tolerance = scene.uncertain[path]
-    return tolerance.standard * (found.values[path] if tolerance.factor else 1.0)
+    return scene.uncertain[path].standard_at(found.values[path])
 
 
 def checked(
@@ -162,7 +197,7 @@ def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
     """Return a Sobol sample of the inputs [SI]; what errs together does so."""
     from scipy.stats import norm, qmc
 
-    groups = [*scene.correlated, *((path,) for path in scene.uncertain if path not in sum(scene.correlated, ()))]
+    groups = groups_of(scene)
     sample = qmc.Sobol(len(groups), scramble=True, rng=1).random(count)
     deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))
     return [
@@ -173,7 +208,8 @@ def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
 
 def _inside(scene: Scene, path: str, deviation: float) -> float:
     """Return the value [SI] that is so many standard uncertainties off; the ends of its interval beyond its limits."""
-    tolerance, value = scene.uncertain[path], float(value_at(scene, path))
+    value = float(value_at(scene, path))
+    tolerance = scene.uncertain[path].around(value)
     found = tolerance.at(value, deviation)
     return found if within(leaf_of(scene, path), found) else tolerance.at(value, float(np.clip(deviation, -2.0, 2.0)))
 
