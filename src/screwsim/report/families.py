@@ -167,7 +167,7 @@ def band_words(results: Results, curves: list[Curve]) -> str:
     """Return what the bands around curves are; empty without any."""
     if not any(curve.banded for curve in curves):
         return ""
-    count = len(results.contributions["contributor"])
+    count = sum(len(label.split(" + ")) for label in results.contributions["contributor"])
     return f"band: 95 % interval by the tolerance{'s' if count > 1 else ''} of {count} input{'s' if count > 1 else ''} alone"
 
 

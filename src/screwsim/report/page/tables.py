@@ -13,6 +13,7 @@ from screwsim.engineering import engineering, shown_name, small
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection
+from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.warned import kinds, warns
@@ -71,15 +72,22 @@ def axes(results: Results) -> Iterator[str]:
     yield from (f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined)
 
 
-def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
-    """Return name, number, unit and estimated error of every figure of one case, as the table of `run`."""
+def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str, str]]:
+    """Return name, number, unit, estimated error and interval by the inputs of every figure of one case."""
     rows = []
     for name in results.figures:
         value = float(shown.of(results.performance[name])[case])
         if np.isfinite(value):
             number, error = engineering(results.figure(name), value), float(shown.of(results.error[name])[case])
-            rows.append((shown_name(name), *number, small(error) if np.isfinite(error) else ""))
+            half = half_text(float(shown.of(half_of(results, name))[case]), value, number)
+            rows.append((shown_name(name), *number, small(error) if np.isfinite(error) else "", half))
     return rows
+
+
+def inputs(results: Results, shown: Selection, case: int) -> list[str]:
+    """Return of one case which inputs with tolerances make the most of some figures."""
+    index = tuple(int(i) * step for i, step in zip(np.unravel_index(case, shown.shape), shown.strides, strict=True))
+    return inputs_lines(results, index)
 
 
 def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
