@@ -42,7 +42,7 @@ def run(
 
         names = [f"without {name}" for name in scene.effects]
         result = knocked_out(scene, result, for_terminal("knock-out", names))
-    if scene.uncertain and result.status == "ok":
+    if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
         result = with_uncertainty(scene, result)

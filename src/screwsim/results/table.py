@@ -215,7 +215,7 @@ def _ledgers(results: Sequence[Result]) -> dict[str, np.ndarray]:
 
 def _uncertainties(results: Sequence[Result]) -> dict[str, Any]:
     """Return the inputs with tolerances and what each changes, where results tell it."""
-    told = {row: result.uncertainty for row, result in enumerate(results) if result.uncertainty}
+    told = {row: result.uncertainty for row, result in enumerate(results) if "figures" in result.uncertainty}
     if not told:
         return {}
     inputs = tuple(" + ".join(group) for group in next(iter(told.values()))["groups"])

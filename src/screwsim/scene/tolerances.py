@@ -15,12 +15,13 @@ from typing import Any, NamedTuple
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, value_at
+from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import Node, Place, Problem, join
 
-BLOCK, TOGETHER = "uncertainty", "correlated"
+TOGETHER = "correlated"
 NO_INPUTS = ("numerics.", "output.")  # what is not the machine's is not uncertain
 APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has one
 _SIGNS = {"±": False, "+/-": False, "+-": False, "×/÷": True, "x/÷": True, "*/": True, "x/": True}
@@ -148,11 +149,13 @@ def _together(
     """Return the groups of paths that err together; those of effects that the scene leaves out are in none."""
     if block is None or block.value is None:
         return ()
-    if not isinstance(block.value, dict) or set(block.value) != {TOGETHER}:
-        what = f"is not the groups that err together (write {TOGETHER}: [[PATH, PATH], …])"
+    if not isinstance(block.value, dict) or not set(block.value) <= {TOGETHER, MODEL}:
+        what = f"is not the groups that err together (write {TOGETHER}: [[PATH, PATH], …], or {MODEL}: NAME)"
         problems.append(Problem(block.place, BLOCK, what))
         return ()
     groups, seen = [], set()
+    if TOGETHER not in block.value or block.value[TOGETHER].value is None:
+        return ()
     listed = block.value[TOGETHER]
     for group in listed.value if isinstance(listed.value, list) else [listed]:
         if not isinstance(group.value, list) or len(group.value) < 2:
@@ -196,7 +199,12 @@ def tolerance_text(leaf: Leaf, tolerance: Tolerance) -> str:
 
 
 def together_text(scene: Scene) -> Iterator[str]:
-    """Yield the lines of what errs together."""
+    """Yield the lines of what errs together, and of which validation the error of the model is told."""
+    parts = []
     if scene.correlated:
-        groups = ", ".join(f"[{', '.join(group)}]" for group in scene.correlated)
-        yield f"{BLOCK}: {{{TOGETHER}: [{groups}]}}"
+        groups = (f"[{', '.join(group)}]" for group in scene.correlated)
+        parts.append(f"{TOGETHER}: [{', '.join(groups)}]")
+    if scene.model_error:
+        parts.append(f"{MODEL}: {scene.model_error}")
+    if parts:
+        yield f"{BLOCK}: {{{', '.join(parts)}}}"

@@ -274,6 +274,7 @@ class Scene:
     losses: PressureLosses | None = None
     uncertain: Mapping[str, Tolerance] = field(default_factory=dict)  # dotted path -> tolerance of the value there
     correlated: tuple[tuple[str, ...], ...] = ()  # paths whose values err together
+    model_error: str = ""  # of which validation the error of the model is told (`scene.model_errors`)
 
     @property
     def own(self) -> dict[str, str]:

@@ -24,6 +24,7 @@ from screwsim.scene.types import COVERAGE
 from screwsim.scene.values import within
 from screwsim.simulate import simulate
 from screwsim.study.each import each
+from screwsim.study.model_error import model_error
 from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress
@@ -127,15 +128,19 @@ def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
 
 
 def with_uncertainty(scene: Scene, result: Result) -> Result:
-    """Return a result with what the tolerances of its scene make of it; as it is where it has no figures.
+    """Return a result with what the tolerances of its scene make of it, and the error of the model that this names.
 
-    An input that has no derivative there is in none of them, and a warning says so.
+    As it is where it has no figures, or the scene asks for neither. An input that has no derivative there is in none of
+    the uncertainties, and a warning says so.
     """
-    if result.status != "ok" or not scene.uncertain:
+    if result.status != "ok" or not (scene.uncertain or scene.model_error):
         return result
+    told = {"model": model_error(scene, result.performance)} if scene.model_error else {}
+    if not scene.uncertain:
+        return replace(result, uncertainty=told)
     found = uncertainty(scene, result=result)
-    told = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
-    return replace(result, uncertainty=found.as_json(), warnings=(*result.warnings, *told))
+    lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
+    return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
 
 
 def simulate_uncertain(

@@ -74,6 +74,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
         figures=tables.figures(results, shown, document["start"]["case"]),
+        halves=tables.halves(results, shown, document["start"]["case"]),
         inputs=tables.inputs(results, shown, document["start"]["case"]),
         uncertain=document["inputs"] is not None,
         ranges=tables.ranges(results) if results.axis_list else [],

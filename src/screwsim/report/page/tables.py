@@ -72,16 +72,25 @@ def axes(results: Results) -> Iterator[str]:
     yield from (f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined)
 
 
-def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str, str]]:
-    """Return name, number, unit, estimated error and interval by the inputs of every figure of one case."""
+def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
+    """Return name, number, unit and estimated error of every figure of one case, as the table of `run`."""
     rows = []
     for name in results.figures:
         value = float(shown.of(results.performance[name])[case])
         if np.isfinite(value):
             number, error = engineering(results.figure(name), value), float(shown.of(results.error[name])[case])
-            half = half_text(float(shown.of(half_of(results, name))[case]), value, number)
-            rows.append((shown_name(name), *number, small(error) if np.isfinite(error) else "", half))
+            rows.append((shown_name(name), *number, small(error) if np.isfinite(error) else ""))
     return rows
+
+
+def halves(results: Results, shown: Selection, case: int) -> dict[str, str]:
+    """Return half of the interval by the inputs' tolerances, in the unit of the value, of each figure of one case."""
+    found = {}
+    for name in results.uncertainty:
+        value, half = (float(shown.of(each)[case]) for each in (results.performance[name], half_of(results, name)))
+        if np.isfinite(half):
+            found[shown_name(name)] = half_text(half, value, engineering(results.figure(name), value))
+    return found
 
 
 def inputs(results: Results, shown: Selection, case: int) -> list[str]:
