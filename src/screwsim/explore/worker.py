@@ -150,11 +150,24 @@ def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
 
 
 def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
-    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are."""
+    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are.
+
+    With them what the tolerances of the scene make of the figures.
+    """
     from screwsim.derivatives.solving import found
     from screwsim.study.local import numeric_paths
+    from screwsim.study.uncertain import spreads_of
 
-    return answer.slopes(found(scene, numeric_paths(scene)[0]).derivatives, job.tag)
+    values = numeric_paths(scene)[0]
+    by_path = found(scene, values).derivatives
+    by_figure: dict[str, dict[str, float]] = {}
+    for path, each in by_path.items():
+        for name, slope in each.items():
+            by_figure.setdefault(name, {})[path] = slope
+    there = {path: value for path, value in values.items() if path in by_path}
+    halves = {name: spread.expanded for name, spread in spreads_of(scene, there, by_figure).items()}
+    lost = [path for path in scene.uncertain if path not in by_path]
+    return answer.slopes(by_path, {**job.tag, "halves": halves, "lost": lost})
 
 
 def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:

@@ -33,7 +33,7 @@ def print_uncertainty(result: Result) -> None:
     for name in (name for name in USUAL if name in found or name in by_model):
         value, spread = result.performance[name], found.get(name, {"expanded": 0.0, "contributors": ()})
         if spread["expanded"] > NOTHING * abs(value) or name in by_model:
-            rows.append([shown_name(name), *_shown(result, name, spread["expanded"], by_model.get(name))])
+            rows.append([shown_name(name), *_shown(result, name, spread["expanded"], model)])
             named.append(_named(spread["contributors"]))
     parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
     kept = [True, True, True, *(there for _, there in parts)]
@@ -55,18 +55,23 @@ def print_uncertainty(result: Result) -> None:
         say(wrapped(line))
 
 
-def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any] | None) -> list[str]:
+def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
     value, about = result.performance[name], declared(name, result.performance)
     factor, unit = _scale(about, value)
     error = result.error.get(name)
     number = f"{value:.2f}" if about.units == "K" else engineering(about, value)[0]
     numerical = "" if error is None else f"± {factor * abs(value) * error:.1g}"
     inputs = f"± {factor * expanded:.2g}" if expanded else ""
-    return [number, unit, numerical, inputs, _ends(model, factor)]
+    return [number, unit, numerical, inputs, ends_text(name, model, factor)]
 
 
-def _ends(model: Mapping[str, Any] | None, factor: float) -> str:
-    return "" if model is None else " … ".join(f"{factor * model[end]:+.2g}" for end in ("low", "high"))
+def ends_text(name: str, model: Mapping[str, Any], factor: float) -> str:
+    """Return the ends of the error of the model of a figure; in brackets where the scene lies outside."""
+    told = model.get("figures", {}).get(name)
+    if told is None:
+        return ""
+    text = " … ".join(f"{factor * told[end]:+.2g}" for end in ("low", "high"))
+    return f"({text})" if model["outside"] else text
 
 
 def model_lines(model: Mapping[str, Any]) -> list[str]:

@@ -24,8 +24,8 @@ from screwsim.scene.types import COVERAGE
 from screwsim.scene.values import within
 from screwsim.simulate import simulate
 from screwsim.study.each import each
-from screwsim.study.model_error import model_error
 from screwsim.study.local import Sensitivities, sensitivities
+from screwsim.study.model_error import model_error
 from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
@@ -114,11 +114,21 @@ def uncertainty(
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
     found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
-    groups, there = groups_of(scene), set(found.values)
-    complete = {name: slopes for name, slopes in found.derivatives.items() if there and there <= slopes.keys()}
-    spreads = {name: _spread(scene, found, slopes, groups) for name, slopes in complete.items()}
-    left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in there}
-    return Uncertainty(spreads, found, groups, left_out if found.derivatives else {})
+    spreads = spreads_of(scene, found.values, found.derivatives)
+    left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
+    return Uncertainty(spreads, found, groups_of(scene), left_out if found.derivatives else {})
+
+
+def spreads_of(
+    scene: Scene, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
+) -> dict[str, Spread]:
+    """Return what the tolerances make of figures, by their derivatives [SI] by those numbers [SI] that have some.
+
+    None of a figure that lacks the derivative by one of these.
+    """
+    there, groups = scene.uncertain.keys() & values.keys(), groups_of(scene)
+    complete = {name: slopes for name, slopes in derivatives.items() if there and there <= slopes.keys()}
+    return {name: _spread(scene, values, slopes, groups) for name, slopes in complete.items()}
 
 
 def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
@@ -153,23 +163,18 @@ def simulate_uncertain(
 
 
 def _spread(
-    scene: Scene, found: Sensitivities, slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
+    scene: Scene, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
 ) -> Spread:
     """Return the spread of a figure with these derivatives by path."""
     changes = {}
     for group in groups:
-        there = tuple(path for path in group if path in slopes)
+        there = tuple(path for path in group if path in values)
         if there:
-            changes[there] = sum(slopes[path] * _standard(scene, found, path) for path in there)
+            changes[there] = sum(slopes[path] * scene.uncertain[path].standard_at(values[path]) for path in there)
     variance = sum(change * change for change in changes.values())
     ranked = sorted(changes.items(), key=lambda item: -abs(item[1]))
     shares = (Contributor(paths, by * by / variance if variance else 0.0, COVERAGE * by) for paths, by in ranked if by)
     return Spread(float(variance**0.5), tuple(shares))
-
-
-def _standard(scene: Scene, found: Sensitivities, path: str) -> float:
-    """Return the standard uncertainty [SI] of a number, of a factor that of small changes."""
-    return scene.uncertain[path].standard_at(found.values[path])
 
 
 def checked(
