@@ -45,7 +45,8 @@ def compared_points(here: Path) -> list[Compared]:
     for one in points(here):
         scene = with_values(load(machine(here)), dict(one.values))
         theirs = {figure: one.measured[figure].value for figure in FIGURES}
-        found += compared("bitzer", one.name, scene, solved(machine(here), values=dict(one.values)), theirs, fitted=one.fitted)
+        result = solved(machine(here), values=dict(one.values))
+        found += compared("bitzer", one.name, scene, result, theirs, fitted=one.fitted)
     return found
 
 

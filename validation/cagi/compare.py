@@ -14,8 +14,9 @@ from screwsim.outputs import Figures
 from screwsim.rating import CFM, HORSEPOWER, PSI, STANDARDS, isentropic_power
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
+from screwsim.scene.model_errors import RATIO, SPEED
 from screwsim.simulate import simulate_many
-from screwsim.study.model_error import RATIO, SPEED, conditions_of
+from screwsim.study.model_error import conditions_of
 from screwsim.study.validation import (
     Compared,
     Comparison,
@@ -224,7 +225,8 @@ def compared_points(file: Path, curve: Curve, sheet: Curve) -> list[Compared]:
     found = []
     for flow, theirs in zip(sheet.flow, sheet.power, strict=True):
         ours = fan * curve.at(curve.power, flow)
-        at = {**conditions_of(scene, {}), SPEED: curve.at((SPEEDS * RPM).tolist(), flow), RATIO: between.p_d / between.p_s}
+        speed = curve.at((SPEEDS * RPM).tolist(), flow)
+        at = {**conditions_of(scene, {}), SPEED: speed, RATIO: between.p_d / between.p_s}
         name, numerical = f"{flow / CFM:.0f} cfm", scene.numerics.accuracy * ours
         found.append(Compared("cagi", name, "electrical_power", ours, theirs, numerical, None, None, False, at))
     return found

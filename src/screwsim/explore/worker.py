@@ -174,10 +174,11 @@ def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the page of a results file of one point."""
     from screwsim.report.page import page_of
     from screwsim.results import open_results, save
+    from screwsim.study.uncertain import with_uncertainty
 
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         path = Path(folder) / "explored.h5"
-        save(path, scene, simulate(scene))
+        save(path, scene, with_uncertainty(scene, simulate(scene)))
         return answer.file(page_of(open_results(path)))
 
 

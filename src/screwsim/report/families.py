@@ -168,7 +168,8 @@ def band_words(results: Results, curves: list[Curve]) -> str:
     if not any(curve.banded for curve in curves):
         return ""
     count = sum(len(label.split(" + ")) for label in results.contributions["contributor"])
-    return f"band: 95 % interval by the tolerance{'s' if count > 1 else ''} of {count} input{'s' if count > 1 else ''} alone"
+    whose = f"tolerances of {count} inputs" if count > 1 else "tolerance of one input"
+    return f"band: 95 % interval by the {whose} alone"
 
 
 def with_warnings(curves: list[Curve]) -> int:

@@ -21,7 +21,11 @@ from screwsim.results.stored import REMEDY, Odd, opened
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 # the first two come with traces, the next of their studies, the last two of scenes with tolerances
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions")
-OWN = {"cycle": "angle", "knock_out": "effect", "contributions": "contributor"}  # the coordinate of its own that a group has
+OWN = {
+    "cycle": "angle",
+    "knock_out": "effect",
+    "contributions": "contributor",
+}  # the coordinate of its own that a group has
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 

@@ -41,8 +41,8 @@ class Table:
     (cases, `columns_of` these), NaN where a figure is None or not called for; `texts` {name: Texts};
     `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case
     without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces;
-    `inputs` the names of those with a tolerance, `changes` {figure: float64 (cases, inputs)} what a standard uncertainty
-    of each changes, NaN for a case without figures and for an input without a derivative.
+    `inputs` the names of those with a tolerance, `changes` {figure: float64 (cases, inputs)} what one standard
+    uncertainty of each changes, NaN for a case without figures and for an input without a derivative.
     """
 
     status: np.ndarray

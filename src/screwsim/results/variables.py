@@ -178,7 +178,6 @@ class Plan:
             data = self._empty(group, name, float, number_attributes(outputs.ledger_variable(name)))
             yield Column(data, lambda table, name=name: tables.ledger_of(table, name))
 
-
     def _uncertainty(self) -> Iterator[Column]:
         """Make the standard uncertainty of each figure by the tolerances of the inputs."""
         group = self._group(UNCERTAINTY)

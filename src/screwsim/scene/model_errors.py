@@ -6,6 +6,7 @@ Made by scripts/model_errors.py; no number of it is typed.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from functools import cache
 from importlib import resources
@@ -17,6 +18,8 @@ from screwsim.scene.yaml_tree import Node, Problem
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
+SPEED, RATIO = "operation.speed", "pressure_ratio"
+WORDS = {"machine.kind": "machine", "gas.fluid": "fluid", SPEED: "speed", RATIO: "pressure ratio"}
 
 
 @cache
@@ -38,3 +41,17 @@ def read_model_error(block: Node | None, problems: list[Problem]) -> str:
     what = f"{shown(node.value)} is no validation that states an error of the model ({hint}known: {', '.join(known)})"
     problems.append(Problem(node.place, f"{BLOCK}.{MODEL}", what))
     return ""
+
+
+def range_text(known: Mapping[str, Any]) -> str:
+    """Return in words where something was validated."""
+    parts = []
+    for name, ends in known.items():
+        texts = list(dict.fromkeys(each if isinstance(each, str) else shown_condition(name, each) for each in ends))
+        parts.append(f"{WORDS[name]} {(', ' if isinstance(ends[0], str) else ' to ').join(texts)}")
+    return ", ".join(parts)
+
+
+def shown_condition(name: str, value: float) -> str:
+    """Return a condition [SI] as people write it."""
+    return f"{30.0 / math.pi * value:.4g} rpm" if name == SPEED else f"{value:.3g}"

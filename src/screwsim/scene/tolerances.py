@@ -106,7 +106,9 @@ def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> Non
     for value in values:
         own = tolerance.around(float(value))
         if not own.size > 0.0 or (tolerance.factor and value <= 0.0):
-            raise Refused(f"has a tolerance, of which {text_of(leaf, value)} of the sweep has none (write ± with a unit)")
+            raise Refused(
+                f"has a tolerance, of which {text_of(leaf, value)} of the sweep has none (write ± with a unit)"
+            )
         _check_ends(leaf, own, float(value), f"at {text_of(leaf, value)} of the sweep its")
 
 

@@ -11,11 +11,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.scene import Scene
-from screwsim.scene.model_errors import stored
+from screwsim.scene.model_errors import RATIO, SPEED, WORDS, shown_condition, stored
 
-SPEED, RATIO = "operation.speed", "pressure_ratio"
 SLACK = 0.01  # of a value: by so much it may lie beyond what was validated
-WORDS = {"machine.kind": "machine", "gas.fluid": "fluid", SPEED: "speed", RATIO: "pressure ratio"}
 
 
 def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
@@ -58,18 +56,5 @@ def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
             if value not in ends:
                 yield f"{WORDS[name]} {value} ({', '.join(ends)})"
         elif not ends[0] - SLACK * abs(ends[0]) <= value <= ends[1] + SLACK * abs(ends[1]):
-            shown, low, high = (_shown(name, each) for each in (value, *ends))
+            shown, low, high = (shown_condition(name, each) for each in (value, *ends))
             yield f"{WORDS[name]} {shown} ({low if low == high else f'{low} to {high}'})"
-
-
-def range_text(known: Mapping[str, Any]) -> str:
-    """Return in words where something was validated."""
-    parts = []
-    for name, ends in known.items():
-        shown = list(dict.fromkeys(each if isinstance(each, str) else _shown(name, each) for each in ends))
-        parts.append(f"{WORDS[name]} {(', ' if isinstance(ends[0], str) else ' to ').join(shown)}")
-    return ", ".join(parts)
-
-
-def _shown(name: str, value: float) -> str:
-    return f"{value * 60.0 / 6.283185307179586:.4g} rpm" if name == SPEED else f"{value:.3g}"

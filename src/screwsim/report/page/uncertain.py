@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from screwsim.engineering import shown_name
 from screwsim.report.page.pack import floats
 from screwsim.results import Results
+from screwsim.results.schema import MODEL_ERROR
+from screwsim.scene.model_errors import range_text
 from screwsim.scene.types import COVERAGE
 
 TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # by which inputs
@@ -68,3 +71,23 @@ def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
         ranked = [place for place in np.argsort(-shares, kind="stable")[:MOST] if shares[place] >= LEAST]
         lines.append(f"{shown_name(name)}: {', '.join(f'{labels[i]} {shares[i]:.0%}' for i in ranked)}")
     return lines
+
+
+def model_lines(results: Results) -> list[str]:
+    """Return what the validation that the scene names says of the model's error; nothing where it names none."""
+    text = results.attributes.get(MODEL_ERROR)
+    if not isinstance(text, str):
+        return []
+    told = json.loads(text)
+    parts = []
+    for name, each in told["figures"].items():
+        held = each["held_out"]
+        if name in results.performance and held is not None:
+            kelvin = results.figure(name).units == "K"
+            factor, unit = (1.0, "K") if kelvin else (100.0, "%" if each["relative"] else "points")
+            parts.append(f"{shown_name(name)} {factor * held['low']:+.2g} … {factor * held['high']:+.2g} {unit}")
+    where = f"({told['of']}: {told['citation']}), at {range_text(told['range'])}"
+    return [
+        f"Error of the model, ours less measured: {', '.join(parts) or 'of none of these figures'}.",
+        f"By screwsim validate {where}; it is added to nothing.",
+    ]

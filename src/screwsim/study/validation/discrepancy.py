@@ -94,9 +94,9 @@ def model_errors(points: Sequence[Compared], source: str, citation: str) -> dict
 
 def _figures(points: Sequence[Compared]) -> Iterator[tuple[str, dict[str, Any]]]:
     for figure in dict.fromkeys(point.figure for point in points):
-        held, fitted = (_told([p for p in points if p.figure == figure and p.fitted is is_fit]) for is_fit in (False, True))
-        mine = [point for point in points if point.figure == figure and not point.fitted]
-        unknown = [word for part, word in PARTS.items() if any(getattr(point, part) is None for point in mine)]
+        mine = [[point for point in points if point.figure == figure and point.fitted is fit] for fit in (False, True)]
+        unknown = [word for part, word in PARTS.items() if any(getattr(point, part) is None for point in mine[0])]
+        held, fitted = map(_told, mine)
         yield figure, {"relative": is_relative(figure), "held_out": held, "fitted": fitted, "not_stated": unknown}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from screwsim.engineering import shown_name
 from screwsim.figures import declared
-from screwsim.study.model_error import range_text
+from screwsim.scene.model_errors import range_text
 from screwsim.study.validation.record import JUDGED, shown
 
 WIDTH = 120
