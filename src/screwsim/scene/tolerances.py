@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
+from screwsim.near import nearest
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import Scene, Tolerance
@@ -58,6 +59,12 @@ def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
     return (replace(root, value=content) if every else root), every
 
 
+def tolerance_sign(text: str) -> str:
+    """Return the sign of the tolerance in a value's text; '' where it has none."""
+    match = _TEXT.fullmatch(text)
+    return match[2] if match else ""
+
+
 def _nominal(value: str, text: str, factor: bool) -> Any:
     """Return a value as it stands without a tolerance; one without a unit has that of the tolerance, or is a number."""
     if not _BARE.fullmatch(value):
@@ -97,7 +104,7 @@ def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> N
     """Raise Refused where the interval around a value leaves what the input can be."""
     for end in tolerance.ends(value):
         if not within(leaf, end):
-            reach = f"{whose} 95 % interval reaches {text_of(leaf, end)}, which is out of range"
+            reach = f"{whose} 95 % interval reaches {text_of(leaf, float(f'{end:.4g}'))}, which is out of range"
             raise Refused(f"{reach} (it must be {limits_text(leaf)}; write a smaller one, or a factor, as ×/÷ 1.5)")
 
 
@@ -161,16 +168,23 @@ def _together(
     listed = block.value[TOGETHER]
     for group in listed.value if isinstance(listed.value, list) else [listed]:
         if not isinstance(group.value, list) or len(group.value) < 2:
-            what = f"{shown(group.value)} is not a group of paths (write [[PATH, PATH], …])"
+            told = "one path" if isinstance(group.value, list) and group.value else shown(group.value)
+            what = f"{told} is not a group of paths (write [[PATH, PATH], …])"
             problems.append(Problem(group.place, f"{BLOCK}.{TOGETHER}", what))
             continue
         names = []
         for node in group.value:
             if _is_left_out(node.value, scene):
                 continue
+            if not isinstance(node.value, str):
+                what = f"{shown(node.value)} is not a path (write [[PATH, PATH], …])"
+                problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", what))
+                continue
             why = "is in two groups (name it in one)" if node.value in seen else ""
             if not why and node.value not in known:
-                why = "has no tolerance in this scene (write it there, or leave it out)"
+                near = nearest(node.value, list(known))
+                hint = f"; did you mean '{near}'?" if near else ""
+                why = f"has no tolerance in this scene{hint} (write it there, or leave it out)"
             if why:
                 problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", f"{shown(node.value)} {why}"))
             seen.add(node.value)
