@@ -134,7 +134,9 @@ def test_a_data_sheet_says_how_sure_its_own_point_is(paper_point, monkeypatch):
     monkeypatch.setattr("screwsim.study.datasheet._sheet", lambda *given: empty)
     sheet = sheet_of(scene)
     told = dict(sheet.lines)
-    assert "shaft power ± 3" in told["uncertain"]
+    half = sheet.document["uncertainty"]["figures"]["shaft_power"]["expanded"]
+    power = screwsim.simulate(scene, trace=False).performance.shaft_power
+    assert f"shaft power ± {100.0 * half / power:.2g} %" in told["uncertain"]
     assert "isentropic efficiency -2.7 … +2.9 points" in told["model"]
     assert told["model"].endswith("this scene is another: speed 1000 rpm (2950 rpm)")
     assert sheet.document["uncertainty"]["figures"]["displacement_flow"]["contributors"][0]["share"] == 1.0
