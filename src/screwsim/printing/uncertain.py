@@ -128,6 +128,8 @@ def print_check(found: Uncertainty) -> None:
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
     for each in wrong:
         say(wrapped(each))
+    if rows and not wrong:
+        say("linear is right for all of these figures")
 
 
 def check_document(found: Uncertainty) -> dict[str, Any]:
