@@ -79,6 +79,8 @@ def _run_stages(
         options.say_left_aside(
             scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set"
         )
+        if scene.uncertain or scene.model_error:
+            say(f"{file}: the {name} scene's tolerances are left aside (screwsim run of that scene tells them)", err=True)
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save

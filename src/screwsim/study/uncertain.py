@@ -148,7 +148,10 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     told = {"model": model_error(scene, result.performance)} if scene.model_error else {}
     if not scene.uncertain:
         return replace(result, uncertainty=told)
-    found = uncertainty(scene, result=result)
+    try:
+        found = uncertainty(scene, result=result)
+    except UsageError as error:  # of a case of a sweep whose axis makes an input follow from others
+        return replace(result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty by the inputs: {error}"))
     lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
 

@@ -99,8 +99,8 @@ def inputs(results: Results, shown: Selection, case: int) -> list[str]:
     return inputs_lines(results, index)
 
 
-def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, lowest, highest and largest estimated error of every figure over all cases with a result."""
+def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
+    """Yield name, lowest, highest, largest estimated error and interval by the inputs of every figure."""
     there = results.status != "failed"
     for name in results.figures:
         values, about = np.where(there, results.performance[name], np.nan), results.figure(name)
@@ -108,7 +108,17 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
         if finite.size:
             low, high = (" ".join(engineering(about, float(end))).strip() for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
-            yield shown_name(name), low, high, small(float(errors.max())) if errors.size else ""
+            half = half_of(results, name)
+            where = np.nanargmax(half) if np.isfinite(half).any() else None
+            most = "" if where is None else _half_at(results, name, float(half.flat[where]), float(values.flat[where]))
+            yield shown_name(name), low, high, small(float(errors.max())) if errors.size else "", most
+
+
+def _half_at(results: Results, name: str, half: float, value: float) -> str:
+    """Return half an interval with its unit; of a temperature kelvin."""
+    number, unit = engineering(results.figure(name), value)
+    shown_unit = "K" if unit.startswith("K") else unit
+    return f"{half_text(half, value, (number, unit))} {shown_unit}".strip()
 
 
 def checks(results: Results) -> Iterator[Check]:
