@@ -80,7 +80,8 @@ def _run_stages(
             scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set"
         )
         if scene.uncertain or scene.model_error:
-            say(f"{file}: the {name} scene's tolerances are left aside (screwsim run of that scene tells them)", err=True)
+            told = "tolerances are left aside (screwsim run of that scene tells what they make)"
+            say(f"{file}: the {name} scene's {told}", err=True)
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save
