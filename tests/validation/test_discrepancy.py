@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import screwsim
 from screwsim.scene.model_errors import range_text, stored
 from screwsim.study.model_error import model_error
-from screwsim.study.validation import Compared, model_errors
+from screwsim.study.validation import Compared, compared, model_errors
 from screwsim.study.validation.discrepancy import interval
 from screwsim.study.validation.words import errors_report
 
@@ -27,6 +28,19 @@ def test_the_interval_is_e_and_twice_all_three_uncertainties_in_squares():
     assert interval(point(1100.0, 1000.0)) == pytest.approx((0.1, 0.1 - 0.026, 0.1 + 0.026))  # 3, 4, 12: 13
     efficiency = point(0.75, 0.70, "isentropic_efficiency", parts=(0.0, None, 0.01))
     assert interval(efficiency) == pytest.approx((0.05, 0.03, 0.07))  # of efficiencies in points
+
+
+def test_a_solved_point_brings_its_own_numerical_error_and_what_its_tolerances_make():
+    scene = screwsim.load(ROOT / "configs/paper/point.yaml", ["operation.speed=1000 rpm ± 3 %"])
+    result = screwsim.simulate(scene, trace=False)
+    (found,) = compared("m", "p", scene, result, {"displacement_flow": 0.03}, stated={"displacement_flow": 1e-4})
+    flow = result.performance.displacement_flow
+    assert found.inputs == pytest.approx(0.015 * flow, rel=1e-6)
+    assert (found.stated, found.numerical) == (1e-4, pytest.approx(result.error["displacement_flow"] * flow))
+    assert found.at["pressure_ratio"] == pytest.approx(result.performance.pressure_ratio)
+    unknown = replace(result, error={})
+    (bare,) = compared("m", "p", screwsim.load(ROOT / "configs/paper/point.yaml"), unknown, {"displacement_flow": 0.03})
+    assert (bare.numerical, bare.inputs, bare.stated) == (None, None, None)
 
 
 def test_points_of_the_fit_are_apart_and_what_nobody_states_is_named():

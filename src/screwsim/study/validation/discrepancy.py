@@ -60,10 +60,12 @@ def compared(
     ]
 
 
-def numerical_of(result: Result, figure: str) -> float:
-    """Return the estimated numerical error [SI] of a figure, taken as a standard uncertainty."""
+def numerical_of(result: Result, figure: str) -> float | None:
+    """Return the estimated numerical error [SI] of a figure, taken as a standard uncertainty; None where none is."""
+    if result.error.get(figure) is None:
+        return None
     size = max(abs(result.performance[figure]), declared(figure, result.performance).scale.least)
-    return float(result.error.get(figure, math.nan)) * size
+    return float(result.error[figure]) * size
 
 
 def interval(point: Compared) -> tuple[float, float, float]:

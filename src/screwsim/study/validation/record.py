@@ -86,7 +86,7 @@ class Compared:
     figure: str
     ours: float
     theirs: float
-    numerical: float
+    numerical: float | None
     inputs: float | None
     stated: float | None
     fitted: bool
