@@ -145,12 +145,9 @@ def test_a_fair_curve_keeps_jumps_of_curvature(pairs):
 def test_messages_of_points_name_keys_of_points(pairs, tmp_path):
     path = tmp_path / "measured.csv"
     path.write_text(profile_csv(*_measured(pairs["b"], 1)))
-    for more, words in (
-        ({}, "tolerance"),
-        ({"tolerance": 1e-6}, "tolerance"),
-        ({"tolerance": 1e-3}, "smaller tolerance"),
-    ):
-        text = _refusal(make_rotors, points(path, **more), 4, 6, 100 * MM, 110 * MM)
+    for tolerance, words in ((0.0, "tolerance"), (1e-6, "tolerance"), (1e-3, "smaller tolerance")):
+        own = replace(points(path), tolerance=tolerance)
+        text = _refusal(make_rotors, own, 4, 6, 100 * MM, 110 * MM)
         assert words in text and "tip_radius" not in text
 
 
