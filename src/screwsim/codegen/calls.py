@@ -79,7 +79,7 @@ def take(argument: Any, kinds: list[int], words: list[float]) -> None:
 def copied(arrays: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return copies of arrays of float64 or int64, in one block: where each stands is known from the first call on."""
     block = np.empty(sum([each.size for each in arrays]))
-    address, at = ctypes.addressof(ctypes.c_char.from_buffer(block)), 0
+    address, at = ctypes.addressof(ctypes.c_char.from_buffer(block)), 0  # type: ignore[arg-type]
     if len(known) >= MOST_KNOWN - len(arrays):
         known.clear()
     copies = []
