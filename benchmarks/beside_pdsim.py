@@ -8,9 +8,9 @@ built from its repository: what the package index has of it lacks its compiled m
 
 whose interpreter is PYTHON; FOLDER is `pdsim/examples`. Its examples are run as they are, and each tells the time that
 its solution took. Ours is the time of one point, alone, compiled, without the estimate of errors, at the accuracy of
-the scene. The machines are those of the examples, by their numbers, as near as the two programs are: theirs have tubes, a
-shell or a lump at a temperature that is found, ours none; their reeds are pushed by the flow's drag. A scroll is no
-machine of ours, and its example is timed alone.
+the scene. The machines are those of the examples, by their numbers, as near as the two programs are: theirs have
+tubes, a shell or a lump at a temperature that is found, ours none; their reeds are pushed by the flow's drag. A scroll
+is no machine of ours, and its example is timed alone.
 """
 
 from __future__ import annotations
