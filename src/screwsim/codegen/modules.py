@@ -20,7 +20,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from screwsim.codegen.calls import KINDS, Variant, known, take
+from screwsim.codegen.calls import KINDS, Context, Variant, known, take
 from screwsim.codegen.kinds import LANED, Kind
 from screwsim.numerics import compiling, store
 
@@ -143,9 +143,15 @@ class Function:
     def __call__(self, *arguments: Any) -> Any:
         kinds: list[int] = []
         words: list[float] = []
-        for each in arguments:
-            array = known.get(id(each))
-            if array is not None and array[0]() is each:  # as `take` does, without a call
+        for each in arguments:  # the commonest as `take` does, without a call
+            what = type(each)
+            if what is float:
+                kinds.append(0)
+                words.append(each)
+            elif what is Context:
+                kinds.append(each.number)
+                words += each.words
+            elif (array := known.get(id(each))) is not None and array[0]() is each:
                 kinds.append(array[1])
                 words += array[2]
             else:
