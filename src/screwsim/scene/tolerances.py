@@ -123,9 +123,7 @@ def _half(leaf: Leaf, given: Given, value: float) -> float:
     return half
 
 
-def _together(
-    block: Node | None, known: Set[str], problems: list[Problem]
-) -> tuple[tuple[str, ...], ...]:
+def _together(block: Node | None, known: Set[str], problems: list[Problem]) -> tuple[tuple[str, ...], ...]:
     """Return the groups of paths that err together."""
     if block is None or block.value is None:
         return ()

@@ -1,8 +1,8 @@
 """Part load by each control that a scene allows, at equal loads: cooling capacity over that of the scene as it stands.
 
 Each control leads from the scene's own setting to its end. A few settings show how the capacity falls; those that give
-the wanted loads are interpolated, solved, and once corrected. Where the built-in volume ratio can be moved each wanted load is
-met again at the ratio of the best COP there.
+the wanted loads are interpolated, solved, and once corrected. Where the built-in volume ratio can be moved each wanted
+load is met again at the ratio of the best COP there.
 """
 
 from __future__ import annotations
