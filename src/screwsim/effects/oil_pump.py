@@ -2,7 +2,7 @@
 
 What: P = V̇_oil max(0, p_delivery − p_source)/η, with p_delivery = max(p_injection, p_source) + Δp (M31): from the
 separator the pump pays only the line and nozzle loss Δp, from a sump at suction pressure also the rise to the chamber.
-With `line` Δp is the stated loss of nozzles and filter and that of a pipe by its length and diameter (M373).
+With `line` Δp is the stated loss of nozzles and filter and that of a pipe by its length and diameter (M390).
 Source: Chernov et al. 2015 name the pump's power without a formula; this form is ours; pipe: Darcy–Weisbach.
 Assumptions: incompressible oil; injection pressure is the chamber's at 360°, or while it faces a port (M255); the oil
 in the line has the temperature at which it is injected; a smooth pipe.
@@ -81,7 +81,7 @@ def check(parameters: Parameters, facts) -> Faults:
 EFFECT = Effect(
     name="oil_pump",
     title="shaft power of an independent oil pump",
-    equations=("M31", "M373"),
+    equations=("M31", "M390"),
     source="ours; pipe: Darcy-Weisbach",
     parameters=Parameters,
     build=build,

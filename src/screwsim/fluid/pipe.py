@@ -24,7 +24,7 @@ def friction_factor(Re: float) -> float:
 def pressure_loss(
     volume_flow: float, density: float, viscosity: float, diameter: float, length: float, fittings: float = 0.0
 ) -> float:
-    """Return (f L/D + ζ) ρ w²/2 [Pa] (M373) of a volume flow [m³/s]; `fittings` is the sum of their ζ on w²/2."""
+    """Return (f L/D + ζ) ρ w²/2 [Pa] (M390) of a volume flow [m³/s]; `fittings` is the sum of their ζ on w²/2."""
     if volume_flow <= 0.0:
         return 0.0
     w = volume_flow / (0.25 * math.pi * diameter**2)
