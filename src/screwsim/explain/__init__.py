@@ -179,6 +179,8 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
         return
     degrees = [f"{math.degrees(angle):.5g}" for angle in (laid.born, laid.injection, laid.opens, laid.ends)]
     yield row("profile", parameters_text(machine.profile, skip=()))
+    if laid.rotors.chain.faired:
+        yield row("", laid.rotors.chain.faired)
     swept = f"{laid.swept * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
     axial = "" if machine.axial_volume_ratio is None else f", of the axial port {machine.axial_volume_ratio:g}"
     yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}{axial}")

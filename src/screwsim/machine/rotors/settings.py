@@ -49,6 +49,9 @@ class Profile:
     root_radius: float | None = quantity("length", "r5, arc of the rack at its root (kind: rack)", None, gt=0.0)
     file: str | None = file("CSV with columns x_mm, y_mm of one lobe, from root to root (kind: points)")
     curve: str = choice("what the points are: the male lobe, or the rack", ("male", "rack"), "male")
+    tolerance: float = quantity(
+        "length", "how far the fairest curve may pass by measured points (3 to 5 times their noise)", 0.0, ge=0.0
+    )
     smoothing: float = quantity("length", "length over which the tangent of the points is averaged", 0.0, ge=0.0)
 
 
