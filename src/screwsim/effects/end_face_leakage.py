@@ -53,7 +53,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         values = {"gap": parameters.gap, "width": share * length, "shift": shift}
         next_one = offset == 1
         over = slides if next_one else None
-        paths.append(gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=next_one, slides=over))
+        paths.append(
+            gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=next_one, slides=over)
+        )
     return paths
 
 
