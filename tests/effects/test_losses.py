@@ -1,12 +1,16 @@
 """Power losses and oil heat, from figures made up here."""
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from screwsim.build import build_parts
 from screwsim.effects import hydromechanical, mechanical, oil_heat, oil_pump
+from screwsim.figures import called_for
 from screwsim.fluid.pipe import friction_factor
+from screwsim.scene import load
 
 MACHINE = SimpleNamespace(lobes=4, swept_volume=1.692e-4)
 FIGURES = SimpleNamespace(
@@ -123,3 +127,9 @@ def test_the_friction_factor_is_continuous():
 
 def test_no_flow_loses_nothing_in_the_pipe():
     assert line_loss(oil_volume_flow=0.0, oil_mass_flow=0.0) == 0.0
+
+
+def test_a_scene_without_a_line_has_no_figure_of_it():
+    for change, there in (((), False), (("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",), True)):
+        scene = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml", change)
+        assert (oil_pump.LOSS in called_for(scene, build_parts(scene))) is there

@@ -90,6 +90,6 @@ EFFECT = Effect(
     needs=frozenset({OIL}),
     figures=(
         power_figure("oil_pump_power", "shaft power of the oil pump"),
-        Figure(LOSS, "Pa", "pressure loss of oil line, filter and nozzles"),
+        Figure(LOSS, "Pa", "pressure loss of oil line, filter and nozzles", needs=(".line",)),
     ),
 )
