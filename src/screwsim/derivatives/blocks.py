@@ -1,4 +1,4 @@
-"""The stage equations of all slices, solved: a chamber meets only the next ones, so their matrix is a band (`stages`)."""
+"""The stage equations of all slices, solved: a chamber meets the next ones alone, so their matrix is a band."""
 
 from __future__ import annotations
 

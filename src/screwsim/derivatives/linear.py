@@ -154,10 +154,10 @@ class Linear:
     def _closing(self) -> Array:
         """Return the inverse of what closes the period: start and cells less what they make of themselves."""
         N, chambers, felt = self.pitch.N, self.pitch.machinery.composition.chambers, self.felt
-        made = self.blocks.run(
-            np.concatenate([np.eye(N), np.zeros((N, felt.hf.shape[-1]))], axis=1),
-            self._gained(np.concatenate([np.zeros((*felt.hf.shape[:3], N)), felt.hf], axis=3)),
-        )[-1, -1]
+        gained = np.zeros((*felt.hf.shape[:3], N + felt.hf.shape[-1]))
+        if felt.hf.any():
+            gained[..., N:] = self._gained(felt.hf)
+        made = self.blocks.run(np.eye(N, gained.shape[-1]), gained)[-1, -1]
         back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
         return np.linalg.inv(np.eye(len(back)) - back)
 
@@ -173,7 +173,9 @@ class Linear:
         end = shifted(self.blocks.run(np.zeros_like(sources.start), gained)[-1, -1], chambers)
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
-        nodes = self.blocks.run(start, gained + self._gained(self.felt.hf @ cells))
+        if self.felt.hf.any():
+            gained = gained + self._gained(self.felt.hf @ cells)
+        nodes = self.blocks.run(start, gained)
         hg = sources.hg + self.felt.hg @ cells
         hg = hg + self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
         return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))

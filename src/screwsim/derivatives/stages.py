@@ -31,9 +31,11 @@ def fill(J, k, h, n, reach, M):
             for i in range(3):
                 for j in range(3):
                     weight = h * INTEGRALS[i, j]
+                    at = 3 * k + j
                     for s in range(n):
+                        row = (3 * c + i) * n + s
                         for t in range(n):
-                            M[k, (3 * c + i) * n + s, (3 * d + j) * n + t] = -weight * J[3 * k + j, c * n + s, d * n + t]
+                            M[k, row, (3 * d + j) * n + t] = -weight * J[at, c * n + s, d * n + t]
     for row in range(3 * N):
         M[k, row, row] += 1.0
 
@@ -108,8 +110,8 @@ def solve(M, pivots, n, reach, B):
 def carry(steps, gained, now, before, nodes):
     """Fill before[k] with changes at the start of slice k, nodes[k] with those at its nodes.
 
-    They begin with `now` (N, columns), which becomes those at the end; steps (slices, 3 N, N), gained and nodes (slices,
-    3 N, columns), before (slices, N, columns).
+    They begin with `now` (N, columns), which becomes those at the end; steps (slices, 3 N, N), gained and nodes
+    (slices, 3 N, columns), before (slices, N, columns).
     """
     N = now.shape[0]
     columns = now.shape[1]
