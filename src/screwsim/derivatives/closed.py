@@ -27,7 +27,7 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
-ERROR = 0.1  # of the wanted accuracy: of a slice
+ERROR = 0.03  # of the wanted accuracy: of a slice
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
