@@ -59,22 +59,27 @@ def for_speed() -> Iterator[None]:
         _patience = before
 
 
-def load(text: str, of: str) -> Module:
-    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder."""
+def load(text: str, of: str, fast: bool = False) -> Module:
+    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
+
+    A `fast` one is written for speed at once: one text for all models, which is compiled but once.
+    """
     name = module_name(text, of)
     with _alone:
         if name not in _loaded:
             store.keep_text(f"{name}.py", text)  # to be read by people; nothing is taken from there
-            _loaded[name] = Module(name, text)
+            _loaded[name] = Module(name, text, fast=fast)
         return _loaded[name]
 
 
 class Module(ModuleType):
     """Functions of a text, by name; `outside` are addresses of functions of this process that the text calls."""
 
-    def __init__(self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
+    def __init__(
+        self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False, fast: bool = False
+    ) -> None:
         super().__init__(name)
-        self.text, self._outside, self._checks = text, dict(outside or {}), checks
+        self.text, self._outside, self._checks, self.fast = text, dict(outside or {}), checks, fast
         self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
 
     def __getattr__(self, name: str) -> Function:
@@ -163,7 +168,7 @@ class Function:
     def _made(self, key: tuple[int, ...]) -> _Calls:
         with self._alone:
             if key not in self._variants:
-                variant, fast = self._compiled(key, _patience == 0.0)
+                variant, fast = self._compiled(key, self._module.fast or _patience == 0.0)
                 self._variants[key] = variant if fast else _Tried(variant, self, key)
             return self._variants[key]
 
