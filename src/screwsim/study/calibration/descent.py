@@ -2,7 +2,7 @@
 
 A step solves the linearised problem within the bounds and the box (bounded-variable least squares). Broyden's update
 lets the Jacobian follow every step; it is asked for anew where a step with an updated one does not lead downwards, and,
-where that is wanted, at the end. It ends where no more can be gained than a thousandth of what one standard error makes.
+where that is wanted, at the end. It ends where a step promises less than a thousandth of what one standard error makes.
 
 Sources: C. G. Broyden, Mathematics of Computation 19 (1965) 577; J. Nocedal, S. J. Wright, Numerical Optimization,
 2nd ed., Springer 2006, 4.1 and 10.3; P. B. Stark, R. L. Parker, Computational Statistics 10 (1995) 129.
