@@ -3,7 +3,7 @@
     python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [-LOG10(ACCURACY)] > outcome.csv
 
 Scenes are drawn around some bases (their numbers up to a tenth off), a few numbers of each are taken, and each figure's
-derivative is held against central differences of cycles closed at 1e-9 a step with the same regularisation: those over
+derivative is held against central differences of cycles closed at 1e-8 a step with the same regularisation: those over
 `STEP` and over twice that, extrapolated to none (Richardson). What extrapolation changes is the reference's own error,
 `own`: pairs whose reference is not good to `GOOD` are told apart, as they are no evidence. A row a pair; what was found
 is summed up on stderr. Errors count over the slope, or over `LEAST` percent per percent where it is less.
@@ -44,7 +44,7 @@ OFF = 0.1  # of a number, in a random scene
 STEP = 5e-5  # of a number, in differences; of an angle a tenth: a percent of it is several degrees
 GOOD = 1e-5  # own error of a reference that is evidence
 LEAST = 1e-2  # percent per percent
-RTOL, TOLERANCE = 1e-9, 1e-11  # of a step and of a change, of reference cycles
+RTOL, TOLERANCE = 1e-8, 1e-10  # of a step and of a change, of reference cycles
 FIXED = ("machine.rotor", "effects.blow_hole.opens", "effects.blow_hole.closes")  # angles that belong to the machine
 ANGLES = ("opens", "phi_A", "phi_B", "phi_C", "closes")
 
