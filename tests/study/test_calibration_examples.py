@@ -4,9 +4,11 @@ import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.residuals import Objective
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "configs" / "calibration"
@@ -55,3 +57,16 @@ def test_droplet_radius_and_heat_transfer_are_said_not_to_be_told_apart():
     (combination,) = found.certainty.open
     assert set(combination.paths) == {each.path for each in only}
     assert "the data fix their quotient alone" in combination.says
+
+
+def test_exact_slopes_are_those_of_differences_and_take_fewer_solutions():
+    """Residuals of the worked example over all three places, halfway between their bounds."""
+    fit = read_fit(ROOT / "configs" / "calibration" / "leakage.fit.yaml")
+    fit = replace(fit, points=tuple(point for point in fit.points if point.fitted)[:2])
+    places = np.full(len(fit.parameters), 0.5)
+    exact, differences = Objective(replace(fit, slopes="exact")), Objective(fit)
+    assert exact.slopes(places) == pytest.approx(
+        differences.slopes(places), rel=0.02, abs=0.05
+    )  # curvature over their step
+    assert set(exact.methods.values()) == {""} and all(differences.methods.values())
+    assert (exact.solutions, differences.solutions) == (4, 2 + 2 * 2 * len(fit.parameters))

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from screwsim.scene import Scene, with_values
 
-AUTO, EXACT, DIFFERENCES = "auto", "exact", "differences"  # how slopes are found; auto: as is cheaper
+EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
 
 
 class Tie(NamedTuple):
@@ -21,29 +21,18 @@ class Tie(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """What is known of a parameter beforehand: mean and standard deviation [SI], or of the logarithm: of a factor.
-
-    `told` says where that is from, where it is not the fit.
-    """
+    """What is known of a parameter beforehand: mean and standard deviation [SI]."""
 
     mean: float
     deviation: float
-    logarithmic: bool = False
-    told: str = ""
 
     def off(self, value: float) -> float:
         """Return by how many standard deviations a value [SI] is off."""
-        if self.logarithmic:
-            return math.log(value / self.mean) / self.deviation
         return (value - self.mean) / self.deviation
 
-    def slope(self, value: float) -> float:
+    def slope(self) -> float:
         """Return by how much that grows with the value [1/SI]."""
-        return 1.0 / (self.deviation * (value if self.logarithmic else 1.0))
-
-    def spread(self) -> float:
-        """Return the standard deviation [SI], of a factor that of small changes."""
-        return self.deviation * (self.mean if self.logarithmic else 1.0)
+        return 1.0 / self.deviation
 
 
 class Measured(NamedTuple):
@@ -108,7 +97,7 @@ class Fit:
     points: tuple[Point, ...]
     starts: int = 8
     seed: int = 1
-    slopes: str = AUTO
+    slopes: str = DIFFERENCES
 
     def machine(self, values: Mapping[str, float]) -> Scene:
         """Return the scene with other values [SI] of the parameters."""

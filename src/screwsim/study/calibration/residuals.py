@@ -23,7 +23,7 @@ from screwsim.study.warm import Warm
 
 Array = NDArray[np.float64]
 PENALTY = 1e4  # [uncertainties] of a figure without a solution
-CHEAPER = "they cost less here, or are asked for"
+ASKED = "slopes: exact takes derivatives"
 STEP = 0.01  # of the bounds' distance, each way: far above the solver's noise
 
 
@@ -133,7 +133,7 @@ class Objective:
         for index, each in enumerate(self.fit.parameters):
             if each.prior is not None:
                 row = np.zeros((1, len(places)))
-                row[0, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
+                row[0, index] = each.prior.slope() * each.slope(values[each.path])
                 rows.append(row)
         return np.vstack(rows)
 
@@ -143,7 +143,7 @@ class Objective:
         solved = np.array([figures.get(name) is not None for name in names])
         if not solved.any():
             return np.zeros((len(names), len(places)))
-        exact = self._exact(point, values) if self.fit.slopes == EXACT else Found({}, {}, CHEAPER)
+        exact = self._exact(point, values) if self.fit.slopes == EXACT else Found({}, {}, ASKED)
         columns = []
         for index, each in enumerate(self.fit.parameters):
             column, why = exact_column(each, values[each.path], point, exact)

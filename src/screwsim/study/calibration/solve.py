@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from screwsim.outputs import Figures
 from screwsim.scene import with_values
 from screwsim.study.calibration.descent import descend
-from screwsim.study.calibration.fit import AUTO, DIFFERENCES, EXACT, Fit, Measured, Point
+from screwsim.study.calibration.fit import DIFFERENCES, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
 from screwsim.study.each import each
@@ -108,7 +107,8 @@ def calibrate(
         from screwsim.simulate import warm_up
 
         warm_up(with_values(fit.machine(fit.first_start()), fit.points[0].values))  # before the fork
-    fit = replace(fit, slopes=_chosen(fit, simulate))
+    if simulate is not None:
+        fit = replace(fit, slopes=DIFFERENCES)
     answers: dict[int, Start] = {}
     with TemporaryDirectory(prefix="screwsim-") as folder:
         try:
@@ -127,31 +127,6 @@ def calibrate(
                 raise
             return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
     return _judged(fit, [answers[number] for number in sorted(answers)], simulate)
-
-
-def _chosen(fit: Fit, simulate: Simulate | None) -> str:
-    """Return how slopes are found: as stated, or as costs less at the first point, in time of the processor.
-
-    An exact Jacobian is held against differences to both sides, which are less accurate.
-    """
-    if simulate is not None:
-        return DIFFERENCES
-    if fit.slopes != AUTO:
-        return fit.slopes
-    places = np.array([each.place(fit.first_start()[each.path]) for each in fit.parameters])
-    point = next(point for point in fit.points if point.fitted)
-    times = {}
-    for how in (EXACT, DIFFERENCES):
-        asked = Objective(replace(fit, slopes=how))
-        figures = asked.solved(point, asked.values(places)).performance
-        if how == EXACT:
-            asked.point_slopes(point, places, figures)  # compiles
-            if all(asked.methods.values()):
-                return DIFFERENCES
-        began = time.process_time()
-        asked.point_slopes(point, places, figures)
-        times[how] = time.process_time() - began
-    return min(times, key=lambda how: times[how])
 
 
 def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
