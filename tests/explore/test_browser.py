@@ -1,7 +1,6 @@
 """The page in a real browser: it follows the hand, says what fails, complains of nothing, and fits a phone."""
 
 import re
-import shutil
 import time
 from contextlib import contextmanager
 
@@ -15,19 +14,6 @@ pytestmark = pytest.mark.browser
 
 SIZES = {"desktop": (1280, 900), "phone": (390, 844)}
 SPEED = "input[type=range][data-path='operation.speed']"
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Return Debian's Chromium; what playwright would download is not wanted."""
-    from playwright.sync_api import sync_playwright
-
-    path = shutil.which("chromium") or shutil.which("chromium-browser")
-    assert path, "no chromium on PATH (apt-get install chromium, or leave these tests out with -m 'not browser')"
-    with sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield found
-        found.close()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,6 @@
 """The page in a real browser: no errors, nothing asked of a network, a click shows its case, nothing overflows."""
 
 import itertools
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -37,19 +36,6 @@ FILES = {
     "expander": (SCENE, expanding),
     "warned": (PUMP, some_warn),
 }
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Return Debian's Chromium; what playwright would download is not wanted."""
-    from playwright.sync_api import sync_playwright
-
-    path = shutil.which("chromium") or shutil.which("chromium-browser")
-    assert path, "no chromium on PATH (apt-get install chromium, or leave these tests out with -m 'not browser')"
-    with sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield found
-        found.close()
 
 
 @pytest.fixture(scope="module")
