@@ -1,16 +1,17 @@
 """Sweep a million points of a cheap scene, and print time, rate, memory and size.
 
-Run: python benchmarks/big_sweep.py [--points 1000000] [--jobs N] [--real] [--batch] [--engine-alone] [-o OUT.h5]. The
-scene is the paper's point with its ports alone and no error estimate, over speeds and pressures; with `--real` one
-on R134a with all its effects and its errors estimated, over speeds and condensing temperatures. `--batch` solves
-points side by side; `--engine-alone` simulates one point and gives its result to all, which leaves what the sweep
-itself costs.
+Run: python benchmarks/big_sweep.py [--points 1000000] [--jobs N] [--real] [--batch] [--engine-alone] [-o OUT.h5
+[--restart]]. The scene is the paper's point with its ports alone and no error estimate, over speeds and pressures;
+with `--real` one on R134a with all its effects and its errors estimated, over speeds and condensing temperatures.
+`--batch` solves points side by side; `--engine-alone` simulates one point and gives its result to all, which leaves
+what the sweep itself costs. One with -o that was interrupted goes on where it stood when it is run again.
 """
 
 from __future__ import annotations
 
 import argparse
 import resource
+import sys
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
@@ -36,18 +37,22 @@ class Tenths(Silent):
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.total = self.done = self.most = 0
+        self.total = self.done = self.most = self.reused = 0
         self.began = time.perf_counter()
         self.times: list[float] = []
+        self.failed = 0  # or not closed
 
     def start(self, cases: int, reused: int) -> None:
-        self.total = cases
+        self.total, self.reused = cases - reused, reused
 
     def advance(self, cases: int, failed: int) -> None:
         self.done += cases
+        self.failed += failed
         if 10 * self.done >= (len(self.times) + 1) * self.total:
             self.times.append(time.perf_counter() - self.began)
             self.most = max(self.most, sum(1 for _ in self.folder.iterdir()))
+            what = f"{self.reused + self.done} points in {self.times[-1]:.0f} s, {self.failed} of them not ok"
+            print(what, file=sys.stderr, flush=True)
 
     def rates(self) -> list[str]:
         """Return the points per second of each tenth."""
@@ -91,19 +96,22 @@ def main() -> None:
     parser.add_argument("--batch", action="store_true")
     parser.add_argument("--engine-alone", action="store_true")
     parser.add_argument("-o", type=Path)
+    parser.add_argument("--restart", action="store_true")
     given = parser.parse_args()
     scene = (real_scene_of if given.real else scene_of)(given.points)
     many = partial(repeat, simulate(case(scene, 0), trace=False)) if given.engine_alone else None
     with tempfile.TemporaryDirectory() as folder:
         output = given.o or Path(folder) / "big.h5"
         progress = Tenths(output.with_name(output.name + ".parts"))
-        how = {"jobs": given.jobs, "batch": given.batch, "simulate_many": many, "restart": True}
+        how = {"jobs": given.jobs, "batch": given.batch, "simulate_many": many, "restart": given.restart}
         summary = run_sweep(scene, output, progress=progress, **how)
         size = output.stat().st_size
     peaks = [resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     statuses = f"{summary.ok} ok, {summary.not_closed} not closed, {summary.failed} failed"
-    print(f"{summary.cases} points ({statuses}) in {summary.seconds:.0f} s", end=", ")
-    print(f"the file of {size / MEBI:.0f} MiB in the last {summary.seconds - progress.times[-1]:.0f} s of them")
+    reused = f", {summary.reused} of them before" if summary.reused else ""
+    print(f"{summary.cases} points ({statuses}{reused}) in {summary.seconds:.0f} s", end=", ")
+    of_file = summary.seconds - max(progress.times, default=0.0)
+    print(f"the file of {size / MEBI:.0f} MiB in the last {of_file:.0f} s of them")
     print(f"points/s by tenths: {' '.join(progress.rates())}")
     print(f"at most {progress.most} files of parts; peak memory {peaks[0]:.0f} MiB, of a worker {peaks[1]:.0f} MiB")
 

@@ -33,8 +33,8 @@ Gauge pressures are read where absolute ones are (`7 bar(g)`, `7 barg`, `100 psi
 which is the standard atmosphere, 1.01325 bar, unless the scene states it.
 
 A quantity or a number may have a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, in ASCII `+/-` and `*/`; the key
-`uncertainty` says which of them err together, `{correlated: [[PATH, PATH], …]}`
-([uncertainty.md](../how-to/uncertainty.md)).
+`uncertainty` says which of them err together, and of which validation the error of the model is told,
+`{correlated: [[PATH, PATH], …], model: NAME}` ([uncertainty.md](../how-to/uncertainty.md)).
 
 Beside the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose
 keys are paths of these tables ([sweeps.md](../how-to/sweeps.md)). `--set operation.speed="1000 rpm"` overrides one.

@@ -7,7 +7,7 @@ from math import prod
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.outputs import TIMES, Figures, Scale
+from screwsim.outputs import TIMES, Figure, Figures, Scale
 
 LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts as passing through zero
 
@@ -19,11 +19,12 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
     errors: dict[str, float | None] = dict.fromkeys(found)
+    about: Mapping[str, Figure] = getattr(found, "about", {})
     of_powers: float | None = None  # they share one scale
     for name, value in found.items():
         if value is None or (reference := better.get(name)) is None:
             continue
-        scale = declared(name, found).scale
+        scale = (about.get(name) or declared(name, found)).scale
         if scale.unasked:
             continue
         if scale.alone and scale.times:  # a power
@@ -43,7 +44,8 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
 def flow_errors(found: Figures, lost: float) -> Figures:
     """Return what a relative error of the net gas flow, `lost`, makes of the figures that go with it."""
     known = {name: value for name, value in found.items() if value is not None}
-    by_flow = ((name, each.scale) for name in known if (each := declared(name, found)).by_flow)
+    about: Mapping[str, Figure] = getattr(found, "about", {})
+    by_flow = ((name, each.scale) for name in known if (each := about.get(name) or declared(name, found)).by_flow)
     return Figures(
         {name: lost * abs(known[name]) / max(error_scale(name, scale, known), 1e-300) for name, scale in by_flow}
     )

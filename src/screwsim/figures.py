@@ -146,9 +146,11 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
 
 def _stated(part: Any) -> Any:
     """Return which values a section states, in words or at all: what figures are called for by."""
+    if isinstance(part, float) or part is None:  # most of them
+        return part is None
     if is_dataclass(part):
         return tuple([_stated(value) for value in vars(part).values()])
-    return part if isinstance(part, str) else part is None
+    return part if isinstance(part, str) else False
 
 
 def _called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:

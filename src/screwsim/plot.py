@@ -76,8 +76,9 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
         own = [next(line for line in lines if np.array_equal(line.get_ydata(), curve.y)) for curve in drawn]
         heading = families.curves_heading(found, layout)
         axes.legend(own, [curve.text for curve in drawn], title=heading[0] or heading[1].partition(": ")[2])
-    if constant:
-        axes.set_title(constant)
+    told = "; ".join(text for text in (constant, families.band_words(found, drawn)) if text)
+    if told:
+        axes.set_title(told)
     return axes
 
 

@@ -11,9 +11,9 @@ RTOL, TOLERANCE = 1e-8, 1e-10  # of a step, of a change: differences over 1e-4 a
 BOUND = 1e-4  # on the balances, which such steps keep anyway
 
 
-def closed_tightly(problem, machinery, begun=None):
+def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANCE):
     """Return the evaluation of a problem's cycle, of coupled chambers, begun from a life near by where one is given."""
-    wanted = replace(problem.wanted, rtol=RTOL, tolerance=TOLERANCE, bound=BOUND, closing="coupled")
+    wanted = replace(problem.wanted, rtol=rtol, tolerance=tolerance, bound=BOUND, closing="coupled")
     machinery.begin(problem.composition)
     if begun is None:
         close(problem, machinery, problem.wanted)

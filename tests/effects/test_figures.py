@@ -48,6 +48,7 @@ FULL = {  # what of an effect's parameters calls for the rest of its figures
     ),
     "motor": (*each.CONDENSER, "effects.oil_heat=off", "effects.oil_pump=off"),
 }
+FULL["oil_pump"] = ("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",)
 FULL["air_package"] = (
     *each.CARRIED,
     "oil_supply.temperature=null",

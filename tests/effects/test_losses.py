@@ -1,10 +1,16 @@
 """Power losses and oil heat, from figures made up here."""
 
+import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from screwsim.build import build_parts
 from screwsim.effects import hydromechanical, mechanical, oil_heat, oil_pump
+from screwsim.figures import called_for
+from screwsim.fluid.pipe import friction_factor
+from screwsim.scene import load
 
 MACHINE = SimpleNamespace(lobes=4, swept_volume=1.692e-4)
 FIGURES = SimpleNamespace(
@@ -85,3 +91,45 @@ def test_heat_is_surface_times_coefficient_times_difference():
 
 def test_no_heat_flows_at_one_temperature():
     assert oil_heat.heat(300.0, 300.0, 1.0, 1e-4, 500.0, 1000.0) == 0.0
+
+
+# ---- oil line ----
+
+LINE = {"length": 3.0, "diameter": 0.02}
+
+
+def line_loss(**changes):
+    parameters = oil_pump.Parameters(efficiency=0.5, pressure_loss=1e5, line=oil_pump.Line(**LINE))
+    loss, reading = oil_pump.build(parameters, MACHINE)
+    figures = SimpleNamespace(**{**vars(FIGURES), **changes})
+    found = reading.read(figures)["oil_line_pressure_loss"]
+    assert loss.power(figures) == pytest.approx(
+        figures.oil_volume_flow * found / 0.5
+    )  # from the separator it pays that
+    return found - 1e5
+
+
+def test_viscous_oil_in_a_pipe_loses_what_hagen_and_poiseuille_say():
+    """8 μ L V̇/(π r⁴), in proportion to the viscosity: Re = 1273 at 0.1 Pa s."""
+    for mu in (0.1, 0.2):
+        assert line_loss(oil_viscosity=mu) == pytest.approx(8.0 * mu * 3.0 * 2e-3 / (math.pi * 0.01**4), rel=1e-12)
+
+
+def test_thin_oil_loses_by_blasius():
+    """ρ 1000, w 6.366 m/s, Re 63 662: f = 0.3164/Re^¼ = 0.019919."""
+    assert line_loss(oil_viscosity=0.002) == pytest.approx(0.019919 * 150.0 * 0.5 * 1000.0 * 6.36620**2, rel=1e-4)
+
+
+def test_the_friction_factor_is_continuous():
+    for Re in (2000.0, 4000.0):
+        assert friction_factor(Re * (1.0 - 1e-9)) == pytest.approx(friction_factor(Re * (1.0 + 1e-9)), rel=1e-6)
+
+
+def test_no_flow_loses_nothing_in_the_pipe():
+    assert line_loss(oil_volume_flow=0.0, oil_mass_flow=0.0) == 0.0
+
+
+def test_a_scene_without_a_line_has_no_figure_of_it():
+    for change, there in (((), False), (("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",), True)):
+        scene = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml", change)
+        assert (oil_pump.LOSS in called_for(scene, build_parts(scene))) is there

@@ -109,3 +109,12 @@ def test_a_report_and_a_whole_scene_are_files():
     assert head["text"] == load(PAPER, OVERRIDES).text
     head, _ = solved(kind="report")
     assert head["text"].startswith("<!doctype html>") and "1234.5 rpm" in head["text"]
+
+
+def test_with_the_derivatives_comes_what_the_tolerances_make_of_the_figures():
+    tolerant = ("operation.speed=1000 rpm ± 3 %", "numerics.error=none")
+    job = Job("slopes", {"set": {"operation.speed": "2000 rpm"}, "effects": {}}, {})
+    head, _ = answer.unpacked(answered((PAPER, tolerant), job))
+    flow = simulate(load(PAPER, ["operation.speed=2000 rpm"]), trace=False).performance.displacement_flow
+    assert head["halves"]["displacement_flow"] == pytest.approx(0.03 * flow, rel=1e-6)
+    assert head["lost"] == []

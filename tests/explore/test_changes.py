@@ -145,3 +145,12 @@ def test_settings_are_mappings_of_a_size(raw):
 def test_values_that_fit_no_scene_are_told_at_their_path(base):
     with pytest.raises(SceneError, match=r"operation.discharge\.pressure|operation\.suction\.pressure"):
         scene_of(base, overrides(base, {"operation.discharge.pressure": "1 bar"}, {}))
+
+
+def test_a_moved_value_keeps_its_tolerance_and_its_group():
+    gap, other = "effects.tip_leakage.gap", "effects.interlobe_leakage.gap"
+    both = [f"{gap}=27 um ± 5 um", f"{other}=29 um ± 10 %", f"uncertainty.correlated=[[{gap}, {other}]]"]
+    base = open_base(PAPER, both)
+    found = scene_of(base, overrides(base, {gap: "40 um", other: "40 um"}, {}))
+    assert found.correlated == ((gap, other),)
+    assert [found.uncertain[path].size for path in (gap, other)] == pytest.approx([5e-6, 4e-6])

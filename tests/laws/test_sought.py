@@ -98,6 +98,15 @@ def test_neighbours_of_a_sweep_find_what_each_finds_alone():
         assert same(result, simulate(scene))
 
 
+def test_an_open_pressure_is_an_open_temperature_as_both_are_one_saturation():
+    economizer = {**ECONOMIZER["effects.economizer"], "pressure": "auto"}
+    del economizer["temperature"]
+    opened = make({**MACHINE, "effects.economizer": economizer}).effects["economizer"].parameters
+    assert opened == make(AUTO).effects["economizer"].parameters and opened.pressure is None
+    with pytest.raises(SceneError, match=r"economizer\.temperature: is given beside pressure"):
+        make({**MACHINE, "effects.economizer.pressure": "auto"})
+
+
 def test_auto_is_kept_in_the_scene_and_told():
     scene = make(AUTO)
     assert "temperature: auto" in scene.text and screwsim.loads(scene.text).text == scene.text

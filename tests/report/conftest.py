@@ -1,6 +1,7 @@
-"""Let the tests import `report_fakes`, whatever the import mode."""
+"""Let the tests import `report_fakes` and `result_fakes`, whatever the import mode."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "results")]

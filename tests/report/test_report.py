@@ -258,6 +258,16 @@ def test_contours_of_few_values_keep_a_ridge_whole():
     assert z == pytest.approx(ridge(*np.meshgrid(x, y)), abs=1e-9)  # a bicubic has it exactly
 
 
+def test_contours_of_few_values_invent_no_summit():
+    """Through values at 500, 1000 and 3000 rpm that rise ever slower a parabola has its summit between the last two."""
+    speeds, ratios = np.array([500.0, 1000.0, 3000.0]), np.arange(1.0, 5.0)
+    values = np.add.outer(np.array([53.0, 68.0, 79.0]), -0.1 * ratios)
+    _, fine, z = maps._refined(ratios, speeds, np.ma.array(values))
+    assert z.max() == pytest.approx(values.max()) and z.min() == pytest.approx(values.min())
+    assert np.all(np.diff(z, axis=0) > 0.0)
+    assert z[np.searchsorted(fine, speeds)][:, [0, -1]] == pytest.approx(values[:, [0, -1]])
+
+
 def test_a_map_with_gaps_or_of_many_values_stays_as_it_is():
     places, many = np.arange(1.0, 6.0), np.arange(1.0, 101.0)
     gap = np.ma.masked_less(np.add.outer(places, places), 3.0)

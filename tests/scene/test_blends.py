@@ -87,8 +87,8 @@ def test_a_blend_by_mole_is_another():
         ),
         (("gas.fluid=R454D",), None),
         (
-            ("gas.fluid=[Methane, n-Propane]", "gas.mole_fractions=[0.5, 0.5]", "gas.two_phase=equilibrium"),
-            "gas.two_phase: Methane/n-Propane (mole 0.5/0.5): its two phases in equilibrium are not found (write "
+            ("gas.fluid=[CarbonDioxide, n-Butane]", "gas.mole_fractions=[0.5, 0.5]", "gas.two_phase=equilibrium"),
+            "gas.two_phase: CarbonDioxide/n-Butane (mole 0.5/0.5): its two phases in equilibrium are not found (write "
             "refuse, or another blend, such as R454B, R513A or R448A)",
         ),
         (

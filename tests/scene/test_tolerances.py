@@ -68,10 +68,17 @@ def test_the_standard_uncertainty_is_half_of_a_tolerance_and_of_the_logarithm_of
 
 
 def test_a_scene_with_tolerances_is_written_as_it_is_read():
-    scene = read(*BOTH, TOGETHER, "operation.speed=1000 rpm ×/÷ 1.1")
+    scene = read(
+        *BOTH,
+        TOGETHER,
+        "operation.speed=1000 rpm ×/÷ 1.1",
+        "machine.volume.max=528 cm^3 ± 7 %",
+        "uncertainty.model=bitzer",
+    )
     again = loads(scene.text)
     assert (again.uncertain, again.correlated, again.text) == (scene.uncertain, scene.correlated, scene.text)
     assert again.correlated == ((GAP, OTHER),)
+    assert (again.model_error, again.uncertain["machine.volume.max"].percent) == ("bitzer", 7.0)
 
 
 def test_a_scene_without_tolerances_is_written_as_before():
@@ -92,7 +99,12 @@ def test_a_scene_without_tolerances_is_written_as_before():
         ("operation.suction.temperature=279 K ± 2 degC", "is a temperature, not a difference"),
         ("operation.suction.temperature=279 K ×/÷ 2", "a factor is for what is above nothing by nature"),
         ("machine.male_lobes=4 ± 1", "is not written as a whole number"),
+        ("numerics.accuracy=3e-4 ± 10 %", "which only what describes the machine and its operation has"),
+        ("sweep.operation.speed=[900 rpm ± 2 rpm]", "has a tolerance of its own (write it behind the value of"),
         (TOGETHER, f"'{GAP}' has no tolerance in this scene"),
+        ("uncertainty.correlated=[[gap, [1]]]", "a list is not a path"),
+        ("uncertainty.correlated=[[gap]]", "one path is not a group of paths"),
+        ("uncertainty.model=bitzr", "did you mean 'bitzer'? known: bitzer"),
         ("uncertainty={correlated: 3}", "3 is not a group of paths"),
         ("uncertainty={together: []}", "is not the groups that err together"),
     ],
@@ -102,6 +114,37 @@ def test_a_tolerance_that_makes_no_sense_is_told_at_its_line(change, told):
         read(change)
     assert told in str(error.value)
     assert str(error.value).startswith(f"--set {change}")
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "values", "told"),
+    [
+        ("27 um ± 5 um", "[3 um, 27 um]", "at 0.003 mm of the sweep its 95 % interval reaches -0.002 mm"),
+        ("27 um ± 110 %", "[3 um, 27 um]", "its 95 % interval reaches -0.0027 mm"),
+    ],
+)
+def test_a_tolerance_that_does_not_go_with_a_value_of_the_sweep_is_told(tolerance, values, told):
+    with pytest.raises(SceneError) as error:
+        read(f"{GAP}={tolerance}", f"sweep.{GAP}={values}")
+    assert told in str(error.value)
+    assert str(error.value).startswith(f"--set {GAP}={tolerance}")
+
+
+def test_a_share_is_that_of_every_value_and_another_tolerance_the_same_for_all():
+    share, half, factor = Tolerance(1.0, percent=10.0), Tolerance(1.0), Tolerance(2.0, factor=True)
+    assert [each.around(4.0).size for each in (share, half, factor)] == [pytest.approx(0.4), 1.0, 2.0]
+    assert share.standard_at(4.0) == pytest.approx(0.2)
+    assert factor.standard_at(4.0) == pytest.approx(2.0 * math.log(2.0))
+
+
+def test_a_group_is_without_what_the_scene_leaves_out():
+    found = loads(
+        SCENE,
+        overrides=(*BOTH, "effects.blow_hole.area=9 mm^2 ± 1 mm^2", f"{TOGETHER[:-2]}, effects.blow_hole.area]]"),
+        without=["blow_hole"],
+    )
+    assert found.correlated == ((GAP, OTHER),)
+    assert loads(SCENE, overrides=(*BOTH, TOGETHER), without=["tip_leakage"]).correlated == ()
 
 
 def test_a_path_in_two_groups_is_told_once():

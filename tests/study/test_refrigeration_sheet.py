@@ -17,11 +17,12 @@ from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
 from screwsim.study.datasheet.refrigeration import asked_of, rating
 from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 from screwsim.study.datasheet.sheet import told
-from screwsim.study.part_load import NEAR, controls, part_load
+from screwsim.study.part_load import NEAR, controls, part_load, ratios
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 DOCS = CONFIGS.parent / "docs"
 CONTROL = CONFIGS / "control" / "point.yaml"
+ROTORS = CONFIGS / "rotors" / "b.yaml"
 RANGES = "0 degC..5 degC", "40 degC..50 degC"
 LIMITS = ("discharge_temperature<72 degC",)
 
@@ -219,3 +220,33 @@ def test_a_sheet_is_made_from_python():
     scene = screwsim.load(CONFIGS / "air" / "fixed_speed_7.yaml")
     with pytest.raises(screwsim.UsageError, match="--evaporating: belongs to a refrigeration machine"):
         sheet_of(scene, evaporating="0 degC..5 degC")
+
+
+def test_at_each_part_load_the_best_built_in_ratio_is_found_at_that_load(monkeypatch):
+    """A machine whose COP is best at Vi = 2.5 ω/ω_full + 0.5, and whose capacity the ratio lowers a little."""
+    full = screwsim.load(ROTORS).operation.speed
+
+    def simulate_many(scenes, trace):
+        for scene in scenes:
+            share, ratio = scene.operation.speed / full, scene.machine.built_in_volume_ratio
+            cop = 4.0 - 0.1 * (ratio - 0.5 - 2.5 * share) ** 2
+            yield Result("ok", performance=Figures(cooling_capacity=1e5 * share * (1.0 - 0.01 * ratio), cop=cop))
+
+    monkeypatch.setattr(part_load_of, "simulate_many", simulate_many)
+    scene = screwsim.load(ROTORS, ["machine.built_in_volume_ratio=3", "machine.axial_volume_ratio=3.6"])
+    found = part_load(scene, controls(scene)[0], among=ratios(scene))
+    assert ratios(scene) == pytest.approx((1.8, 2.25, 2.7, 3.15, 3.6))
+    for step in found.steps:
+        assert step.ratio == pytest.approx(max(0.5 + 2.5 * step.setting / full, 1.8), abs=1e-6)
+        assert step.best.performance.cop >= step.result.performance.cop
+        if step.load < 1.0:
+            assert step.best.performance.cooling_capacity == pytest.approx(step.load * 0.97e5, abs=2.0 * NEAR * 1e5)
+    assert ratios(screwsim.load(ROTORS)) == ()
+    assert ratios(screwsim.load(ROTORS, ["sweep.machine.built_in_volume_ratio=[3, 2.2]"])) == (2.2, 3.0)
+
+
+def test_a_slide_of_the_rotors_is_a_control():
+    slide = "machine.slide_valve={position: 0.1, travel: 90 mm, male_span: 70 deg, female_span: 60 deg}"
+    scene = screwsim.load(ROTORS, [slide, "effects.slide_valve={}"])
+    (found,) = [control for control in controls(scene) if control.name == "slide valve"]
+    assert found.path == "machine.slide_valve.position" and found.settings[0] == 0.1 and found.settings[-1] == 1.0

@@ -11,7 +11,19 @@ from scipy.optimize import brentq
 from screwsim.outputs import Figures
 from screwsim.scene import load, with_values
 from screwsim.scene.lines import lines
-from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, read_table, sibling, solved
+from screwsim.study.validation import (
+    Compared,
+    Comparison,
+    NotRun,
+    Panel,
+    Row,
+    Series,
+    compared,
+    equal,
+    read_table,
+    sibling,
+    solved,
+)
 
 TITLE = "Bitzer compact screws, mean curves"
 CITATION = (
@@ -67,24 +79,28 @@ def opened(degrees: float) -> dict[str, float]:
     }
 
 
-def condition_rows(here: Path, scene_file: Path, to_fit: set[str]) -> list[Row]:
+def condition_rows(here: Path, scene_file: Path, to_fit: set[str]) -> tuple[list[Row], list[Compared]]:
     """Return both efficiencies at the five conditions; those of the fit are no evidence."""
-    rows = []
+    rows, points = [], []
     for row in read_table(here / "conditions.csv"):
         T_e, T_c = (float(row[f"{name}_degC"]) + KELVIN for name in ("evaporating", "condensing"))
         values = {"operation.evaporating_temperature": T_e, "operation.condensing_temperature": T_c}
-        found = solved(scene_file, values=values).performance
+        result = solved(scene_file, values=values)
+        found = result.performance
         at = f"{row['evaporating_degC']}/{row['condensing_degC']}"
         kind, name = "calibrated" if at in to_fit else "published", f"{at} °C (pi = {row['pressure_ratio']})"
-        for text, figure, points in (
+        for text, figure, limit in (
             ("volumetric", "volumetric_efficiency", LAMBDA_POINTS),
             ("isentropic", "isentropic_efficiency", ETA_POINTS),
         ):
             ours, theirs = 100.0 * found[figure], 100.0 * float(row[figure])
             note = f"{ours - theirs:+.1f} points"
             quantity = f"{NAMES[0]}, {name}: {text}"
-            rows.append(equal(quantity, ours, theirs, points, kind, unit="%", basis=BASIS, note=note))
-    return rows
+            rows.append(equal(quantity, ours, theirs, limit, kind, unit="%", basis=BASIS, note=note))
+        measured = {figure: float(row[figure]) for figure in FIGURES}
+        scene = with_values(load(scene_file), values)
+        points += compared("bitzer_paper_laws", at, scene, result, measured, fitted=at in to_fit)
+    return rows, points
 
 
 def peak(ratios: np.ndarray, efficiency: np.ndarray) -> float:
@@ -162,12 +178,12 @@ def compare(here: Path) -> Comparison:
             ),
         ),
     )
-    rows = condition_rows(here, scene_file, {point.name for point in fitted.points(here) if point.fitted})
+    rows, points = condition_rows(here, scene_file, {point.name for point in fitted.points(here) if point.fitted})
     rows += peak_rows(NAMES[0], peak(RATIOS, np.array(efficient)), found[0].built_in_volume_ratio, *by_volume[0])
     rows += fitted.rows(here)
     efficient = np.array([each.isentropic_efficiency for each in own])
     rows += peak_rows(NAMES[1], peak(RATIOS[low], efficient), own[0].built_in_volume_ratio, *by_volume[1])
-    return Comparison(TITLE, CITATION, ABOUT, rows, panels)
+    return Comparison(TITLE, CITATION, ABOUT, rows, panels, [*fitted.compared_points(here), *points])
 
 
 FIGURES = ("volumetric_efficiency", "isentropic_efficiency")

@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.outputs import Figures, ledger_entries
+from screwsim.scene import load, with_values
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.fit import Point
-from screwsim.study.validation import Row, Series, equal, solved
+from screwsim.study.validation import Compared, Row, Series, compared, equal, solved
 
 FIGURES = {"volumetric_efficiency": ("volumetric", 1.5), "isentropic_efficiency": ("isentropic", 3.0)}
 BASIS = "the source gives none; see above"
@@ -36,6 +37,17 @@ def at(here: Path, point: Point, **changes: float) -> Figures:
     """Return the figures of the fitted machine at a point."""
     values = {**point.values, **{path.replace("__", "."): value for path, value in changes.items()}}
     return solved(machine(here), values=values).performance
+
+
+def compared_points(here: Path) -> list[Compared]:
+    """Return both efficiencies at every point beside the source's, which states no uncertainty."""
+    found: list[Compared] = []
+    for one in points(here):
+        scene = with_values(load(machine(here)), dict(one.values))
+        theirs = {figure: one.measured[figure].value for figure in FIGURES}
+        result = solved(machine(here), values=dict(one.values))
+        found += compared("bitzer", one.name, scene, result, theirs, fitted=one.fitted)
+    return found
 
 
 def rows(here: Path) -> list[Row]:

@@ -14,8 +14,21 @@ from screwsim.outputs import Figures
 from screwsim.rating import CFM, HORSEPOWER, PSI, STANDARDS, isentropic_power
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
+from screwsim.scene.model_errors import RATIO, SPEED
 from screwsim.simulate import simulate_many
-from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, read_table, sibling, solved
+from screwsim.study.model_error import conditions_of
+from screwsim.study.validation import (
+    Compared,
+    Comparison,
+    NotRun,
+    Panel,
+    Row,
+    Series,
+    equal,
+    read_table,
+    sibling,
+    solved,
+)
 
 physics = sibling(Path(__file__).parent / "physics.py")
 
@@ -202,6 +215,23 @@ def other_rows(curve: Curve, sheet: Curve) -> list[Row]:
     return rows
 
 
+def compared_points(file: Path, curve: Curve, sheet: Curve) -> list[Compared]:
+    """Return the electrical power of the package at each flow of the sheet, which states no uncertainty.
+
+    The fan is at its nominal power at full flow, and follows the rest below: its control is not given.
+    """
+    scene, full = load(file), sheet.flow[-1]
+    between, fan = lines(scene), 1.0 + FAN / curve.at(curve.power, full)
+    found = []
+    for flow, theirs in zip(sheet.flow, sheet.power, strict=True):
+        ours = fan * curve.at(curve.power, flow)
+        speed = curve.at((SPEEDS * RPM).tolist(), flow)
+        at = {**conditions_of(scene, {}), SPEED: speed, RATIO: between.p_d / between.p_s}
+        name, numerical = f"{flow / CFM:.0f} cfm", scene.numerics.accuracy * ours
+        found.append(Compared("cagi", name, "electrical_power", ours, theirs, numerical, None, None, False, at))
+    return found
+
+
 def read_sheet(here: Path) -> Curve:
     """Return the sheet as a curve, from its lowest flow on."""
     table = read_table(here / "sheet.csv")[::-1]
@@ -234,4 +264,4 @@ def compare(here: Path) -> Comparison:
     marks = [sheet.relative(flow, full) for flow in sheet.flow]
     theirs = Series("data sheet", [flow / full for flow in sheet.flow], marks, theirs=True, error=SHAPE)
     panel = Panel("flow over full flow", "specific power over that at full flow", (*drawn, theirs))
-    return Comparison(TITLE, CITATION, ABOUT, rows, (panel,))
+    return Comparison(TITLE, CITATION, ABOUT, rows, (panel,), compared_points(file, predicted, sheet))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.build import build_gas
 from screwsim.scene import Scene, load
@@ -76,8 +76,26 @@ def plain_figures(machine: Any) -> dict[str, float]:
     return plain.figures(machine, plain.close(machine))
 
 
-def point_row(name: str, ours: dict[str, float], theirs: dict[str, float]) -> Row:
+class Point(NamedTuple):
+    """A point's name, and its scene: a file and what is changed in it."""
+
+    name: str
+    asked: tuple[Path, tuple[str, ...]]
+
+
+def points(here: Path) -> list[Point]:
+    """Return the points of points.csv."""
+    scene_file, found = here.parents[1] / "configs" / "paper" / "point.yaml", []
+    for row in read_table(here / "points.csv"):
+        name = f"{row['speed_rpm']} rpm, d = {row['oil_ratio']}, oil.transport: {row['transport']}"
+        changes = (f"operation.speed={row['speed_rpm']} rpm", f"oil_supply.ratio={row['oil_ratio']}")
+        found.append(Point(name, (scene_file, (*changes, f"oil.transport={row['transport']}", *TIGHT))))
+    return found
+
+
+def compared(point: Point, theirs: dict[str, float]) -> Row:
     """Return the row of the figure that differs most."""
+    name, ours = point.name, dict(solved(*point.asked).performance)
     worst = max(theirs, key=lambda figure: abs(ours[figure] / theirs[figure] - 1.0))
     return equal(
         f"{name}: largest difference of {len(theirs)} figures",
@@ -109,15 +127,8 @@ def kept_row(scene_file: Path, overrides: Sequence[str], theirs: dict[str, float
 
 def compare(here: Path) -> Comparison:
     """Return one row a point."""
-    scene_file = here.parents[1] / "configs" / "paper" / "point.yaml"
-    names, overrides = [], []
-    for row in read_table(here / "points.csv"):
-        names.append(f"{row['speed_rpm']} rpm, d = {row['oil_ratio']}, oil.transport: {row['transport']}")
-        changes = (f"operation.speed={row['speed_rpm']} rpm", f"oil_supply.ratio={row['oil_ratio']}")
-        overrides.append((*changes, f"oil.transport={row['transport']}", *TIGHT))
-    machines = [machine_of(load(scene_file, each)) for each in overrides]
-    ours = [dict(solved(scene_file, each).performance) for each in overrides]
-    theirs = [plain_figures(each) for each in machines]
-    rows = [point_row(*each) for each in zip(names, ours, theirs, strict=True)]
-    rows += [kept_row(scene_file, overrides[1], theirs[1], accuracy) for accuracy in ACCURACIES]
+    every = points(here)
+    theirs = [plain_figures(machine_of(load(*point.asked))) for point in every]
+    rows = [compared(*each) for each in zip(every, theirs, strict=True)]
+    rows += [kept_row(*every[1].asked, theirs[1], accuracy) for accuracy in ACCURACIES]
     return Comparison(TITLE, CITATION, ABOUT, rows)

@@ -84,18 +84,22 @@ def validate(
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.progress import for_terminal
-    from screwsim.study.validation import document, folder_of, run_sources
-    from screwsim.study.validation.words import report
+    from screwsim.study.validation import document, errors_of, folder_of, run_sources
+    from screwsim.study.validation.words import errors_report, report
 
     outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"), jobs)
-    found = document(outcomes)
+    found, errors = document(outcomes), errors_of(outcomes)
     if as_json:
-        print_json({**found, "seconds": {each.name: each.seconds for each in outcomes}})
+        print_json({**found, "model_errors": errors, "seconds": {each.name: each.seconds for each in outcomes}})
     else:
         say(report(found))
+        if errors:
+            say(f"\n{errors_report(errors)}")
     if output is not None:
         make_folder(output)
-        for path in (write_json(found, output / "validation.json"), *draw(found, output)):
+        written = [write_json(found, output / "validation.json")]
+        written += [write_json(errors, output / "model_errors.json")] if errors else []
+        for path in (*written, *draw(found, output)):
             say(path, err=as_json)
     return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -43,10 +42,10 @@ def run(
 
         names = [f"without {name}" for name in scene.effects]
         result = knocked_out(scene, result, for_terminal("knock-out", names))
-    if scene.uncertain and result.status == "ok":
-        from screwsim.study.uncertain import uncertainty
+    if scene.uncertain or scene.model_error:
+        from screwsim.study.uncertain import with_uncertainty
 
-        result = replace(result, uncertainty=uncertainty(scene, result=result).as_json())
+        result = with_uncertainty(scene, result)
     if output is not None:
         from screwsim.results import save
 
@@ -80,6 +79,9 @@ def _run_stages(
         options.say_left_aside(
             scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set"
         )
+        if scene.uncertain or scene.model_error:
+            told = "tolerances are left aside (screwsim run of that scene tells what they make)"
+            say(f"{file}: the {name} scene's {told}", err=True)
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save

@@ -20,7 +20,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from screwsim.codegen.calls import KINDS, Variant, known, take
+from screwsim.codegen.calls import KINDS, Context, Variant, known, take
 from screwsim.codegen.kinds import LANED, Kind
 from screwsim.numerics import compiling, store
 
@@ -59,22 +59,27 @@ def for_speed() -> Iterator[None]:
         _patience = before
 
 
-def load(text: str, of: str) -> Module:
-    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder."""
+def load(text: str, of: str, fast: bool = False) -> Module:
+    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
+
+    A `fast` one is written for speed at once: one text for all models, which is compiled but once.
+    """
     name = module_name(text, of)
     with _alone:
         if name not in _loaded:
             store.keep_text(f"{name}.py", text)  # to be read by people; nothing is taken from there
-            _loaded[name] = Module(name, text)
+            _loaded[name] = Module(name, text, fast=fast)
         return _loaded[name]
 
 
 class Module(ModuleType):
     """Functions of a text, by name; `outside` are addresses of functions of this process that the text calls."""
 
-    def __init__(self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
+    def __init__(
+        self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False, fast: bool = False
+    ) -> None:
         super().__init__(name)
-        self.text, self._outside, self._checks = text, dict(outside or {}), checks
+        self.text, self._outside, self._checks, self.fast = text, dict(outside or {}), checks, fast
         self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
 
     def __getattr__(self, name: str) -> Function:
@@ -143,9 +148,15 @@ class Function:
     def __call__(self, *arguments: Any) -> Any:
         kinds: list[int] = []
         words: list[float] = []
-        for each in arguments:
-            array = known.get(id(each))
-            if array is not None and array[0]() is each:  # as `take` does, without a call
+        for each in arguments:  # the commonest as `take` does, without a call
+            what = type(each)
+            if what is float:
+                kinds.append(0)
+                words.append(each)
+            elif what is Context:
+                kinds.append(each.number)
+                words += each.words
+            elif (array := known.get(id(each))) is not None and array[0]() is each:
                 kinds.append(array[1])
                 words += array[2]
             else:
@@ -157,7 +168,7 @@ class Function:
     def _made(self, key: tuple[int, ...]) -> _Calls:
         with self._alone:
             if key not in self._variants:
-                variant, fast = self._compiled(key, _patience == 0.0)
+                variant, fast = self._compiled(key, self._module.fast or _patience == 0.0)
                 self._variants[key] = variant if fast else _Tried(variant, self, key)
             return self._variants[key]
 

@@ -144,10 +144,10 @@ def at_its_end(problem: Problem, life: Trajectory) -> str:
 
 def _line(problem: Problem, R: Array) -> Array:
     """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
-    place = R[R_DISCHARGE:]
+    place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
     cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if problem.composition.carried else (ENTHALPY,)
     cells = (*cells, DISSOLVED) if problem.parts.dissolves else cells
-    return np.array([max(float(place[cell]), 1e-9) for cell in cells])
+    return np.array([max(place[cell], 1e-9) for cell in cells])
 
 
 def _outflow(problem: Problem, R: Array, q: Array) -> Array:

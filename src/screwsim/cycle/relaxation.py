@@ -267,10 +267,10 @@ def along(machinery: Machinery, y: Array) -> Array:
     """Return the logarithms of the states y at 0° and of those along the last history."""
     c = machinery.composition
     angles = _angles(float(c.P[P_LIFE]), c.chambers)
-    return logarithms(np.concatenate([y[None, : machinery.n], machinery.states_at(angles[1:])]), c)
+    return logarithms(machinery.states_along(y[: machinery.n], angles), c)
 
 
 @lru_cache(maxsize=8)
 def _angles(life: float, chambers: int) -> Array:
-    """Return where states are compared and mixed [rad]: at 0°, and from there on those of the last history."""
-    return np.append(0.0, np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3)
+    """Return where states of the last history are compared and mixed [rad], beside those at 0°."""
+    return np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3

@@ -59,6 +59,9 @@ class Stream(NamedTuple):
         return Stream(*(one + share * more for one, more in zip(self, other, strict=True)))
 
 
+_NONE = Stream()
+
+
 class Mixture(NamedTuple):
     """What is sucked in: enthalpy of the gas [J/kg], oil per gas, and what that holds dissolved, per gas, too."""
 
@@ -95,7 +98,7 @@ def leak(problem: Problem, R: Array) -> Stream:
     """Return what leaks from the discharge line beside the chambers, per life of one of them (M274)."""
     leaks = [part for _, part in problem.parts.all(LineLeak)]
     if not leaks:
-        return Stream()
+        return _NONE
     suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
     place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
     flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))

@@ -27,7 +27,7 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
-ERROR = 0.1  # of the wanted accuracy: of a slice
+ERROR = 0.03  # of the wanted accuracy: of a slice
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
@@ -38,6 +38,7 @@ SHIFT = 1e-6  # of coordinates, for differences of what they make
 LONGEST = 0.3  # change of a state in one iteration, over itself
 SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
+KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -120,7 +121,7 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
 def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
     """Close the cycle up to a relative residual; return the states at the start and the nodes, installed."""
     Y, entries, size = pitch.read(), pitch.problem.entries, np.inf
-    last = np.zeros_like(Y)
+    last, linear, sources, before = np.zeros_like(Y), None, None, np.inf
     for left in range(MOST, 0, -1):
         start, slopes = pitch.begin(Y), pitch.slopes(Y)
         sums = pitch.sums(slopes.g)
@@ -133,13 +134,16 @@ def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
             return start, Y
         if not np.isfinite(size):
             break
-        linear, count = Linear(pitch, Y, slopes), len(met)
-        sources = linear.sources([_moved(pitch, linear.at, met, j) for j in range(count)])
+        at, count = pitch.numbers, len(met)
+        if linear is None or sources is None or size > KEPT * before:
+            linear = Linear(pitch, Y, slopes)
+            sources = linear.sources([_moved(pitch, at, met, j) for j in range(count)])
+        before = size
         stages = np.zeros((*residual.shape, 1 + count))
         stages[..., 0] = -residual
         none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in sources))
         response = linear.respond(none.and_then(sources), stages)
-        back = made_of(pitch, Read(start, Y, sums, linear.at), response, met, 1)
+        back = made_of(pitch, Read(start, Y, sums, at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
         last = _tamed(response.nodes @ np.append(1.0, change), last)
         Y = _stepped(pitch, Y, last)

@@ -10,6 +10,7 @@ import numpy as np
 from screwsim.derivatives.closed import Closed, refinings, solved
 from screwsim.derivatives.directions import Direction, Directions, sources_of
 from screwsim.derivatives.linear import Response
+from screwsim.derivatives.peak import peak_pressure
 from screwsim.evaluate.evaluation import Evaluation
 
 Array = np.ndarray
@@ -65,7 +66,10 @@ def placed(
 def figures_of(of: Evaluation) -> dict[str, float]:
     """Return the figures that have a value; what is left open of a balance is none."""
     told = {name for name, each in of.figures.about.items() if not each.scale.unasked}
-    return {name: float(value) for name, value in of.figures.items() if isinstance(value, int | float) and name in told}
+    found = {
+        name: float(value) for name, value in of.figures.items() if isinstance(value, int | float) and name in told
+    }
+    return found | ({"peak_pressure": peak_pressure(of)} if "peak_pressure" in found else {})
 
 
 def differenced(sides: Sequence[dict[str, float]], steps: tuple[float, float]) -> dict[str, float]:

@@ -118,8 +118,6 @@ class Linear:
         self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
         reach = max(pitch.machinery.composition.offsets, default=1)
         self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, reach)
-        unit = np.broadcast_to(np.eye(pitch.N), (pitch.count, NODES, pitch.N, pitch.N))
-        self.steps = self.blocks.solve(unit)
         self.inject, self.noted = injection(pitch, Y)
         self.felt = self._felt()
         self._around = self._closing()
@@ -156,10 +154,10 @@ class Linear:
     def _closing(self) -> Array:
         """Return the inverse of what closes the period: start and cells less what they make of themselves."""
         N, chambers, felt = self.pitch.N, self.pitch.machinery.composition.chambers, self.felt
-        made = self._run(
-            np.concatenate([np.eye(N), np.zeros((N, felt.hf.shape[-1]))], axis=1),
-            self._gained(np.concatenate([np.zeros((*felt.hf.shape[:3], N)), felt.hf], axis=3)),
-        )[-1, -1]
+        gained = np.zeros((*felt.hf.shape[:3], N + felt.hf.shape[-1]))
+        if felt.hf.any():
+            gained[..., N:] = self._gained(felt.hf)
+        made = self.blocks.run(np.eye(N, gained.shape[-1]), gained)[-1, -1]
         back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
         return np.linalg.inv(np.eye(len(back)) - back)
 
@@ -168,24 +166,18 @@ class Linear:
         right = (INTEGRALS @ hf.reshape(self.pitch.count, NODES, -1)).reshape(hf.shape)
         return self.blocks.solve(right if stages is None else right + stages)
 
-    def _run(self, start: Array, gained: Array) -> Array:
-        """Return changes at all nodes (slices, NODES, N, k) from those at the start and what slices gain."""
-        before, now, last = np.empty_like(gained[:, -1]), start, self.steps[:, -1]
-        for k, gain in enumerate(gained[:, -1]):
-            before[k] = now
-            now = last[k] @ now + gain
-        return self.steps @ before[:, None] + gained
-
     def respond(self, sources: Sources, stages: Array | None = None) -> Response:
         """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
         gained = self._gained(sources.hf, stages)
-        end = shifted(self._run(np.zeros_like(sources.start), gained)[-1, -1], chambers)
+        end = shifted(self.blocks.run(np.zeros_like(sources.start), gained)[-1, -1], chambers)
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
-        nodes = self._run(start, gained + self._gained(self.felt.hf @ cells))
+        if self.felt.hf.any():
+            gained = gained + self._gained(self.felt.hf @ cells)
+        nodes = self.blocks.run(start, gained)
         hg = sources.hg + self.felt.hg @ cells
-        hg = hg + np.einsum("k,kjqn,kjnc->kjqc", self.pitch.slices.widths, self.slopes.g_by_states, nodes)
+        hg = hg + self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
         return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))
 
     def refined(self, sources: Sources, response: Response, changes: Sequence[Change], times: int) -> Response:
@@ -200,7 +192,7 @@ class Linear:
                 nodes, cells = response.nodes[..., j], response.cells[:, j]
                 whole = change._replace(numbers=change.numbers.plus(1.0, pitch.cells_as_numbers(cells)))
                 hf[..., j], hg[..., j] = along(pitch, self.Y, self.at, whole, nodes)
-                hf[..., j] -= widths * np.einsum("kjnm,kjm->kjn", self.slopes.by_states, nodes) + self.felt.hf @ cells
-                hg[..., j] -= widths * np.einsum("kjnm,kjm->kjn", self.slopes.g_by_states, nodes) + self.felt.hg @ cells
+                hf[..., j] -= widths * (self.slopes.by_states @ nodes[..., None])[..., 0] + self.felt.hf @ cells
+                hg[..., j] -= widths * (self.slopes.g_by_states @ nodes[..., None])[..., 0] + self.felt.hg @ cells
             response = self.respond(sources._replace(hf=hf, hg=hg))
         return response

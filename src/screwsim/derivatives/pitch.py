@@ -129,7 +129,7 @@ class Pitch:
         slices = self.slices if edges is None else self.slices._replace(edges=edges)
         f, g = np.empty((self.count * NODES, self.N)), np.empty((self.count * NODES, self.q))
         self._free()
-        self.machinery.together.at_nodes__rates_at_all(*self._asked(Y, slices), f, g)
+        self.machinery.together.slices__rates_at_all(*self._asked(Y, slices), f, g)
         return f.reshape(self.count, NODES, -1), g.reshape(self.count, NODES, -1)
 
     def slopes(self, Y: Array) -> Slopes:
@@ -148,8 +148,8 @@ class Pitch:
         module = self.machinery.together
         if "tangents" not in compiled.warm(module):
             with self.machinery.compiling("tangents"):
-                module.at_nodes__derivatives_at_all(angles, *asked, *found)
-        module.at_nodes__derivatives_at_all(angles, *asked, *found)
+                module.slices__derivatives_at_all(angles, *asked, *found)
+        module.slices__derivatives_at_all(angles, *asked, *found)
         self._free()
         return found
 

@@ -38,9 +38,7 @@ OF_WIDTH = 1e-6  # of a segment: ends of steps so near to its ends are not count
 
 
 LEAST = 1e-9  # rad: slices are no shorter ...
-LONGEST = math.radians(
-    2.0
-)  # ... and no longer: of a law that moves with a number the error of the states tells nothing
+LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells nothing of a law that moves
 MOST = 4  # parts of a slice in one refinement
 POWER = 0.25  # of the error of a slice by its width: that of the estimate
 RING = 0.5  # widths of a layer: the first slices on both sides of where a flow turns round ...

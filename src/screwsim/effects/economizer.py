@@ -52,7 +52,9 @@ class Parameters(WindowParameters):
         gt=0.0,
         auto=True,
     )
-    pressure: float | None = quantity("pressure", "of the vapour, in place of temperature", None, gt=0.0)
+    pressure: float | None = quantity(
+        "pressure", "of the vapour, in place of temperature; auto: as temperature: auto", None, gt=0.0, auto=True
+    )
     superheat: float = quantity(
         "temperature_difference", "of the vapour over temperature", 0.0, ge=0.0, hardly=(None, 60.0)
     )
@@ -64,6 +66,12 @@ class Parameters(WindowParameters):
     approach: float = quantity(
         "temperature_difference", "of the subcooled liquid over temperature (heat_exchanger)", 5.0, ge=0.0
     )
+
+    def __post_init__(self):
+        """Leave the temperature open where the pressure is: they are one state, that of saturation."""
+        if isinstance(self.pressure, Found) and self.temperature is None:
+            object.__setattr__(self, "temperature", Found(self.pressure))
+            object.__setattr__(self, "pressure", None)
 
 
 def saturation(parameters: Parameters, fluid: str) -> float:

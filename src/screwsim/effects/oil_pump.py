@@ -2,9 +2,11 @@
 
 What: P = V̇_oil max(0, p_delivery − p_source)/η, with p_delivery = max(p_injection, p_source) + Δp (M31): from the
 separator the pump pays only the line and nozzle loss Δp, from a sump at suction pressure also the rise to the chamber.
-Source: Chernov et al. 2015 name the pump's power without a formula; this form is ours.
-Assumptions: incompressible oil; injection pressure is the chamber's at 360°, or while it faces a port (M255).
-Parameters: efficiency, pressure_loss.
+With `line` Δp is the stated loss of nozzles and filter and that of a pipe by its length and diameter (M390).
+Source: Chernov et al. 2015 name the pump's power without a formula; this form is ours; pipe: Darcy–Weisbach.
+Assumptions: incompressible oil; injection pressure is the chamber's at 360°, or while it faces a port (M255); the oil
+in the line has the temperature at which it is injected; a smooth pipe.
+Parameters: efficiency, pressure_loss, line.
 """
 
 from __future__ import annotations
@@ -12,10 +14,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Effect, Faults, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
 from screwsim.faults import Fault
+from screwsim.fluid.pipe import pressure_loss
 from screwsim.machine.protocol import OIL
-from screwsim.outputs import power_figure
+from screwsim.outputs import Figure, power_figure
+
+LOSS = "oil_line_pressure_loss"
+
+
+@dataclass(frozen=True)
+class Line:
+    """The pipe from the pump to the machine."""
+
+    length: float = quantity("length", "length of the pipe", gt=0.0, hardly=(0.05, 100.0))
+    diameter: float = quantity("length", "inner diameter of the pipe", gt=0.0, hardly=(2e-3, 0.3))
+    fittings: float = number("sum of the loss coefficients of bends and valves", 0.0, ge=0.0, hardly=(None, 200.0))
 
 
 @dataclass(frozen=True)
@@ -24,37 +38,58 @@ class Parameters:
 
     efficiency: float = number("efficiency of the pump with its drive", gt=0.0, le=1.0, hardly=(0.05, 0.95))
     pressure_loss: float = quantity(
-        "pressure_difference", "pressure loss of oil line and nozzles", 0.0, ge=0.0, hardly=(None, 3e6)
+        "pressure_difference",
+        "pressure loss of oil line and nozzles (with line: of filter and nozzles alone)",
+        0.0,
+        ge=0.0,
+        hardly=(None, 3e6),
     )
+    line: Line | None = None
 
 
-def build(parameters: Parameters, machine) -> list[PowerLoss]:
+def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
+    line = parameters.line
+
+    def loss(figures) -> float:
+        """Return the pressure loss [Pa] between pump and chamber."""
+        if line is None or figures.oil_volume_flow <= 0.0:
+            return parameters.pressure_loss
+        flow, density = figures.oil_volume_flow, figures.oil_mass_flow / figures.oil_volume_flow
+        pipe = line.diameter, line.length, line.fittings
+        return parameters.pressure_loss + pressure_loss(flow, density, figures.oil_viscosity, *pipe)
+
     def power(figures) -> float:
         """Return the pump's power [W] (M31)."""
-        delivery = figures.delivery_pressure + parameters.pressure_loss
+        delivery = figures.delivery_pressure + loss(figures)
         return figures.oil_volume_flow * max(0.0, delivery - figures.oil_source_pressure) / parameters.efficiency
 
     def kept(figures) -> float:
         """Return the power [W] that lifts the oil from its source to the chamber (M58)."""
         return figures.oil_volume_flow * max(0.0, figures.delivery_pressure - figures.oil_source_pressure)
 
-    return [PowerLoss("oil_pump_power", power, kept)]
+    lost = PowerLoss("oil_pump_power", power, kept)
+    return [lost] if line is None else [lost, Reading((LOSS,), lambda figures: {LOSS: loss(figures)})]
 
 
 def check(parameters: Parameters, facts) -> Faults:
     if facts.oil_supply is not None and facts.oil_supply.kind != "pump":
         yield Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")
+    if parameters.line is not None and facts.oil is not None and not facts.oil.knows_viscosity:
+        yield Fault("oil.viscosity", "is missing (effects.oil_pump.line needs it)")
 
 
 EFFECT = Effect(
     name="oil_pump",
     title="shaft power of an independent oil pump",
-    equations=("M31",),
-    source="ours",
+    equations=("M31", "M390"),
+    source="ours; pipe: Darcy-Weisbach",
     parameters=Parameters,
     build=build,
     needs_oil=True,
     check=check,
     needs=frozenset({OIL}),
-    figures=(power_figure("oil_pump_power", "shaft power of the oil pump"),),
+    figures=(
+        power_figure("oil_pump_power", "shaft power of the oil pump"),
+        Figure(LOSS, "Pa", "pressure loss of oil line, filter and nozzles", needs=(".line",)),
+    ),
 )

@@ -2,11 +2,12 @@
 
 What: with the slide moved by x (0: full load, 1: its end) a slot to the suction line stays open until
 φ_0 + x (φ_1 − φ_0), its area x S_slot; the radial discharge port of area S_r opens at φ_a + x (φ_b − φ_a) and closes
-with the chamber's life (M162): nozzle flow (M12, M13).
+with the chamber's life (M162): nozzle flow (M12, M13). Where `machine.slide_valve` states the slide of rotors with a
+profile, the slot's area by angle is that of its geometry (M164), and the machine's own radial port follows it.
 Source: geometry of a slide in the housing's cusp (textbook); one of the four ways that Chernov et al. 2015 name.
-Assumptions: straight motion of both edges with x; `machine.discharge_port` is the axial port, which stays; the suction
-line keeps its state, as with any gas that flows back into it.
-Parameters: position, slot_area, closes, flow_coefficient; radial_area, radial_opens, radial_opens_moved.
+Assumptions: straight motion of both edges with x; `machine.discharge_port` is the axial port, which stays (with
+`machine.slide_valve`: both); the suction line keeps its state, as with any gas that flows back into it.
+Parameters: flow_coefficient; position, slot_area, closes; radial_area, radial_opens, radial_opens_moved; or area_file.
 """
 
 from __future__ import annotations
@@ -14,15 +15,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import number, quantity
+from screwsim.declare import file, number, quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
-from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.gap import flow_coefficient, table_area
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.protocol import ROTORS
+from screwsim.numerics.spline import features, read_curve
 
 BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
 DEG = 180.0 / pi
+_OWN = "(needed without machine.slide_valve)"
+_SLOT = {"position": "0.5", "slot_area": "40 cm^2", "closes": "560 deg"}
 _RADIAL = ("radial_area", "radial_opens", "radial_opens_moved")
 
 
@@ -30,17 +34,38 @@ _RADIAL = ("radial_area", "radial_opens", "radial_opens_moved")
 class Parameters:
     """Position of the slide, its slot and its discharge edge."""
 
-    position: float = number("x: 0 is full load, 1 the end of the travel", ge=0.0, le=1.0)
-    slot_area: float = quantity("area", "S_slot: area to suction at the end of the travel", ge=0.0)
-    closes: float = quantity("angle", "phi_1: angle at which the slot closes at the end of the travel", gt=0.0)
+    position: float | None = number(f"x: 0 is full load, 1 the end of the travel {_OWN}", None, ge=0.0, le=1.0)
+    slot_area: float | None = quantity("area", f"S_slot: area to suction at the end of the travel {_OWN}", None, ge=0.0)
+    closes: float | None = quantity(
+        "angle", f"phi_1: angle at which the slot closes at the end of the travel {_OWN}", None, gt=0.0
+    )
     flow_coefficient: float = flow_coefficient("slot and radial port", 1.0)
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
     radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
     radial_opens_moved: float | None = quantity("angle", "phi_b: at which it opens at the travel's end", None, gt=0.0)
+    area_file: str | None = file("CSV with columns angle_deg, area_m2: the slot, in place of the three")
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
+    slot = machine.profile.slot if machine.profile is not None else None
+    if slot is not None:
+        return [_slot(parameters, slot.curve, slot.breakpoints)]
+    if parameters.area_file is not None:
+        angles, areas = read_curve(parameters.area_file, "area_m2")
+        return [_slot(parameters, (angles, areas), (angles[0], *features(angles, areas), angles[-1]))]
+    return _stated(parameters, machine)
+
+
+def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
+    """Return the slot to suction of an area by angle."""
+    coefficient, tables = parameters.flow_coefficient, {"curve": curve}
+    return FlowPath("suction", table_area, {}, own, flow_coefficient=coefficient, tables=tables)
+
+
+def _stated(parameters: Parameters, machine) -> list[FlowPath]:
+    """Return slot and radial port of a slide whose angles are stated."""
     x, begins = parameters.position, machine.injection_angle
+    assert x is not None and parameters.slot_area is not None and parameters.closes is not None  # checked
     if not begins < parameters.closes < machine.life - 2.0 * RAMP:
         ends = f"({begins * DEG:.0f} deg, {(machine.life - 2.0 * RAMP) * DEG:.0f} deg) of this machine"
         what = f"{parameters.closes * DEG:.6g} deg lies outside {ends} (choose an angle inside)"
@@ -57,6 +82,17 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 def check(parameters: Parameters, facts) -> Faults:
     path = "effects.slide_valve"
+    if getattr(facts.machine, "slide_valve", None) is not None:
+        yield from _beside(
+            parameters, path, "machine.slide_valve, whose rotors give it", (*_SLOT, *_RADIAL, "area_file")
+        )
+        return
+    if parameters.area_file is not None:
+        yield from _beside(parameters, path, "area_file, the slot at one position", tuple(_SLOT))
+    for name, example in _SLOT.items():
+        if parameters.area_file is None and getattr(parameters, name) is None:
+            what = f"is missing (write e.g. {name}: {example}, or state machine.slide_valve for rotors with a profile)"
+            yield Fault(f"{path}.{name}", what)
     given = [name for name in _RADIAL if getattr(parameters, name) is not None]
     if given and len(given) < len(_RADIAL):
         missing = next(name for name in _RADIAL if name not in given)
@@ -65,6 +101,12 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
     if facts.machine.volume.law == "paper":
         yield from _angles(parameters, path)
+
+
+def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]) -> Faults:
+    for name in names:
+        if getattr(parameters, name) is not None:
+            yield Fault(f"{path}.{name}", f"is given beside {what} (remove it)")
 
 
 def _angles(parameters: Parameters, path: str) -> Faults:
@@ -80,7 +122,7 @@ def _angles(parameters: Parameters, path: str) -> Faults:
 EFFECT = Effect(
     name="slide_valve",
     title="slide with a slot to suction and a moving radial port",
-    equations=("M12", "M13", "M162"),
+    equations=("M12", "M13", "M162", "M164"),
     source="geometry of the slide",
     parameters=Parameters,
     build=build,

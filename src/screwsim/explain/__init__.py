@@ -31,7 +31,9 @@ from screwsim.explain.media import gas_rows, oil_rows
 from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.machine.kinds import kind_of
+from screwsim.machine.profile_law import Laid
 from screwsim.machine.protocol import ROTORS
+from screwsim.machine.rotors.curves import closed_in
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
@@ -177,14 +179,27 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
         return
     degrees = [f"{math.degrees(angle):.5g}" for angle in (laid.born, laid.injection, laid.opens, laid.ends)]
     yield row("profile", parameters_text(machine.profile, skip=()))
+    if laid.rotors.chain.faired:
+        yield row("", laid.rotors.chain.faired)
     swept = f"{laid.swept * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
     axial = "" if machine.axial_volume_ratio is None else f", of the axial port {machine.axial_volume_ratio:g}"
     yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}{axial}")
+    if machine.slide_valve is not None:
+        yield row("slide valve", _slide(machine.slide_valve, laid))
     yield row(
         "angles",
         f"born at {degrees[0]} deg, suction closes at {degrees[1]} deg, discharge opens at {degrees[2]} deg, "
         f"ends at {degrees[3]} deg; idle before and after, with its dead volume",
     )
+
+
+def _slide(slide: Any, laid: Laid) -> str:
+    """Return where a slide stands, and what it makes of a chamber."""
+    told = parameters_text(slide, skip=())
+    if not laid.moved:
+        return f"{told}; at full load, its slot is shut"
+    share, ratio = closed_in(laid.rotors, laid.curves)
+    return f"{told}; closes in {100.0 * share:.3g} % of the volume, at a volume ratio of {ratio:.3g}"
 
 
 def _sections(values: Any, under: str = "") -> Iterator[str]:

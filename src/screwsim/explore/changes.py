@@ -19,6 +19,7 @@ from screwsim.effects.base import Effect
 from screwsim.machine.kinds import find_machine
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
+from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
@@ -89,7 +90,7 @@ def changeable(scene: Scene, effects: Mapping[str, Effect]) -> dict[str, Leaf]:
 def overrides_of(base: Base, changes: Changes) -> list[str]:
     """Return the changes as PATH=VALUE of `--set`, each value as the program itself writes it; raise Refused.
 
-    Values of an effect that is off are left aside.
+    Values of an effect that is off are left aside. A value that has a tolerance in the scene keeps it.
     """
     on = active(base.scene, changes.effects)
     leaves, found = changeable(base.scene, on), []
@@ -99,8 +100,14 @@ def overrides_of(base: Base, changes: Changes) -> list[str]:
     off = [f"effects.{name}." for name in possible(base.scene) if name not in on]
     for path, raw in changes.values.items():
         if not path.startswith(tuple(off)):
-            found.append(f"{path}={_value(leaves.get(path), path, raw)}")
+            found.append(f"{path}={_value(leaves.get(path), path, raw)}{_tolerance(base.scene, leaves, path, raw)}")
     return found
+
+
+def _tolerance(scene: Scene, leaves: Mapping[str, Leaf], path: str, raw: Any) -> str:
+    """Return the tolerance that a value of the scene has, as it stands behind the value in YAML."""
+    known = scene.uncertain.get(path)
+    return "" if known is None or raw is None else tolerance_text(leaves[path], known)
 
 
 def _value(leaf: Leaf | None, path: str, raw: Any) -> str:

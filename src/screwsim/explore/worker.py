@@ -150,21 +150,35 @@ def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
 
 
 def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
-    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are."""
+    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are.
+
+    With them what the tolerances of the scene make of the figures.
+    """
     from screwsim.derivatives.solving import found
     from screwsim.study.local import numeric_paths
+    from screwsim.study.uncertain import spreads_of
 
-    return answer.slopes(found(scene, numeric_paths(scene)[0]).derivatives, job.tag)
+    values = numeric_paths(scene)[0]
+    by_path = found(scene, values).derivatives
+    by_figure: dict[str, dict[str, float]] = {}
+    for path, each in by_path.items():
+        for name, slope in each.items():
+            by_figure.setdefault(name, {})[path] = slope
+    there = {path: value for path, value in values.items() if path in by_path}
+    halves = {name: spread.expanded for name, spread in spreads_of(scene, there, by_figure).items()}
+    lost = [path for path in scene.uncertain if path not in by_path]
+    return answer.slopes(by_path, {**job.tag, "halves": halves, "lost": lost})
 
 
 def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     """Return the page of a results file of one point."""
     from screwsim.report.page import page_of
     from screwsim.results import open_results, save
+    from screwsim.study.uncertain import with_uncertainty
 
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         path = Path(folder) / "explored.h5"
-        save(path, scene, simulate(scene))
+        save(path, scene, with_uncertainty(scene, simulate(scene)))
         return answer.file(page_of(open_results(path)))
 
 

@@ -25,6 +25,7 @@ _NAMES = {
     "oil_supply.temperature": "oil_temperature",
     "oil_supply.ratio": "oil_ratio",
     "effects.slide_valve.position": "slide_position",
+    "machine.slide_valve.position": "slide_position",
 }
 
 

@@ -169,8 +169,13 @@ class RealGas:
 
     def saturation_pressure(self, T: float) -> float:
         """Return the saturation pressure [Pa] at T [K]; infinite from the critical temperature on."""
-        found = saturation(self.fluid)
-        return float(self._kernels["pressure"](max(T, found.T_low))[0]) if T < found.T_c else inf
+        return self._saturation_pressure(T)
+
+    @cached_property
+    def _saturation_pressure(self) -> Callable[[float], float]:
+        """What `saturation_pressure` does; a few temperatures are asked for again and again."""
+        found, pressure = saturation(self.fluid), self._kernels["pressure"]
+        return lru_cache(maxsize=64)(lambda T: float(pressure(max(T, found.T_low))[0]) if T < found.T_c else inf)
 
     def density(self, p: float, T: float) -> float:
         """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises UsageError for a liquid."""

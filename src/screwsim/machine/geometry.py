@@ -101,6 +101,8 @@ class Geometry(MachineGeometry):
     def stated_volume_ratio(self) -> float | None:
         """Built-in volume ratio that the scene states, where the discharge port follows from it."""
         port = self.settings.discharge_port
+        if self.profile is not None and self.profile.volume_ratio is not None:
+            return self.profile.volume_ratio
         ratios = (self.settings.built_in_volume_ratio, self.settings.axial_volume_ratio)
         stated = [each for each in ratios if each is not None]
         return min(stated) if stated and port is not None and port.law == "profile" else None
@@ -112,8 +114,12 @@ class Geometry(MachineGeometry):
 
     @property
     def outcomes(self) -> tuple[float, ...]:
-        """What tells machines apart whose numbers are all in tables: swept volume [m³], opening of the port [rad]."""
-        return (self.profile.swept, self.profile.opens) if self.profile is not None else ()
+        """What tells machines apart whose numbers are all in tables: volume [m³], opening [rad], way of a slide [m]."""
+        if self.profile is None:
+            return ()
+        slide = self.settings.slide_valve
+        moved = () if slide is None else (slide.position * slide.travel,)
+        return self.profile.swept, self.profile.opens, *moved
 
     def interfaces(self, effect: str) -> tuple[Interface, ...] | None:
         """Return the leakage paths of an effect from the profile; None where formulas of the effects give them."""

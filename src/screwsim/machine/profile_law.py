@@ -17,8 +17,9 @@ import numpy as np
 
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.profile_tables import Table, area_table, volume_table
-from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, make_curves
+from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, closed_in, make_curves
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
+from screwsim.machine.rotors.settings import SlideValve
 from screwsim.machine.settings import TwinScrew
 from screwsim.numerics.spline import LEAST
 
@@ -63,6 +64,8 @@ class Laid:
     suction: Table
     discharge: Table
     interfaces: Mapping[str, tuple[Interface, ...]]  # by effect
+    slot: Table | None = None  # of machine.slide_valve, to suction
+    moved: bool = False  # whether that slide is
 
     @property
     def ends(self) -> float:
@@ -74,6 +77,11 @@ class Laid:
         """Angle at which the discharge port opens [rad]."""
         return self.born + self.curves.discharge_opens
 
+    @property
+    def volume_ratio(self) -> float | None:
+        """Volume where a slide's slot is passed over that where the port opens; None where the slide is not moved."""
+        return closed_in(self.rotors, self.curves)[1] if self.moved else None
+
 
 def lay(machine: TwinScrew) -> Laid:
     """Return the curves of a machine with a profile; raise UsageError with one line a fault."""
@@ -81,12 +89,12 @@ def lay(machine: TwinScrew) -> Laid:
     if profile is None or ratio is None:
         raise UsageError("\n".join(map(str, _missing(machine))))
     sizes = machine.male_lobes, machine.female_lobes, machine.rotor_diameter, machine.rotor_length
-    return _laid(make_rotors(profile, *sizes), ratio, machine.axial_volume_ratio)
+    return _laid(make_rotors(profile, *sizes), ratio, machine.axial_volume_ratio, machine.slide_valve)
 
 
 @lru_cache(maxsize=64)
-def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None) -> Laid:
-    curves, pitch = make_curves(rotors, ratio, axial_ratio), rotors.pair.pitch
+def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideValve | None) -> Laid:
+    curves, pitch = make_curves(rotors, ratio, axial_ratio, slide), rotors.pair.pitch
     before = math.ceil(curves.suction_closes / pitch - 1e-9)
     after = math.ceil((curves.life - curves.suction_closes) / pitch - 1e-9)
     born = before * pitch - curves.suction_closes
@@ -101,7 +109,17 @@ def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None) -> Laid:
         _port(curves.suction, born, _NO_SUCTION).landing(before * pitch - BEFORE_CLOSING),
         _port(curves.discharge, born, _SHUT.format(ratio)),
         {effect: _interfaces(curves, kinds, born) for effect, kinds in EFFECTS.items()},
+        None if curves.slot is None else _slot(curves.slot, born),
+        slide is not None and slide.position > 0.0,
     )
+
+
+def _slot(curve: Curve, born: float) -> Table:
+    """Return the area of a slide's slot; nothing over the whole life where the slide is not moved."""
+    if curve.value.max() > 0.0:
+        return area_table(curve, born)
+    ends = curve.angle[[0, -1]] + born
+    return Table(ends, np.zeros(2), np.zeros((1, 2)), (float(ends[0]), float(ends[1])))
 
 
 def _port(parts: Mapping[str, Curve], born: float, shut: str) -> Table:

@@ -10,7 +10,7 @@ from typing import Any
 from screwsim.declare import DerivedCount, choice, count, file, number, quantity
 from screwsim.faults import Fault
 from screwsim.machine.protocol import MachineSettings
-from screwsim.machine.rotors.settings import Profile
+from screwsim.machine.rotors.settings import Profile, SlideValve
 
 TURN = 2.0 * math.pi
 LIFE = 2.0 * TURN  # angle of a chamber's life, 720° (paper, before eq. 5)
@@ -126,6 +126,7 @@ class TwinScrew(MachineSettings):
         gt=1.0,
         hardly=(None, 12.0),
     )
+    slide_valve: SlideValve | None = None
     profile: Profile | None = None
     volume: VolumeLaw = None  # type: ignore[assignment]  # the scene always gives it
     suction_port: SuctionPort | None = None

@@ -157,6 +157,17 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
     if machine.axial_volume_ratio is not None and machine.volume.law != "profile":
         what = "belongs to law: profile, whose discharge port has two parts (remove it)"
         yield Fault("machine.axial_volume_ratio", what)
+    if machine.slide_valve is not None:
+        yield from _of_slide(machine)
+
+
+def _of_slide(machine: TwinScrew) -> Iterator[Fault]:
+    port, path = machine.discharge_port, "machine.slide_valve"
+    if machine.volume.law != "profile" or port is None or port.law != "profile":
+        what = "needs rotors: machine.volume.law and machine.discharge_port.law: profile"
+        yield Fault(path, f"{what} (write these; under other laws effects.slide_valve states its own angles)")
+    elif machine.mode == "expander":
+        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
 
 
 def _of_family(machine: TwinScrew) -> Iterator[Fault]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import at_nodes, closing_ports, ledger, places, slices, surroundings, trace
+from screwsim.model import closing_ports, ledger, places, slices, surroundings, trace
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
@@ -21,7 +21,7 @@ READ_WITH = (places.places_along, history.add_history, history.states_at, ledger
 READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along)
 
 # what a pitch is linearised with
-AT_NODES = (at_nodes.rates_at, at_nodes.derivatives_at)
+OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)
 
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (
@@ -57,7 +57,7 @@ def module_text(
     if together:
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
     slots = asked | {name: each.flat_name for name, each in pasted.items()}
-    drivers = (rodas.integrate, *((*AT_NODES, slices.derivatives) if together else ()))
+    drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
     rest = [*pasted.values(), *(() if together else (*READ_WITH, *read_with))]
     for more in (flatten(rest, own, numbers=numbers), driver):

@@ -55,6 +55,7 @@ class Machinery:
         self.counts = np.zeros(4, np.int64)
         self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
         self._together: dict[str, Any] = {}
+        self._rows: dict[int, tuple[Array, Array]] = {}  # of `states_along`, by how many
         self._reading = Lock()
         self.compile_time = 0.0
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
@@ -179,11 +180,12 @@ class Machinery:
         times, dense, steps = histories[-1]
         self._make_room(steps)
         old = self.histories[0]
-        old[0][: steps + 1], target = times, old[1][:steps]
+        old[0][: steps + 1] = times
         self.kept[:] = 0, steps
-        np.multiply(dense, weights[-1], out=target)
-        for weight, (t, d, n) in zip(weights[:-1], histories[:-1], strict=True):
-            self.module.history__add_history(times, steps, t, d, n, weight, target)
+        *others, last = weights.tolist()
+        np.multiply(dense, last, out=old[1][:steps])
+        for weight, (t, d, n) in zip(others, histories[:-1], strict=True):
+            self.module.history__add_history(times, steps, t, d, n, weight, old[1])
 
     def states_at(self, angles: Array, before: int | None = None) -> Array:
         """Return the states of the last history at increasing angles, one row an angle.
@@ -195,6 +197,20 @@ class Machinery:
         steps = int(self.kept[1]) if before is None else before
         self.module.history__states_at(angles, times, dense, steps, out)
         return out
+
+    def states_along(self, first: Array, angles: Array) -> Array:
+        """Return a state (n,) and behind it those of the last history at increasing angles.
+
+        In rows that are this workspace's own: the next call writes over them.
+        """
+        rows = self._rows.get(len(angles))
+        if rows is None:
+            every = np.empty((len(angles) + 1, self.n))
+            rows = self._rows[len(angles)] = every, every[1:]  # held: where an array stands is remembered
+        rows[0][0] = first
+        times, dense, _ = self.histories[0]
+        self.module.history__states_at(angles, times, dense, int(self.kept[1]), rows[1])
+        return rows[0]
 
     def install(self, times: Array, dense: Array, quads: Array) -> None:
         """Put a history of states in place as the last turn's, and fill the places of its steps."""

@@ -1,7 +1,10 @@
-"""All chambers in the middles of the slices of a pitch: their rates, and how these hang on the states.
+"""All chambers at many angles of a pitch in one call: their rates, and how these hang on the states.
 
-A chamber that is open to a line follows its pressure within a few pascals, by which gas flows in or out, and a history
-between the ends of steps is off by as many. So the states are led from there to where they change as the history does.
+Row k of every array is of the angle k. In the middles of slices the states are led as well (`derivatives`): a chamber
+that is open to a line follows its pressure within a few pascals, by which gas flows in or out, and a history
+between the ends of steps is off by as many. So the states go from there to where they change as the history does.
+
+Reached by the slots of the integrator (`numerics.rodas`).
 
 Source: docs/explanation/numerics.md, Newton's correction.
 """
@@ -18,6 +21,29 @@ from screwsim.numerics.rodas import QUADRATURES, STATES, jacobian, rates, surrou
 
 INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
 BESIDE = 1e-7  # rad, for derivatives by the angle, which nothing here uses
+
+
+@kernel
+def rates_at(angles, middles, y, context, n_e, f, g):
+    """Fill f[k] with the rates of the states y[k] at angles[k] [rad], g[k] with those of the quadratures.
+
+    `middles` are angles of the same segments of the laws: they tell the side of a breakpoint.
+    """
+    E = np.empty(n_e)
+    for k in range(angles.shape[0]):
+        surroundings(angles[k], middles[k], context, E)
+        rates(y[k], E, context, f[k], g[k])
+
+
+@kernel
+def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq):
+    """Do what `rates_at` does; fill J[k] and Jq[k] with the derivatives of both by the states."""
+    E = np.empty(n_e)
+    f_phi = np.empty(STATES)
+    g_phi = np.empty(QUADRATURES)
+    for k in range(angles.shape[0]):
+        surroundings(angles[k], middles[k], context, E)
+        jacobian(y[k], E, E, BESIDE, context, f[k], g[k], J[k], Jq[k], f_phi, g_phi)
 
 
 @kernel
@@ -103,7 +129,6 @@ def derivatives(phi, widths, y, changes, logarithmic, size, least_oil, led, R, P
     led[2] more than they do (`changes`) over their slice.
     """
     E = np.empty(n_e)
-    E_next = np.empty(n_e)
     f = np.empty(STATES)
     g = np.empty(QUADRATURES)
     f_phi = np.empty(STATES)
@@ -114,10 +139,9 @@ def derivatives(phi, widths, y, changes, logarithmic, size, least_oil, led, R, P
     asked = 0
     for k in range(phi.shape[0]):
         surroundings(phi[k], phi[k] - INSIDE, context, E)
-        surroundings(phi[k] + BESIDE, phi[k] - INSIDE, context, E_next)
         left = led[0]
         while left >= 0.0:
-            jacobian(y[k], E, E_next, BESIDE, context, f, g, A[k], Jq[k], f_phi, g_phi)
+            jacobian(y[k], E, E, BESIDE, context, f, g, A[k], Jq[k], f_phi, g_phi)
             asked += 1
             largest = in_coordinates(y[k], f, A[k], widths[k], changes[k], logarithmic, size, least_oil, off)
             if left == 0.0 or not largest > led[2]:

@@ -6,13 +6,14 @@ whatever its workspace does next.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from threading import Lock
 from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.codegen.calls import Context
+from screwsim.codegen.calls import Context, copied
 from screwsim.model import compiled, ledger
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext
@@ -47,9 +48,9 @@ class Trajectory(NamedTuple):
         """Return the same, in arrays of its own that nobody writes into."""
         c, steps = self.composition, self.steps
         own = [self.times[: steps + 1], self.dense[:steps], self.quads[:steps], c.P, self.R]
-        times, dense, quads, P, R = (array.copy() for array in own)
-        scratch = (array.copy() for array in self.context[-3:])  # hints, state, own
-        kept = np.array([0, steps])
+        scratch = self.context[-4:]  # kept, hints, state, own
+        times, dense, quads, P, R, kept, *scratch = copied([*own, *scratch])
+        kept[:] = 0, steps
         context = Context(ChamberContext(P, c.TAB, R, times, dense, times, dense, kept, *scratch))
         for array in (times, dense, quads, P, R):
             array.flags.writeable = False
@@ -78,8 +79,14 @@ class Trajectory(NamedTuple):
 
     def sum_until(self, angle: float, quadrature: int) -> float:
         """Return what a quadrature has come to at an angle [rad], even within a step."""
-        sums = np.append(0.0, self.quads[: self.steps, quadrature])
-        return float(np.interp(angle, self.times[: self.steps + 1], sums))
+        times, i = self.times, bisect_right(self.times, angle, 0, self.steps + 1) - 1
+        if i < 0:
+            return 0.0
+        before = float(self.quads[i - 1, quadrature]) if i > 0 else 0.0
+        if i == self.steps or times[i] == angle:
+            return before
+        began, ended = float(times[i]), float(times[i + 1])
+        return (float(self.quads[i, quadrature]) - before) / (ended - began) * (angle - began) + before
 
     def sample(self, angles: Array) -> tuple[Array, Array]:
         """Return rows of (V, p, work, dm/dφ, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from screwsim.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
 from screwsim.figures import declared
 from screwsim.outputs import STATUSES, Result, sorted_entries
+from screwsim.printing.ranges import ranges_text, uncertainty_ranges
 from screwsim.printing.tables import wrapped
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
@@ -231,6 +232,8 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
         {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
         for kind in found.kinds
     ]
+    if len(results.uncertainty):
+        document["uncertainty"] = uncertainty_ranges(results)
     return document
 
 
@@ -254,6 +257,8 @@ def print_sweep(document: Mapping[str, Any]) -> None:
     more = len(document["warnings"]) - MOST_WARNINGS
     if more > 0:
         say(f"… and {more} other kinds of warnings, in the file")
+    if "uncertainty" in document:
+        say(wrapped(printable(f"uncertain by the inputs alone: {ranges_text(document['uncertainty'])}")))
 
 
 def _where(values: Mapping[str, Any]) -> str:

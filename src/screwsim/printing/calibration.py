@@ -48,6 +48,8 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
         "seed": found.fit.seed,
         "solutions": found.solutions,
         "failed_solutions": found.failed,
+        "jacobians": found.jacobians,
+        "slopes": {path: why or "exact" for path, why in found.methods.items()},
     }
 
 
@@ -92,7 +94,9 @@ def print_calibration(found: Calibration) -> None:
     if found.fit.title or found.fit.scene.title:
         say(wrapped(found.fit.title or found.fit.scene.title))
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
-    say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}"))
+    say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
+    for line in _methods(found):
+        say(wrapped(line))
     if found.message:
         say(wrapped(f"{found.status}: {found.message}"))
     if not found.values:
@@ -106,6 +110,15 @@ def print_calibration(found: Calibration) -> None:
     say()
     for line in (*_quality(found), *_warnings(found)):
         say(wrapped(line))
+
+
+def _methods(found: Calibration) -> Iterator[str]:
+    """Yield how the slopes by the parameters were found, parameters of one kind together."""
+    names = dict(zip((each.path for each in found.fit.parameters), short_names(found), strict=True))
+    for why in dict.fromkeys(found.methods.values()):
+        some = [names[path] for path, each in found.methods.items() if each == why]
+        which = "" if len(some) == len(names) else f" of {', '.join(some)}"
+        yield f"slopes{which}: " + (f"differences ({why})" if why else "exact")
 
 
 def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:

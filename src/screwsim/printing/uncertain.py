@@ -23,34 +23,73 @@ USUAL = (
 
 
 def print_uncertainty(result: Result) -> None:
-    """Print value, numerical error, uncertainty by the inputs and the largest contributors of the usual figures."""
-    found = result.uncertainty["figures"]
+    """Print of the usual figures value, numerical error, what the inputs make of it, and the error of the model.
+
+    Each of the three stands for itself, and below a figure the inputs that make the most of its part.
+    """
+    found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
+    by_model = model.get("figures", {})
     rows, named = [], []
-    for name in (name for name in USUAL if name in found):
-        value, spread = result.performance[name], found[name]
-        if spread["expanded"] > NOTHING * abs(value):
-            rows.append([shown_name(name), *_shown(result, name, value, spread)])
+    for name in (name for name in USUAL if name in found or name in by_model):
+        value, spread = result.performance[name], found.get(name, {"expanded": 0.0, "contributors": ()})
+        if spread["expanded"] > NOTHING * abs(value) or name in by_model:
+            rows.append([shown_name(name), *_shown(result, name, spread["expanded"], model)])
             named.append(_named(spread["contributors"]))
+    parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
+    kept = [True, True, True, *(there for _, there in parts)]
     say()
     if rows:
-        head, *lines = plain_table(["uncertain by", "value", "unit", "numerical", "inputs"], rows, 1)
+        heads = ["uncertain by", "value", "unit", *(word for word, _ in parts)]
+        table = [[cell for cell, there in zip(row, kept, strict=True) if there] for row in (heads, *rows)]
+        head, *lines = plain_table(table[0], table[1:], 1)
         say(head)
         for line, text in zip(lines, named, strict=True):
             say(line)
-            say(textwrap.indent(wrapped(f"  {text}"), "  "))
-    told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
-    say(wrapped(f"{told}; shares are those of the variance; the model's own error is another (screwsim validate)"))
-    for path, why in result.uncertainty["left_out"].items():
-        say(wrapped(f"warning: {path} is in none of them: {why}"))
+            if text:
+                say(textwrap.indent(wrapped(f"  {text}"), "  "))
+    if found:
+        told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
+        other = "" if model else "; the model's own error is another (screwsim validate)"
+        say(wrapped(f"{told}; shares are those of the variance{other}"))
+    for line in model_lines(model):
+        say(wrapped(line))
 
 
-def _shown(result: Result, name: str, value: float, spread: Mapping[str, Any]) -> list[str]:
-    about = declared(name, result.performance)
+def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
+    value, about = result.performance[name], declared(name, result.performance)
     factor, unit = _scale(about, value)
     error = result.error.get(name)
     number = f"{value:.2f}" if about.units == "K" else engineering(about, value)[0]
     numerical = "" if error is None else f"± {factor * abs(value) * error:.1g}"
-    return [number, unit, numerical, f"± {factor * spread['expanded']:.2g}"]
+    inputs = f"± {factor * expanded:.2g}" if expanded else ""
+    return [number, unit, numerical, inputs, ends_text(name, model, factor)]
+
+
+def ends_text(name: str, model: Mapping[str, Any], factor: float) -> str:
+    """Return the ends of the error of the model of a figure; in brackets where the scene lies outside."""
+    told = model.get("figures", {}).get(name)
+    if told is None:
+        return ""
+    text = " … ".join(f"{factor * told[end]:+.2g}" for end in ("low", "high"))
+    return f"({text})" if model["outside"] else text
+
+
+def model_lines(model: Mapping[str, Any]) -> list[str]:
+    """Return what is said of the error of the model: where it comes from, what is not known, whether it holds here."""
+    if not model:
+        return []
+    figures = model["figures"]
+    if not figures:
+        return [f"model: {model['of']} states no error of a figure that this scene has"]
+    points = max(each["points"] for each in figures.values())
+    missing = list(dict.fromkeys(word for each in figures.values() for word in each["not_stated"]))
+    lines = [f"model: ours less theirs at the {points} points of {model['of']} that nothing was fitted to, E ± 2 u_val"]
+    lines[0] += f"; without {', '.join(missing)}, which nobody states" if missing else ""
+    lines[0] += f". {model['citation']}"
+    out = model["outside"]
+    inside = "this scene lies within what was validated"
+    lines.append(f"warning: validated elsewhere, so that the error may be another: {'; '.join(out)}" if out else inside)
+    return lines
 
 
 def _scale(about: Any, value: float) -> tuple[float, str]:
@@ -89,6 +128,8 @@ def print_check(found: Uncertainty) -> None:
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
     for each in wrong:
         say(wrapped(each))
+    if rows and not wrong:
+        say("linear is right for all of these figures")
 
 
 def check_document(found: Uncertainty) -> dict[str, Any]:

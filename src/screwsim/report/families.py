@@ -12,6 +12,7 @@ from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_ax
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.results.warned import warns
+from screwsim.scene.types import COVERAGE
 
 SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
 FEWEST = 2  # points that make a curve
@@ -24,7 +25,7 @@ class Curve(NamedTuple):
     """One curve in shown units: `at` are the values of the sweep's axis, `closed` is False where a case did not close.
 
     `warned` is True where a case closed with a warning. Points are in the order of the axis, reversed where x falls
-    along it.
+    along it. `low` and `high` are the ends of the 95 % interval by the tolerances of the inputs, empty without them.
     """
 
     text: str
@@ -33,6 +34,13 @@ class Curve(NamedTuple):
     closed: np.ndarray
     at: np.ndarray
     warned: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    @property
+    def banded(self) -> bool:
+        """Whether any point has an interval by the inputs."""
+        return bool(np.isfinite(self.low).any())
 
 
 class Layout(NamedTuple):
@@ -125,6 +133,9 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
     if x_name is not None:
         x = _rows(results, layout, chosen, shown_figure(results, x_name).of(results.performance[x_name]))
     y = _rows(results, layout, chosen, shown_figure(results, y_name).of(results.performance[y_name]))
+    half = COVERAGE * results.uncertainty[y_name] if y_name in results.uncertainty else np.full(results.shape, np.nan)
+    ends = (results.performance[y_name] - half, results.performance[y_name] + half)
+    low, high = (_rows(results, layout, chosen, shown_figure(results, y_name).of(end)) for end in ends)
     closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
     failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
     warned = _rows(results, layout, chosen, warns(results)) & closed
@@ -135,7 +146,8 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
         if len(kept) < FEWEST:
             continue
         kept = kept if x[i][kept[-1]] >= x[i][kept[0]] else kept[::-1]
-        curves.append(Curve(text, x[i][kept], y[i][kept], closed[i][kept], at[i][kept], warned[i][kept]))
+        columns = (x, y, closed, at, warned, low, high)
+        curves.append(Curve(text, *(column[i][kept] for column in columns)))
     return curves
 
 
@@ -149,6 +161,15 @@ def left_out(results: Results, layout: Layout, chosen: dict[int, int], curves: l
 def not_closed(curves: list[Curve]) -> int:
     """Return the number of cases shown that did not close."""
     return sum(int(np.count_nonzero(~curve.closed)) for curve in curves)
+
+
+def band_words(results: Results, curves: list[Curve]) -> str:
+    """Return what the bands around curves are; empty without any."""
+    if not any(curve.banded for curve in curves):
+        return ""
+    count = sum(len(label.split(" + ")) for label in results.contributions["contributor"])
+    whose = f"tolerances of {count} inputs" if count > 1 else "tolerance of one input"
+    return f"band: 95 % interval by the {whose} alone"
 
 
 def with_warnings(curves: list[Curve]) -> int:

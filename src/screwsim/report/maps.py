@@ -20,6 +20,7 @@ _FEWEST = 3  # values on each axis that make a map
 _LEVELS = 18
 _COOLING = ("cooling_capacity", "cop")
 _FINE = 61  # places along an axis between which contours are drawn: straight lines between few values make corners
+_BEYOND = 0.02  # of the values' span: a smooth surface that goes farther beyond them invents a summit
 _POINTS_SHOWN = 150  # up to so many computed points are marked
 
 
@@ -74,17 +75,20 @@ def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int,
 def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
     """Return the surface on more places, by the smooth bicubic through its values: a ridge stays one between them.
 
-    A surface with gaps, or with many values, stays as it is.
+    Where that rises or falls beyond all values, as through three speeds far apart, shape-preserving cubics along one
+    axis and then the other (Fritsch & Carlson 1980) take its place: no summit is drawn that was not computed. A
+    surface with gaps, or with many values, stays as it is.
     """
-    from scipy.interpolate import RectBivariateSpline
+    from scipy.interpolate import RectBivariateSpline, pchip_interpolate
 
     if np.ma.getmaskarray(z).any() or max(len(x), len(y)) > _FINE:
         return x, y, z
-    logs = is_log(x), is_log(y)
+    logs, z = (is_log(x), is_log(y)), np.asarray(z)
     u, v = (np.log(values) if log else values for values, log in zip((x, y), logs, strict=True))
-    spline = RectBivariateSpline(v, u, np.asarray(z), kx=min(3, len(v) - 1), ky=min(3, len(u) - 1))
     fine_u, fine_v = (np.unique(np.concatenate([np.linspace(w[0], w[-1], _FINE), w])) for w in (u, v))
-    surface = spline(fine_v, fine_u)
+    surface = RectBivariateSpline(v, u, z, kx=min(3, len(v) - 1), ky=min(3, len(u) - 1))(fine_v, fine_u)
+    if max(surface.max() - z.max(), z.min() - surface.min()) > _BEYOND * (z.max() - z.min()):
+        surface = pchip_interpolate(u, pchip_interpolate(v, z, fine_v, axis=0), fine_u, axis=1)
     fine_x, fine_y = (np.exp(w) if log else w for w, log in zip((fine_u, fine_v), logs, strict=True))
     return fine_x, fine_y, surface
 

@@ -42,7 +42,8 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     upper.set_xlabel("")
     upper.tick_params(labelbottom=False)
     heading, words = families.curves_heading(results, layout)
-    note(figure, constant, words, *remarks(over_ratio, found), left_out(results, layout, chosen, over_ratio))
+    told = (*remarks(over_ratio, found), families.band_words(results, over_ratio))
+    note(figure, constant, words, *told, left_out(results, layout, chosen, over_ratio))
     if layout.curves is None:
         label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])
         return figure

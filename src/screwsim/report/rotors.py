@@ -13,6 +13,8 @@ from screwsim.machine.rotors.curves import Curves, make_curves
 from screwsim.machine.rotors.export import coefficients_csv, curves_csv, lobe_csv, outline_dxf, profile_csv
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.rotors import Rotors
+from screwsim.machine.rotors.settings import SlideValve
+from screwsim.report.slide_valve import slide_figure
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.results.atomic import make_folder, write_text
 
@@ -20,16 +22,24 @@ MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
 
 
-def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path, axial_ratio: float | None = None) -> list[str]:
+def draw_rotors(
+    rotors: Rotors,
+    volume_ratio: float,
+    folder: str | Path,
+    axial_ratio: float | None = None,
+    slide: SlideValve | None = None,
+) -> list[str]:
     """Write all figures (PNG, PDF) and all files (CSV, DXF) of a pair and return their paths."""
     target = Path(folder)
-    curves = make_curves(rotors, volume_ratio, axial_ratio)
+    curves = make_curves(rotors, volume_ratio, axial_ratio, slide)
     plans = {
         "rotors": partial(mesh_figure, rotors),
         "sealing_line": partial(sealing_figure, rotors),
         "volume": partial(volume_figure, curves),
         "areas": partial(areas_figure, curves),
     }
+    if slide is not None:
+        plans["slide_valve"] = partial(slide_figure, rotors, volume_ratio, axial_ratio, slide)
     written = write_all(plans, target)
     male, female = outlines(rotors.pair, rotors.chain)
     files = {

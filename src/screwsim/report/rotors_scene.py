@@ -15,7 +15,7 @@ from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.rotors import end_face
-from screwsim.machine.rotors.curves import Curve
+from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
 from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
@@ -63,6 +63,10 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
         except UsageError:
             continue
         own[f"opens_at_{wanted:g}"] = (angle, "rad", f"of a chamber's life: the port opens for Vi = {wanted:g}")
+    if laid.slot is not None:
+        share, volume_ratio = closed_in(rotors, laid.curves)
+        own["slide_volume_share"] = (share, "1", "of the largest volume: closed in, the slide at its position")
+        own["slide_volume_ratio"] = (volume_ratio, "1", "from there to the opening of the discharge port")
     axis = {
         "scene_life": (laid.life, "whole pitches, as the scene counts them"),
         "scene_birth": (laid.born, "the chamber is born; idle before"),
@@ -108,7 +112,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
     laid = laid_of(scene)
     machine = twin_screw(scene.machine)
     ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
-    written = draw_rotors(laid.rotors, ratio, folder, axial)
+    written = draw_rotors(laid.rotors, ratio, folder, axial, machine.slide_valve)
     tables = folder / "table"
     make_folder(tables)
     texts = {folder / "rotors.html": page(laid, scene.title)}
@@ -132,6 +136,10 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
             files[f"{name}.csv"] = _path_csv(laid.interfaces[name], getattr(parameters, "gap", None))
             changes: dict[str, Any] = {"area_file": str(folder.resolve() / f"{name}.csv")}
             effects[name] = replace(effects[name], parameters=replace(parameters, **changes))
+    if laid.slot is not None and "slide_valve" in effects:
+        files["slide_valve.csv"] = _csv(laid.slot, "m^2")
+        parameters = replace(effects["slide_valve"].parameters, area_file=str(folder.resolve() / "slide_valve.csv"))
+        effects["slide_valve"] = replace(effects["slide_valve"], parameters=parameters)
     tabled = replace(
         scene, machine=_tabled(scene, laid, folder.resolve()), effects=effects, sweep={}, folder=str(folder.resolve())
     )
@@ -174,6 +182,7 @@ def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
         displacement=None,
         built_in_volume_ratio=None,
         axial_volume_ratio=None,
+        slide_valve=None,
         volume=volume,
         **ports,
         **stated,

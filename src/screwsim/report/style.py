@@ -91,6 +91,7 @@ def write(figure: Any, folder: Path, name: str) -> list[str]:
         path = folder / f"{name}.{form}"
         with replacing(path) as temporary, temporary.open("wb") as file:
             figure.savefig(file, format=form, metadata=metadata)
+        figure.set_layout_engine("none")  # found once: it takes most of the time, and all forms are to look alike
         written.append(str(path))
     return written
 

@@ -18,6 +18,7 @@ from screwsim.results import Results
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
 OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
 _LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
+_BAND = 0.16  # opacity of a band
 _POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
 
 
@@ -43,7 +44,8 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
     x_label = shown_axis(results.axis_list[layout.x]).label
     label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
     heading, words = families.curves_heading(results, layout)
-    note(figure, constant, words, *remarks(curves, found), left_out(results, layout, chosen, curves))
+    told = (*remarks(curves, found), families.band_words(results, curves))
+    note(figure, constant, words, *told, left_out(results, layout, chosen, curves))
     if layout.curves is not None:
         label_curves([(axes, curves)], heading)
     return figure
@@ -60,7 +62,8 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
         label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
     widest = max(shown.values(), key=len)
     heading, words = families.curves_heading(results, layout)
-    note(figure, constant, words, *remarks(widest, 0), left_out(results, layout, chosen, widest))
+    told = (*remarks(widest, 0), families.band_words(results, widest))
+    note(figure, constant, words, *told, left_out(results, layout, chosen, widest))
     if layout.curves is not None:
         label_curves(zip(panels, shown.values(), strict=True), heading)
     return figure
@@ -69,6 +72,8 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
 def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
     """Draw curves, crosses where a case did not close, triangles where it warns, circles at optima; count the optima.
 
+    Around a curve lies the band of its inputs' tolerances, where it has one.
+
     The parabola that an optimum is the top of is drawn thin, as it may leave the lines between far points.
     """
     found = 0
@@ -76,6 +81,8 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
     for i, curve in enumerate(curves):
         style = line_style(i, len(curves))
         axes.plot(curve.x, curve.y, **style)
+        if curve.banded:
+            axes.fill_between(curve.x, curve.low, curve.high, color=style["color"], alpha=_BAND, linewidth=0.0)
         plain = curve.closed & ~curve.warned
         _mark(axes, curve.x[plain], curve.y[plain], marker, style["color"])
         _mark(axes, curve.x[curve.warned], curve.y[curve.warned], "^", style["color"])

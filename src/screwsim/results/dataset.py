@@ -12,7 +12,8 @@ from screwsim.outputs.tables import library
 from screwsim.results.read import OWN, Group, Results
 from screwsim.results.schema import Axis
 
-_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum")
+_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum", "contributions")
+_UNCERTAIN = "_u"  # behind the name of a figure: its standard uncertainty by the inputs
 
 
 def dataset(results: Results, group: str | None) -> Any:
@@ -26,6 +27,9 @@ def dataset(results: Results, group: str | None) -> Any:
     variables = {}
     for prefix, part in parts:
         variables |= _variables(part, prefix, results.axis_list)
+    if group in (None, "performance"):
+        own = _variables(results.uncertainty, "", results.axis_list)
+        variables |= {name + _UNCERTAIN: variable for name, variable in own.items()}
     coordinates = {
         inner.name: (axis.name, inner.values, {"units": inner.units, "long_name": inner.long_name, "path": inner.path})
         for axis in results.axis_list
@@ -50,6 +54,9 @@ def frame(results: Results, group: str) -> Any:
             values = results.status
         if name not in joined and values.ndim in (0, len(results.shape)):
             columns[name] = np.broadcast_to(values, results.shape).ravel()
+    if group == "performance":
+        own = {name: results.uncertainty[name] for name in results.uncertainty}
+        columns |= {name + _UNCERTAIN: np.asarray(values).ravel() for name, values in own.items()}
     return library("pandas").DataFrame({name: np.atleast_1d(column) for name, column in columns.items()})
 
 

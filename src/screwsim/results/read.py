@@ -19,8 +19,13 @@ from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
-_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum")  # the first two come with traces, the others of their studies
-OWN = {"cycle": "angle", "knock_out": "effect"}  # the coordinate of its own that a group has
+# the first two come with traces, the next of their studies, the last two of scenes with tolerances
+_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions")
+OWN = {
+    "cycle": "angle",
+    "knock_out": "effect",
+    "contributions": "contributor",
+}  # the coordinate of its own that a group has
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
@@ -96,6 +101,8 @@ class Results:
     ledger: Group  # empty unless the traces were kept
     knock_out: Group  # over `effect`; empty unless it was asked for, of one run
     optimum: Group  # over the first axis; empty unless an optimisation wrote the file
+    uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
+    contributions: Group  # over `contributor`: what one standard uncertainty of each input changes
 
     @property
     def scene_yaml(self) -> str:

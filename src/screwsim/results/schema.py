@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import json
 import os
 import platform
 import sys
@@ -23,9 +24,11 @@ from screwsim.declare import KINDS
 from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.results.identity import version
+from screwsim.scene.model_errors import stored
 from screwsim.scene.types import Scene
 
 RELATIVE_TO = "relative_to"  # attribute of an error: what it is relative to (`outputs.Scale`)
+MODEL_ERROR = "model_error"  # attribute: what the validation that the scene names says of it, as JSON
 SCHEMA = 1  # raise when a reader of the older files would misread a newer one
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "CoolProp")
 _NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
@@ -172,4 +175,6 @@ def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
         "python_version": platform.python_version(),
         "numba_version": "not used",  # its compiler, LLVM, is, through llvmlite
     }
+    if scene.model_error:
+        attributes[MODEL_ERROR] = json.dumps({"of": scene.model_error, **stored()[scene.model_error]})
     return attributes | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}

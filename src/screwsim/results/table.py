@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, reduce
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -40,7 +40,9 @@ class Table:
     `status` int8 (cases,); `about` the figures of performance that any of the cases calls for; `figures` float64
     (cases, `columns_of` these), NaN where a figure is None or not called for; `texts` {name: Texts};
     `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case
-    without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces.
+    without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces;
+    `inputs` the names of those with a tolerance, `changes` {figure: float64 (cases, inputs)} what one standard
+    uncertainty of each changes, NaN for a case without figures and for an input without a derivative.
     """
 
     status: np.ndarray
@@ -52,6 +54,8 @@ class Table:
     traces: Mapping[str, np.ndarray] = field(default_factory=dict)
     ledger: Mapping[str, np.ndarray] = field(default_factory=dict)
     about: tuple[Figure, ...] = ()
+    inputs: tuple[str, ...] = ()
+    changes: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.status)
@@ -60,6 +64,7 @@ class Table:
     def size(self) -> int:
         """Size of the numbers [byte]."""
         arrays = (self.status, self.figures, self.angle, *self.traces.values(), *self.ledger.values())
+        arrays += tuple(self.changes.values())
         return sum(array.nbytes for array in arrays) + sum(texts.number.nbytes for texts in self.texts.values())
 
     def column(self, group: str, name: str) -> np.ndarray:
@@ -79,6 +84,8 @@ class Table:
             {name: trace[chosen] for name, trace in self.traces.items()},
             {name: values[chosen] for name, values in self.ledger.items()},
             self.about,
+            self.inputs,
+            {name: values[chosen] for name, values in self.changes.items()},
         )
 
 
@@ -131,6 +138,7 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
         traces=_traces(results, with_cycle, angle),
         ledger=_ledgers(results) if keep_cycle else {},
         about=about,
+        **_uncertainties(results),
     )
 
 
@@ -205,6 +213,37 @@ def _ledgers(results: Sequence[Result]) -> dict[str, np.ndarray]:
     return {name: np.array(row, float) for name, row in zip(names, rows, strict=True)}  # None becomes NaN
 
 
+def _uncertainties(results: Sequence[Result]) -> dict[str, Any]:
+    """Return the inputs with tolerances and what each changes, where results tell it."""
+    told = {row: result.uncertainty for row, result in enumerate(results) if "figures" in result.uncertainty}
+    if not told:
+        return {}
+    inputs = tuple(" + ".join(group) for group in next(iter(told.values()))["groups"])
+    changes: dict[str, np.ndarray] = {}
+    for row, each in told.items():
+        places = {tuple(group): place for place, group in enumerate(each["groups"])}
+        lost = [place for group, place in places.items() if not set(group) - each["left_out"].keys()]
+        for name, spread in each["figures"].items():
+            there = changes.setdefault(name, np.full((len(results), len(inputs)), np.nan))[row]
+            there[:] = 0.0
+            there[lost] = np.nan
+            for one in spread["contributors"]:
+                place = next(at for group, at in places.items() if set(one["paths"]) <= set(group))
+                there[place] = one["change"] / each["coverage_factor"]
+    return {"inputs": inputs, "changes": changes}
+
+
+def changes_of(table: Table, name: str, inputs: int) -> np.ndarray:
+    """Return what the inputs change of a figure (cases, inputs), NaN when the table says nothing of it."""
+    return table.changes[name] if name in table.changes else np.full((len(table), inputs), np.nan)
+
+
+def standard_of(changes: np.ndarray) -> np.ndarray:
+    """Return the standard uncertainty (…) of what inputs change (…, inputs): independent ones add in squares."""
+    some = np.isfinite(changes).any(axis=-1)
+    return np.where(some, np.sqrt(np.nansum(np.square(changes), axis=-1)), np.nan)
+
+
 def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
     """Raise UsageError unless both are one grid (1e-9 degree): the traces of a sweep share one coordinate."""
     if angle.shape != other.shape or not np.allclose(angle, other, rtol=0.0, atol=1e-9):
@@ -222,6 +261,8 @@ def join(tables: Sequence[Table]) -> Table:
     about = reduce(merged, {names_of(table.about): table.about for table in tables}.values(), ())
     traces = trace_names(name for table in tables for name in table.traces)
     ledger = ledger_names(name for table in tables for name in table.ledger)
+    inputs = next((table.inputs for table in tables if table.inputs), ())
+    changed = dict.fromkeys(name for table in tables for name in table.changes)
     return Table(
         status=np.concatenate([table.status for table in tables]),
         figures=np.concatenate([_figures_of(table, about) for table in tables]),
@@ -232,6 +273,8 @@ def join(tables: Sequence[Table]) -> Table:
         traces={name: np.concatenate([rows_of(table, name, angle.size) for table in tables]) for name in traces},
         ledger={name: np.concatenate([ledger_of(table, name) for table in tables]) for name in ledger},
         about=about,
+        inputs=inputs,
+        changes={name: np.concatenate([changes_of(table, name, len(inputs)) for table in tables]) for name in changed},
     )
 
 

@@ -23,6 +23,7 @@ _CASE_TEXTS = {
     "notes": "why a figure of a simulated effect has no value, one a line",
 }
 
+UNCERTAINTY, CONTRIBUTIONS, CONTRIBUTOR = "uncertainty", "contributions", "contributor"  # groups; the dimension
 
 # in every file, of failed cases alone, too
 _ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
@@ -38,6 +39,8 @@ class Names:
     angle: tuple[float, ...]
     traces: tuple[str, ...]
     ledger: tuple[str, ...]
+    inputs: tuple[str, ...] = ()  # with tolerances
+    uncertain: tuple[str, ...] = ()  # figures of which these make an uncertainty
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,8 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
     traces: dict[str, None] = {}
     ledger: dict[str, None] = {}
     figures: tuple[Figure, ...] = ()
+    inputs: tuple[str, ...] = ()
+    uncertain: set[str] = set()
     for head in heads:
         figures = figures if head.about == figures else merged(figures, head.about)
         effects, states = effects or head.effects, states or head.states
@@ -67,8 +72,12 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
             words[name].update(map(text_lines, head.texts[name].words))
         traces |= dict.fromkeys(head.traces)
         ledger |= dict.fromkeys(head.ledger)
+        inputs = inputs or head.inputs
+        uncertain.update(head.changes)
     figures, angles = merged(figures, _ALWAYS), tuple(angle.tolist())
-    found = Names(figures, effects, states, angles, tables.trace_names(traces), tables.ledger_names(ledger))
+    spread = tuple(each.name for each in figures if each.name in uncertain)
+    lists = tables.trace_names(traces), tables.ledger_names(ledger), inputs, spread
+    found = Names(figures, effects, states, angles, *lists)
     return found, {name: tuple(sorted(several)) for name, several in words.items()}
 
 
@@ -89,6 +98,8 @@ class Plan:
         self.columns = [column for group in GROUPS for column in self._figures(group)]
         self.traces = list(self._cycle()) if names.traces else []
         self.columns += list(self._ledger()) if names.ledger else []
+        self.columns += list(self._uncertainty()) if names.inputs else []
+        self.changes = list(self._changes()) if names.inputs else []
 
     def texts(self, words: Mapping[str, Sequence[str]]) -> list[Column]:
         """Make the variables of texts of which `words` are the different ones; return those with values."""
@@ -166,6 +177,37 @@ class Plan:
         for name in self.names.ledger:
             data = self._empty(group, name, float, number_attributes(outputs.ledger_variable(name)))
             yield Column(data, lambda table, name=name: tables.ledger_of(table, name))
+
+    def _uncertainty(self) -> Iterator[Column]:
+        """Make the standard uncertainty of each figure by the tolerances of the inputs."""
+        group = self._group(UNCERTAINTY)
+        for figure in self._uncertain():
+            if figure.name in group:
+                continue
+            about = Variable(figure.units, f"standard uncertainty of {figure.name} by the tolerances of the inputs")
+            data = self._empty(group, figure.name, float, number_attributes(about))
+            yield Column(data, lambda table, name=figure.name: tables.standard_of(self._changed(table, name)))
+
+    def _changes(self) -> Iterator[Column]:
+        """Make what each input makes of these, over the inputs."""
+        group, labels = self._group(CONTRIBUTIONS), self.names.inputs
+        about = flag_attributes(labels, "input with a tolerance, or those that err together")
+        numbers = np.arange(len(labels), dtype=flag_type(len(labels)))
+        self.layout.coordinate(group, CONTRIBUTOR, numbers, about | {"labels": "\n".join(labels)})
+        shape, dimensions = (*self.shape, len(labels)), (*self._dimensions, CONTRIBUTOR)
+        for figure in self._uncertain():
+            if figure.name in group:
+                continue
+            told = Variable(figure.units, f"change of {figure.name} by one standard uncertainty of the input")
+            attributes = number_attributes(told) | self._beside
+            data = self.layout.empty(group, figure.name, shape, float, dimensions, attributes)
+            yield Column(data, lambda table, name=figure.name: self._changed(table, name))
+
+    def _uncertain(self) -> Iterator[Figure]:
+        return (each for each in self.names.figures if each.name in self.names.uncertain)
+
+    def _changed(self, table: Table, name: str) -> np.ndarray:
+        return tables.changes_of(table, name, len(self.names.inputs))
 
 
 def _beside(axes: Sequence[Axis]) -> dict[str, str]:

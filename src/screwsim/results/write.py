@@ -111,6 +111,10 @@ class Draft:
                 full = (*plan.shape, len(names.angle))
                 for _ in _fill(plan.traces, plan.shape, full, source.tables(traces=True)):
                     self._check()
+            if plan.changes:
+                full = (*plan.shape, len(names.inputs))
+                for _ in _fill(plan.changes, plan.shape, full, source.tables(traces=False)):
+                    self._check()
             if knock_out:
                 write_knock_out(plan.layout, knock_out)
             if beside is not None:

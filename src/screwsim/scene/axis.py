@@ -14,6 +14,7 @@ from screwsim.scene.fields import Leaf, stray, unknown
 from screwsim.scene.fluids import listed_fluid
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.sections import read_leaf
+from screwsim.scene.tolerances import tolerance_sign
 from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.yaml_tree import Node, Problem, join
@@ -57,6 +58,12 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distin
 
 def _item(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:
     """Return one value of a list, or None after its fault was added."""
+    if isinstance(node.value, str) and tolerance_sign(node.value):
+        remedy = (
+            f"write it behind the value of {path.removeprefix('sweep.')}, from which every value of the sweep has it"
+        )
+        problems.append(Problem(node.place, path, f"{shown(node.value)} has a tolerance of its own ({remedy})"))
+        return None
     if leaf.kind != "fluid":
         return read_leaf(leaf, node, path, problems)
     try:

@@ -17,7 +17,7 @@ from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
 # parts of a scene that are not plain sections
-APART = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated")
+APART = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated", "model_error")
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures were read over it
 _MANY = 4  # paths that a message lists

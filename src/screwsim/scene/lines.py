@@ -78,17 +78,18 @@ def condensate_enthalpy(scene: Scene) -> float | None:
 
     None where the scene states neither, and for an expander.
     """
-    T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
-    fluid, cooler = scene.gas.name, scene.operation.gas_cooler
-    if scene.machine.mode == "expander":
-        return None
+    return None if scene.machine.mode == "expander" else _condensate_enthalpy(scene.operation, scene.gas.name)
+
+
+def _condensate_enthalpy(operation: Operation, fluid: str) -> float | None:
+    T_c, subcooling, cooler = operation.condensing_temperature, operation.subcooling, operation.gas_cooler
     if cooler is not None:
         return constants.enthalpy(fluid, cooler.pressure, cooler.outlet_temperature)
     if T_c is None:
         return None
     T = constants.condensed(fluid, T_c)
     if subcooling:
-        return constants.liquid_enthalpy(fluid, _lines(scene.operation, fluid).p_d, T - subcooling)
+        return constants.liquid_enthalpy(fluid, _lines(operation, fluid).p_d, T - subcooling)
     return constants.saturated_liquid_enthalpy(fluid, T)
 
 
@@ -97,5 +98,12 @@ def refrigerating_effect(scene: Scene) -> float | None:
 
     None where the scene states neither condenser nor gas cooler, and for an expander.
     """
-    behind = condensate_enthalpy(scene)
-    return None if behind is None else suction_enthalpy(scene) - behind
+    if scene.machine.mode == "expander":
+        return None
+    return _refrigerating_effect(scene.operation, scene.gas.name)
+
+
+@lru_cache(maxsize=64)
+def _refrigerating_effect(operation: Operation, fluid: str) -> float | None:
+    behind = _condensate_enthalpy(operation, fluid)
+    return None if behind is None else _suction_enthalpy(operation, fluid) - behind

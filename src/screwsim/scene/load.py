@@ -15,10 +15,11 @@ from screwsim.near import nearest
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
+from screwsim.scene.model_errors import BLOCK, read_model_error
 from screwsim.scene.sections import find_kind, read_effects, read_section
 from screwsim.scene.stated import settled
 from screwsim.scene.sweep import read_sweep
-from screwsim.scene.tolerances import BLOCK, read_tolerances, taken
+from screwsim.scene.tolerances import read_tolerances, taken
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
@@ -302,7 +303,8 @@ def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
         return None
     scene = settled(replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder))
     uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
-    scene = replace(scene, uncertain=uncertain, correlated=correlated)
+    named = read_model_error(root.value.get(BLOCK), problems)
+    scene = replace(scene, uncertain=uncertain, correlated=correlated, model_error=named)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

@@ -12,7 +12,8 @@ from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.designs import KINDS as SAMPLES
 from screwsim.scene.designs import LARGEST_SAMPLE
 from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
-from screwsim.scene.tolerances import BLOCK, TOGETHER
+from screwsim.scene.model_errors import BLOCK, MODEL, stored
+from screwsim.scene.tolerances import TOGETHER
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
@@ -72,7 +73,9 @@ def schema() -> dict[str, Any]:
     properties["sweep"] = _sweep()
     groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
     together = "groups of paths whose values, which have tolerances, err together"
-    properties[BLOCK] = mapping({TOGETHER: {**groups, "description": together}}, (), "", ["object", "null"])
+    named = {"enum": [*stored(), None], "description": "validation whose error of the model is told beside the others"}
+    keys = {TOGETHER: {**groups, "description": together}, MODEL: named}
+    properties[BLOCK] = mapping(keys, (), "", ["object", "null"])
     return {
         "$schema": DRAFT,
         "title": "screwsim scene",

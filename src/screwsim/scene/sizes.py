@@ -47,22 +47,23 @@ def _value(scene: Scene, path: str) -> float | None:
     return part
 
 
-def _speed(scene: Scene) -> tuple[str, float, Speed]:
-    """Return what moves at which speed [m/s], in words, that speed, and what bounds it."""
+def _fast(scene: Scene) -> tuple[float, Speed]:
+    """Return the speed [m/s] of what moves, and what bounds it."""
     known = kind_of(scene.machine).speed or Speed("moves the machine at", math.inf, math.inf, "")
-    fast = scene.machine.surface_speed(scene.operation.speed)
-    return f"{scene.operation.speed * RPM:.6g} rpm {known.what} {fast:.4g} m/s", fast, known
+    return scene.machine.surface_speed(scene.operation.speed), known
+
+
+def _words(scene: Scene, fast: float, known: Speed) -> str:
+    """Return in words what moves at which speed [m/s]."""
+    return f"{scene.operation.speed * RPM:.6g} rpm {known.what} {fast:.4g} m/s"
 
 
 def size_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the sizes that do not fit into the machine, and a speed that no machine stands."""
-    for size, share in _shares(scene):
-        if share > size.most:
-            what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which cannot be"
-            yield Fault(size.path, f"{what} ({size.remedy})")
-    words, fast, known = _speed(scene)
+    yield from _of_sections(scene)[0]
+    fast, known = _fast(scene)
     if fast > known.most:
-        what = f"{words}, and no machine stands {known.most:g} m/s (a lower speed; {known.why})"
+        what = f"{_words(scene, fast, known)}, and no machine stands {known.most:g} m/s (a lower speed; {known.why})"
         yield Fault("operation.speed", what)
 
 
@@ -77,23 +78,32 @@ def area_fault(scene: Scene, largest: float) -> str | None:
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of sizes that machines hardly have, and of a speed that they hardly reach."""
+    yield from _of_sections(scene)[1]
+    fast, known = _fast(scene)
+    if fast > known.usual:
+        yield "operation.speed", f"{_words(scene, fast, known)} (usual: at most {known.usual:g} m/s)"
+
+
+_Told = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]
+_last: tuple[Any, Any, Any, _Told] = None, None, None, ((), ())  # sections that state sizes, and what is of them
+
+
+def _of_sections(scene: Scene) -> _Told:
+    """Return faults and doubts of the sizes; cases that share the sections which state sizes share these, too."""
     global _last
     machine, effects, supply, found = _last  # at once: threads share it
     if not (scene.machine is machine and scene.effects is effects and scene.oil_supply is supply):
-        found = tuple(_unusual(scene))
+        found = tuple(_beyond(scene)), tuple(_unusual(scene))
         _last = scene.machine, scene.effects, scene.oil_supply, found
-    yield from found
-    words, fast, known = _speed(scene)
-    if fast > known.usual:
-        yield "operation.speed", f"{words} (usual: at most {known.usual:g} m/s)"
+    return found
 
 
-_last: tuple[Any, Any, Any, tuple[tuple[str, str], ...]] = (
-    None,
-    None,
-    None,
-    (),
-)  # sections that state sizes, what is so
+def _beyond(scene: Scene) -> Iterator[Fault]:
+    """Yield the sizes that do not fit into the machine."""
+    for size, share in _shares(scene):
+        if share > size.most:
+            what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which cannot be"
+            yield Fault(size.path, f"{what} ({size.remedy})")
 
 
 def _unusual(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -8,18 +8,22 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.declare import KINDS
-from screwsim.scene.fields import Leaf, leaf_paths, value_at
+from screwsim.effects import catalogue
+from screwsim.near import nearest
+from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, value_at
+from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import Node, Place, Problem, join
 
-BLOCK, TOGETHER = "uncertainty", "correlated"
+TOGETHER = "correlated"
+NO_INPUTS = ("numerics.", "output.")  # what is not the machine's is not uncertain
 APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has one
 _SIGNS = {"±": False, "+/-": False, "+-": False, "×/÷": True, "x/÷": True, "*/": True, "x/": True}
 _TEXT = re.compile(rf"(.*?[0-9.].*?)\s*({'|'.join(map(re.escape, _SIGNS))})\s*(.*)", re.DOTALL)
@@ -55,6 +59,12 @@ def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
     return (replace(root, value=content) if every else root), every
 
 
+def tolerance_sign(text: str) -> str:
+    """Return the sign of the tolerance in a value's text; '' where it has none."""
+    match = _TEXT.fullmatch(text)
+    return match[2] if match else ""
+
+
 def _nominal(value: str, text: str, factor: bool) -> Any:
     """Return a value as it stands without a tolerance; one without a unit has that of the tolerance, or is a number."""
     if not _BARE.fullmatch(value):
@@ -75,19 +85,38 @@ def read_tolerances(
         try:
             if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
                 raise Refused("has a tolerance, which only quantities and numbers have (write the value alone)")
+            if path.startswith(NO_INPUTS):
+                raise Refused("has a tolerance, which only what describes the machine and its operation has")
             found[path] = _tolerance(leaf, each, float(value_at(scene, path)))
+            _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
         except Refused as refusal:
             problems.append(Problem(each.place, path, str(refusal)))
-    return found, _together(block, set(given), problems)
+    return found, _together(block, set(given), scene, problems)
 
 
 def _tolerance(leaf: Leaf, given: Given, value: float) -> Tolerance:
-    tolerance = _factor(leaf, given, value) if given.factor else Tolerance(_half(leaf, given, value))
+    tolerance = _factor(leaf, given, value) if given.factor else _half(leaf, given, value)
+    _check_ends(leaf, tolerance, value, "its")
+    return tolerance
+
+
+def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> None:
+    """Raise Refused where the interval around a value leaves what the input can be."""
     for end in tolerance.ends(value):
         if not within(leaf, end):
-            reach = f"its 95 % interval reaches {text_of(leaf, end)}, which is out of range"
+            reach = f"{whose} 95 % interval reaches {text_of(leaf, float(f'{end:.4g}'))}, which is out of range"
             raise Refused(f"{reach} (it must be {limits_text(leaf)}; write a smaller one, or a factor, as ×/÷ 1.5)")
-    return tolerance
+
+
+def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> None:
+    """Raise Refused where the tolerance does not go with a value of the sweep, which has it too."""
+    for value in values:
+        own = tolerance.around(float(value))
+        if not own.size > 0.0 or (tolerance.factor and value <= 0.0):
+            raise Refused(
+                f"has a tolerance, of which {text_of(leaf, value)} of the sweep has none (write ± with a unit)"
+            )
+        _check_ends(leaf, own, float(value), f"at {text_of(leaf, value)} of the sweep its")
 
 
 def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
@@ -98,8 +127,8 @@ def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
     return Tolerance(float(given.text), factor=True)
 
 
-def _half(leaf: Leaf, given: Given, value: float) -> float:
-    """Return half the interval [SI] of a tolerance with ±."""
+def _half(leaf: Leaf, given: Given, value: float) -> Tolerance:
+    """Return a tolerance with ±."""
     text, share = given.text, _SHARE.fullmatch(given.text)
     if share is not None:
         if leaf.kind == "temperature":
@@ -120,49 +149,78 @@ def _half(leaf: Leaf, given: Given, value: float) -> float:
             raise Refused(f"the tolerance {refusal}") from None
     if not half > 0.0:
         raise Refused(f"the tolerance {shown(text)} is {'negative' if half < 0.0 else 'nothing'} (write its size)")
-    return half
+    return Tolerance(half, percent=None if share is None else float(share[1]))
 
 
 def _together(
-    block: Node | None, known: Set[str], problems: list[Problem]
+    block: Node | None, known: Set[str], scene: Scene, problems: list[Problem]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the groups of paths that err together."""
+    """Return the groups of paths that err together; those of effects that the scene leaves out are in none."""
     if block is None or block.value is None:
         return ()
-    if not isinstance(block.value, dict) or set(block.value) != {TOGETHER}:
-        what = f"is not the groups that err together (write {TOGETHER}: [[PATH, PATH], …])"
+    if not isinstance(block.value, dict) or not set(block.value) <= {TOGETHER, MODEL}:
+        what = f"is not the groups that err together (write {TOGETHER}: [[PATH, PATH], …], or {MODEL}: NAME)"
         problems.append(Problem(block.place, BLOCK, what))
         return ()
     groups, seen = [], set()
+    if TOGETHER not in block.value or block.value[TOGETHER].value is None:
+        return ()
     listed = block.value[TOGETHER]
     for group in listed.value if isinstance(listed.value, list) else [listed]:
         if not isinstance(group.value, list) or len(group.value) < 2:
-            what = f"{shown(group.value)} is not a group of paths (write [[PATH, PATH], …])"
+            told = "one path" if isinstance(group.value, list) and group.value else shown(group.value)
+            what = f"{told} is not a group of paths (write [[PATH, PATH], …])"
             problems.append(Problem(group.place, f"{BLOCK}.{TOGETHER}", what))
             continue
         names = []
         for node in group.value:
+            if _is_left_out(node.value, scene):
+                continue
+            if not isinstance(node.value, str):
+                what = f"{shown(node.value)} is not a path (write [[PATH, PATH], …])"
+                problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", what))
+                continue
             why = "is in two groups (name it in one)" if node.value in seen else ""
             if not why and node.value not in known:
-                why = "has no tolerance in this scene (write it there, or leave it out)"
+                near = nearest(node.value, list(known))
+                hint = f"; did you mean '{near}'?" if near else ""
+                why = f"has no tolerance in this scene{hint} (write it there, or leave it out)"
             if why:
                 problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", f"{shown(node.value)} {why}"))
             seen.add(node.value)
             names.append(str(node.value))
         groups.append(tuple(names))
-    return tuple(groups)
+    return tuple(group for group in groups if len(group) > 1)
+
+
+def _is_left_out(path: Any, scene: Scene) -> bool:
+    """Tell whether a path is of an effect that there is, with that parameter, and which the scene does not name."""
+    if not isinstance(path, str) or not path.startswith("effects."):
+        return False
+    every = catalogue()
+    name, _ = effect_keys(path, every)
+    if name not in every or name in scene.effects:
+        return False
+    return path in leaf_paths({name: every[name].parameters}, scene.machine.kind)
 
 
 def tolerance_text(leaf: Leaf, tolerance: Tolerance) -> str:
     """Return a tolerance as YAML text, behind its value."""
     if tolerance.factor:
         return f" ×/÷ {tolerance.size!r}"
+    if tolerance.percent is not None:
+        return f" ± {tolerance.percent!r} %"
     kind = KINDS.get(f"{leaf.kind}_difference", leaf.dimension)
     return f" ± {tolerance.size!r}" if kind is None else f" ± {format_quantity(kind, tolerance.size)}"
 
 
 def together_text(scene: Scene) -> Iterator[str]:
-    """Yield the lines of what errs together."""
+    """Yield the lines of what errs together, and of which validation the error of the model is told."""
+    parts = []
     if scene.correlated:
-        groups = ", ".join(f"[{', '.join(group)}]" for group in scene.correlated)
-        yield f"{BLOCK}: {{{TOGETHER}: [{groups}]}}"
+        groups = (f"[{', '.join(group)}]" for group in scene.correlated)
+        parts.append(f"{TOGETHER}: [{', '.join(groups)}]")
+    if scene.model_error:
+        parts.append(f"{MODEL}: {scene.model_error}")
+    if parts:
+        yield f"{BLOCK}: {{{', '.join(parts)}}}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from screwsim.declare import Found, choice, number, quantity, word
@@ -201,15 +201,27 @@ class ActiveEffect:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Half the interval [SI] in which a value lies in 95 of 100 cases; or the factor by which that goes up and down."""
+    """Half the interval [SI] in which a value lies in 95 of 100 cases; or the factor by which that goes up and down.
+
+    Where it is written as `percent` of the value, `size` is that of the scene's own value, and `around` that of others.
+    """
 
     size: float
     factor: bool = False
+    percent: float | None = None
 
     @property
     def standard(self) -> float:
         """Standard uncertainty: of the value [SI], or of its logarithm."""
         return math.log(self.size) / COVERAGE if self.factor else self.size / COVERAGE
+
+    def around(self, value: float) -> Tolerance:
+        """Return the tolerance of another value [SI] of the same input, as one of a sweep."""
+        return self if self.percent is None else replace(self, size=0.01 * self.percent * abs(value))
+
+    def standard_at(self, value: float) -> float:
+        """Return the standard uncertainty [SI] around a value [SI]; of a factor that of small changes."""
+        return self.standard * value if self.factor else self.around(value).standard
 
     def ends(self, value: float) -> tuple[float, float]:
         """Return the ends [SI] of the interval around a value."""
@@ -262,6 +274,7 @@ class Scene:
     losses: PressureLosses | None = None
     uncertain: Mapping[str, Tolerance] = field(default_factory=dict)  # dotted path -> tolerance of the value there
     correlated: tuple[tuple[str, ...], ...] = ()  # paths whose values err together
+    model_error: str = ""  # of which validation the error of the model is told (`scene.model_errors`)
 
     @property
     def own(self) -> dict[str, str]:

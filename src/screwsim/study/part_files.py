@@ -32,6 +32,8 @@ def write_part(path: Path, table: Table) -> None:
         "states": table.states,
         "words": {name: table.texts[name].words for name in TEXTS},
         "ledger": list(table.ledger),
+        "inputs": table.inputs,
+        "changes": list(table.changes),
         "about": [asdict(each) for each in table.about],
     }
     arrays = {
@@ -41,6 +43,7 @@ def write_part(path: Path, table: Table) -> None:
         "numbers": np.array([table.texts[name].number for name in TEXTS], np.int32),
         "angle": table.angle,
         "ledger": np.array(list(table.ledger.values()), float),
+        "changes": np.array(list(table.changes.values()), float),
         **{_TRACE + name: trace for name, trace in table.traces.items()},
     }
     with replacing(path) as temporary, temporary.open("wb") as stream:
@@ -64,6 +67,7 @@ def _read(path: Path, traces: bool, cases: bool) -> Table:
         names = [name for name in stored.files if traces and name.startswith(_TRACE)]
         numbers = stored["numbers"] if cases else [none] * len(TEXTS)
         ledger = stored["ledger"] if cases and about["ledger"] else [none] * len(about["ledger"])
+        changes = stored["changes"] if cases and about["changes"] else [none] * len(about["changes"])
         return Table(
             status=stored["status"] if cases else none,
             figures=stored["figures"] if cases else none,
@@ -74,6 +78,8 @@ def _read(path: Path, traces: bool, cases: bool) -> Table:
             traces={name.removeprefix(_TRACE): stored[name] if cases else none for name in names},
             ledger=dict(zip(about["ledger"], ledger, strict=True)),
             about=_figures(about),
+            inputs=tuple(about["inputs"]),
+            changes=dict(zip(about["changes"], changes, strict=True)),
         )
 
 
@@ -109,12 +115,21 @@ def _is_sound(table: Table, cases: int) -> bool:
         table.figures.shape == (cases, len(columns_of(names_of(table.about))))
         and all(_in_range(values, cases, first, stop) for values, first, stop in numbers)
         and all(isinstance(word, str) for words in table.texts.values() for word in words.words)
-        and all(isinstance(name, str) for name in (*table.effects, *table.states, *table.ledger))
+        and all(isinstance(name, str) for name in _names(table))
         and table.angle.ndim == 1
         and all(trace.shape == (cases, table.angle.size) for trace in table.traces.values())
         and all(values.shape == (cases,) for values in table.ledger.values())
-        and all(each.dtype.kind == "f" for each in (table.figures, table.angle, *table.traces.values()))
+        and all(values.shape == (cases, len(table.inputs)) for values in table.changes.values())
+        and all(each.dtype.kind == "f" for each in (table.figures, table.angle, *_more(table)))
     )
+
+
+def _names(table: Table) -> tuple[str, ...]:
+    return (*table.effects, *table.states, *table.ledger, *table.inputs, *table.changes)
+
+
+def _more(table: Table) -> tuple[np.ndarray, ...]:
+    return (*table.traces.values(), *table.changes.values())
 
 
 def _in_range(values: np.ndarray, cases: int, first: int, stop: int) -> bool:

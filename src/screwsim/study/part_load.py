@@ -1,13 +1,14 @@
 """Part load by each control that a scene allows, at equal loads: cooling capacity over that of the scene as it stands.
 
 Each control leads from the scene's own setting to its end. A few settings show how the capacity falls; those that give
-the wanted loads are interpolated, solved, and once corrected.
+the wanted loads are interpolated, solved, and once corrected. Where the built-in volume ratio can be moved each wanted
+load is met again at the ratio of the best COP there.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,14 +20,19 @@ from screwsim.scene import Scene, cross_check, with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate_many
 
-SPEED, CAPACITY = "operation.speed", "cooling_capacity"
+SPEED, CAPACITY, COP = "operation.speed", "cooling_capacity", "cop"
 LOADS = (1.0, 0.75, 0.5, 0.25)
 SETTINGS = 7  # from the scene's own to the control's end, where the scene sweeps none
 SLOWEST = 0.2  # of the scene's speed
 NEAR, TRIES = 2e-3, 3  # of full load, within which a load is met, and how often it is tried
+RATIO, AXIAL = "machine.built_in_volume_ratio", "machine.axial_volume_ratio"
+LEAST_RATIO, LEAST = 0.5, 1.05  # of the axial port's ratio, to which a slide's stop goes; and not below
+RATIOS = 5  # that are tried between
 Solve = Callable[[float], Result]
+_NONE: Mapping[str, float] = {}
 ENDS = {  # path -> (name, the setting at which its capacity is least)
     SPEED: ("speed", None),
+    "machine.slide_valve.position": ("slide valve", 1.0),
     "effects.slide_valve.position": ("slide valve", 1.0),
     "effects.suction_throttle.pressure_ratio": ("suction throttle", 0.2),
     "effects.bypass.share": ("bypass", 0.8),
@@ -42,11 +48,16 @@ class Control(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A setting [SI] of a control with its load (share of the full capacity) and its result."""
+    """A setting [SI] of a control with its load (share of the full capacity) and its result.
+
+    `ratio` and `best`: built-in volume ratio of the best COP at that load, and the result there (`ratios`).
+    """
 
     setting: float
     load: float
     result: Result
+    ratio: float | None = None
+    best: Result | None = None
 
 
 @dataclass(frozen=True)
@@ -74,7 +85,7 @@ def controls(scene: Scene) -> list[Control]:
     """
     base, found = replace(scene, sweep={}, joints=()), []
     for path, (name, end) in ENDS.items():
-        own = value_at(base, path) if path == SPEED or path.split(".")[1] in base.effects else None
+        own = value_at(base, path) if _has(base, path) else None
         if own is None:
             continue
         last = SLOWEST * own if end is None else end
@@ -85,8 +96,39 @@ def controls(scene: Scene) -> list[Control]:
     return found
 
 
-def part_load(scene: Scene, control: Control, full: float | None = None, loads: Sequence[float] = LOADS) -> PartLoad:
-    """Return what a control does to a scene without a sweep; `full` is the capacity [W] of load 1 (its first's)."""
+def _has(scene: Scene, path: str) -> bool:
+    """Tell whether a scene has the section of a control."""
+    first, second, *_ = path.split(".")
+    if first == "effects":
+        return second in scene.effects
+    return first == "operation" or getattr(getattr(scene, first), second, None) is not None
+
+
+def ratios(scene: Scene) -> tuple[float, ...]:
+    """Return the built-in volume ratios among which the best is looked for; none where nothing moves the ratio.
+
+    Those of a sweep, or, of a machine whose axial port is cut for a ratio of its own, from half of that up to it.
+    """
+    swept = scene.sweep.get(RATIO)
+    if swept is not None:
+        return tuple(sorted(map(float, swept)))
+    axial = getattr(scene.machine, "axial_volume_ratio", None)
+    if axial is None:
+        return ()
+    return tuple(np.linspace(max(LEAST_RATIO * axial, LEAST), axial, RATIOS).tolist())
+
+
+def part_load(
+    scene: Scene,
+    control: Control,
+    full: float | None = None,
+    loads: Sequence[float] = LOADS,
+    among: Sequence[float] = (),
+) -> PartLoad:
+    """Return what a control does to a scene without a sweep; `full` is the capacity [W] of load 1 (its first's).
+
+    `among` are the built-in volume ratios of which the best is found at each load.
+    """
     curve, why, solve = [], "", _solver(scene, control)
     for setting in control.settings:
         result = solve(setting)
@@ -98,16 +140,62 @@ def part_load(scene: Scene, control: Control, full: float | None = None, loads: 
         curve.append(Step(setting, capacity / full, result))
     falling = _falling(curve)
     steps = list(_at_loads(solve, falling, full or 0.0, loads)) if len(falling) > 1 else falling[:1]
+    if among and len(falling) > 1:
+        steps = [_at_best(scene, control, falling, step, full or 0.0, among) for step in steps]
     return PartLoad(control, curve, steps, why)
 
 
-def _solver(scene: Scene, control: Control) -> Solve:
-    """Return what solves the scene at a setting, every cycle begun from the one before."""
+def _at_best(
+    scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float]
+) -> Step:
+    """Return a step with the ratio of its best COP: between those tried by a parabola, at the same load."""
+    solve, cop = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}
+    for ratio in among:
+        value = solve(ratio).performance.get(COP)
+        if value is not None:
+            cop[ratio] = float(value)
+    if not cop:
+        return step
+    ratio = _top(cop)
+    again = _solver(scene, control, {RATIO: ratio})
+    setting, wanted, best = step.setting, step.load, None
+    slope = _slope(known, step)
+    for _ in range(TRIES):
+        result = again(setting)
+        capacity = result.performance.get(CAPACITY)
+        if result.status != "ok" or not capacity:
+            return step
+        best, off = result, capacity / full - wanted
+        if abs(off) <= NEAR or step is known[0]:  # at full load the control stays where it is
+            break
+        setting -= off * slope
+    return step._replace(ratio=ratio, best=best)
+
+
+def _top(cop: dict[float, float]) -> float:
+    """Return the ratio of the largest COP, of the parabola through it and its neighbours where it has two."""
+    tried = sorted(cop)
+    i = tried.index(max(tried, key=lambda ratio: cop[ratio]))
+    if not 0 < i < len(tried) - 1:
+        return tried[i]
+    near = tried[i - 1 : i + 2]
+    a, b, _ = np.polyfit(np.array(near) - tried[i], [cop[ratio] for ratio in near], 2)
+    return tried[i] if a >= 0.0 else float(np.clip(tried[i] - 0.5 * b / a, near[0], near[2]))
+
+
+def _slope(known: Sequence[Step], step: Step) -> float:
+    """Return the change of a setting with the load beside a step of a curve."""
+    one, two = sorted(known, key=lambda each: abs(each.load - step.load))[:2]
+    return (one.setting - two.setting) / (one.load - two.load)
+
+
+def _solver(scene: Scene, control: Control, others: Mapping[str, float] = _NONE) -> Solve:
+    """Return what solves the scene at a setting, beside other values, every cycle begun from the one before."""
     cases: deque[Scene] = deque()
     results = simulate_many(iter(cases.popleft, None), trace=False)
 
     def solve(setting: float) -> Result:
-        case = with_values(scene, {control.path: setting})
+        case = with_values(scene, {**others, control.path: setting})
         faults = cross_check(case)
         if faults:
             return Result("failed", message=str(faults[0]))

@@ -269,7 +269,12 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
     """Return what simulates consecutive cases of a scene's sweep."""
     from screwsim.simulate import simulate_many  # by the module's own name: the package has a function of that name
 
-    return partial(simulate_many, trace=scene.output.keep == "cycle")
+    many = partial(simulate_many, trace=scene.output.keep == "cycle")
+    if not scene.uncertain:
+        return many
+    from screwsim.study.uncertain import simulate_uncertain
+
+    return partial(simulate_uncertain, many)
 
 
 def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:

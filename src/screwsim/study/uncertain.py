@@ -9,9 +9,10 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import tee
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from screwsim.scene.values import within
 from screwsim.simulate import simulate
 from screwsim.study.each import each
 from screwsim.study.local import Sensitivities, sensitivities
+from screwsim.study.model_error import model_error
 from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
@@ -71,6 +73,7 @@ class Uncertainty:
 
     spreads: Mapping[str, Spread]
     slopes: Sensitivities
+    groups: tuple[tuple[str, ...], ...] = ()  # inputs that err together, one or more
     left_out: Mapping[str, str] = field(default_factory=dict)
     sampled: Mapping[str, Sampled] = field(default_factory=dict)
     samples: int = 0
@@ -90,7 +93,13 @@ class Uncertainty:
             for name, spread in self.spreads.items()
         }
         methods = {path: self.slopes.method[path] for path in self.slopes.method}
-        return {"coverage_factor": COVERAGE, "figures": figures, "method": methods, "left_out": dict(self.left_out)}
+        return {
+            "coverage_factor": COVERAGE,
+            "groups": [list(group) for group in self.groups],
+            "figures": figures,
+            "method": methods,
+            "left_out": dict(self.left_out),
+        }
 
 
 def uncertainty(
@@ -105,31 +114,70 @@ def uncertainty(
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
     found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
-    groups = [*scene.correlated, *((path,) for path in scene.uncertain if path not in sum(scene.correlated, ()))]
-    spreads = {name: _spread(scene, found, slopes, groups) for name, slopes in found.derivatives.items()}
+    spreads = spreads_of(scene, found.values, found.derivatives)
     left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
-    return Uncertainty(spreads, found, left_out if found.derivatives else {})
+    return Uncertainty(spreads, found, groups_of(scene), left_out if found.derivatives else {})
+
+
+def spreads_of(
+    scene: Scene, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
+) -> dict[str, Spread]:
+    """Return what the tolerances make of figures, by their derivatives [SI] by those numbers [SI] that have some.
+
+    None of a figure that lacks the derivative by one of these.
+    """
+    there, groups = scene.uncertain.keys() & values.keys(), groups_of(scene)
+    complete = {name: slopes for name, slopes in derivatives.items() if there and there <= slopes.keys()}
+    return {name: _spread(scene, values, slopes, groups) for name, slopes in complete.items()}
+
+
+def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
+    """Return the inputs with a tolerance: those that err together as one, in the order of the scene."""
+    group_of = {path: group for group in scene.correlated for path in group}
+    return tuple(dict.fromkeys(group_of.get(path, (path,)) for path in scene.uncertain))
+
+
+def with_uncertainty(scene: Scene, result: Result) -> Result:
+    """Return a result with what the tolerances of its scene make of it, and the error of the model that this names.
+
+    As it is where it has no figures, or the scene asks for neither. An input that has no derivative there is in none of
+    the uncertainties, and a warning says so.
+    """
+    if result.status != "ok" or not (scene.uncertain or scene.model_error):
+        return result
+    told = {"model": model_error(scene, result.performance)} if scene.model_error else {}
+    if not scene.uncertain:
+        return replace(result, uncertainty=told)
+    try:
+        found = uncertainty(scene, result=result)
+    except UsageError as error:  # of a case of a sweep whose axis makes an input follow from others
+        return replace(result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty by the inputs: {error}"))
+    lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
+    return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
+
+
+def simulate_uncertain(
+    many: Callable[[Iterable[Scene]], Iterator[Result]], scenes: Iterable[Scene]
+) -> Iterator[Result]:
+    """Yield the results of consecutive scenes by what simulates them, each with what its tolerances make of it."""
+    first, second = tee(scenes)
+    for result in many(first):
+        yield with_uncertainty(next(second), result)
 
 
 def _spread(
-    scene: Scene, found: Sensitivities, slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
+    scene: Scene, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
 ) -> Spread:
     """Return the spread of a figure with these derivatives by path."""
     changes = {}
     for group in groups:
-        there = tuple(path for path in group if path in slopes)
+        there = tuple(path for path in group if path in values)
         if there:
-            changes[there] = sum(slopes[path] * _standard(scene, found, path) for path in there)
+            changes[there] = sum(slopes[path] * scene.uncertain[path].standard_at(values[path]) for path in there)
     variance = sum(change * change for change in changes.values())
     ranked = sorted(changes.items(), key=lambda item: -abs(item[1]))
     shares = (Contributor(paths, by * by / variance if variance else 0.0, COVERAGE * by) for paths, by in ranked if by)
     return Spread(float(variance**0.5), tuple(shares))
-
-
-def _standard(scene: Scene, found: Sensitivities, path: str) -> float:
-    """Return the standard uncertainty [SI] of a number, of a factor that of small changes."""
-    tolerance = scene.uncertain[path]
-    return tolerance.standard * (found.values[path] if tolerance.factor else 1.0)
 
 
 def checked(
@@ -162,7 +210,7 @@ def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
     """Return a Sobol sample of the inputs [SI]; what errs together does so."""
     from scipy.stats import norm, qmc
 
-    groups = [*scene.correlated, *((path,) for path in scene.uncertain if path not in sum(scene.correlated, ()))]
+    groups = groups_of(scene)
     sample = qmc.Sobol(len(groups), scramble=True, rng=1).random(count)
     deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))
     return [
@@ -173,7 +221,8 @@ def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
 
 def _inside(scene: Scene, path: str, deviation: float) -> float:
     """Return the value [SI] that is so many standard uncertainties off; the ends of its interval beyond its limits."""
-    tolerance, value = scene.uncertain[path], float(value_at(scene, path))
+    value = float(value_at(scene, path))
+    tolerance = scene.uncertain[path].around(value)
     found = tolerance.at(value, deviation)
     return found if within(leaf_of(scene, path), found) else tolerance.at(value, float(np.clip(deviation, -2.0, 2.0)))
 

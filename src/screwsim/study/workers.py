@@ -28,6 +28,7 @@ _FIRST = 1  # [blocks] of the chunks that tell how long cases take
 LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
 DIED = "worker died (run this case alone, with `screwsim run --set …`)"
 TICK = 0.25  # [s]
+RARELY = 20_000, 20, 20  # objects, and rounds, after which a worker looks for garbage: a case leaves few hundred
 GRACE = 1.0  # [s] in which a pool has to notice the death of a worker
 
 
@@ -133,6 +134,7 @@ def _start_worker(known: tuple[str, set[str]]) -> None:
     """
     take_over(known)
     gc.freeze()
+    gc.set_threshold(*RARELY)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "SIGALRM"):
         signal.signal(signal.SIGALRM, signal.SIG_DFL)  # it ends a case that hangs

@@ -50,6 +50,7 @@ function askSweep() {
 // When the small sweep has shown that points cost little: by derivatives where the server has a worker for them.
 function askColours() {
   clearColours();
+  hideHalves();
   const each = (performance.now() - sweep.begun) / sweep.x.length;
   around = { id: 0, entries: [], values: [], left: 0 };
   if (!document.getElementById("coloured").value || each > SLOW) return;
@@ -71,6 +72,7 @@ function askDifferences(entries) {
 function receiveSlopes(head) {
   if (head.id !== around.id) return;
   const slopes = head.slopes || {};
+  showHalves(head);
   for (const entry of around.entries) entry.slopes = slopes[entry.control.path];
   const bare = around.entries.filter((entry) => !entry.slopes);
   around.left = 0;

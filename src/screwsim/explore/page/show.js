@@ -41,6 +41,7 @@ function take(answer) {
   if (answer.texts) document.getElementById("shell").textContent = answer.texts.shell;
   if (!usable) return;
   shown = answer;
+  hideHalves();
   drawAnswer();
 }
 
@@ -269,7 +270,7 @@ function fillFigures() {
     head.title = aboutOf(name).about;
     row.append(head);
     const [value, unit] = written(aboutOf(name), shown.performance[name]);
-    for (const [text, kind] of [[value, "n"], [unit, ""], [other ? changeOf(name, other) : "", "n"], [small(shown.error[name] ?? NaN), "n"]]) {
+    for (const [text, kind] of [[value, "n"], ...(halves ? [[halfOf(name), "n"]] : []), [unit, ""], [other ? changeOf(name, other) : "", "n"], [small(shown.error[name] ?? NaN), "n"]]) {
       const cell = document.createElement("td");
       cell.textContent = text;
       if (kind) cell.className = kind;
@@ -280,6 +281,35 @@ function fillFigures() {
   document.querySelector("#figures tbody").replaceChildren(...rows);
   const residuals = ["mass", "energy", "entropy"].filter((name) => Number.isFinite(shown.balance[name]));
   document.getElementById("balance").textContent = `Residuals: ${residuals.map((name) => `${name} ${small(shown.balance[name])}`).join(", ")} (bound ${small(shown.balance.bound)}).`;
+}
+
+// What the tolerances of the inputs make of the figures; found with the derivatives, when the hand rests.
+let halves = null;
+
+function showHalves(head) {
+  halves = head.halves && Object.keys(head.halves).length ? head.halves : null;
+  const lost = head.lost && head.lost.length ? ` Without ${head.lost.join(", ")}: no derivative here.` : "";
+  columnOfHalves(halves ? `by inputs: half of the 95 % interval, linear, by the tolerances of the inputs alone; the model's own error is another.${lost}` : "");
+}
+
+function hideHalves() {
+  if (!halves) return;
+  halves = null;
+  columnOfHalves("");
+}
+
+function columnOfHalves(words) {
+  document.getElementById("by-inputs").hidden = !halves;
+  document.getElementById("by-inputs-words").textContent = words;
+  fillFigures();
+}
+
+function halfOf(name) {
+  const half = halves[name];
+  if (!Number.isFinite(half) || half <= 1e-6 * Math.abs(shown.performance[name])) return "";
+  const about = aboutOf(name);
+  const factor = about.kelvin ? 1 : about.scales.find(([least]) => Math.abs(shown.performance[name]) >= least)[1];
+  return `± ${general(half * factor, 2)}`;
 }
 
 // ---- the angle --------------------------------------------------------------------------------------------------

@@ -21,6 +21,8 @@ OTHER_SIZE = 2e-3  # of the radius, by which points may miss the outer diameter:
 SCALED = "another size of machine takes all lengths of its profile with it"
 NEAR = 1e-2  # of the centre distance: how far points are looked for that touch
 DEEP = 1e-4  # of the centre distance: deeper interference is refused (8 µm at 80 mm; closed forms: 1e-7)
+DEEPER = 3.0  # tolerances of measured points, by which their rotors may cut deeper
+OF_POINTS = "set machine.profile.tolerance to 3 to 5 times the noise of the points, or give more points there"
 
 
 def check_pair(pair: Pair) -> list[Fault]:
@@ -48,24 +50,36 @@ def check_size(pair: Pair, chain: Chain) -> list[Fault]:
     return [Fault("machine.rotor_diameter", f"is {what} (write that; {SCALED})")]
 
 
-def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[Fault]:
-    """Return the faults of the rotors: undercut, self-intersection, thin lobes and, if asked, interference."""
-    faults, female_turn = [], -2.0 * math.pi / pair.female_lobes
+def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance: float | None = None) -> list[Fault]:
+    """Return the faults of the rotors: undercut, self-intersection, thin lobes and, if asked, interference.
+
+    `tolerance` [m]: of the points that the profile is made of; None: it is a closed form, with radii to choose.
+    """
+    faults, female_turn, points = [], -2.0 * math.pi / pair.female_lobes, tolerance is not None
     for name, curve, turn in (("male", chain.male(), pair.pitch), ("female", chain.female(pair), female_turn)):
         if reversals(*curve):
-            remedy = "choose a larger female_tip_radius, 1.25 hf is safe"
+            remedy = OF_POINTS if points else "choose a larger female_tip_radius, 1.25 hf is safe"
             faults.append(Fault(PATH, f"the {name} flank turns back: undercut ({remedy})"))
         elif crosses_itself(*curve, turn):
-            faults.append(Fault(PATH, f"the {name} profile crosses itself (choose larger tip radii or fewer lobes)"))
+            remedy = OF_POINTS if points else "choose larger tip radii or fewer lobes"
+            faults.append(Fault(PATH, f"the {name} profile crosses itself ({remedy})"))
     if faults:
         return faults  # what follows would only repeat them
-    faults = _thin(pair, chain)
+    faults = _thin(pair, chain, points)
     if interference:
-        depth = mesh(pair, chain)[1]
-        if depth > DEEP * pair.centre_distance:
-            what = f"the rotors cut into each other by {depth * 1e3:.3g} mm"
-            faults.append(Fault(PATH, f"{what} (choose a smaller male_tip_radius)"))
+        depth, most = mesh(pair, chain)[1], DEEP * pair.centre_distance + DEEPER * (tolerance or 0.0)
+        if depth > most:
+            what = f"the rotors cut into each other by {depth * 1e3:.3g} mm, {most * 1e3:.2g} mm may be"
+            faults.append(Fault(PATH, f"{what} ({OF_POINTS if points else 'choose a smaller male_tip_radius'})"))
     return faults
+
+
+def check_blow_holes(*areas: float) -> list[Fault]:
+    """Return the fault of blow-holes [m²] without an area: where contact ends at the tip was not found."""
+    if min(areas) > 0.0:
+        return []
+    what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm^2: the tip's contact is lost in noise"
+    return [Fault(PATH, f"{what} ({OF_POINTS})")]
 
 
 def reversals(x: Array, y: Array) -> int:
@@ -102,9 +116,11 @@ def lobe_thickness(pair: Pair, chain: Chain) -> tuple[float, float]:
     return float(np.min((male.radii * male.inner)[body])), min(float(np.min(female.radii * female.outer)), land)
 
 
-def _thin(pair: Pair, chain: Chain) -> list[Fault]:
+def _thin(pair: Pair, chain: Chain, points: bool) -> list[Fault]:
     least, faults = THIN * pair.centre_distance, []
     remedies = {"male": "a larger flank_radius", "female": "a smaller flank_radius or pressure_angle"}
+    if points:
+        remedies = dict.fromkeys(remedies, "other points")
     for (name, remedy), thickness in zip(remedies.items(), lobe_thickness(pair, chain), strict=True):
         if thickness < least:
             what = f"the {name} lobe is only {thickness * 1e3:.3g} mm thick, less than {least * 1e3:.3g} mm"

@@ -18,6 +18,8 @@ from screwsim.machine.rotors.leakage import female_tip, male_tip, sealing_line
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.sections import TURN
+from screwsim.machine.rotors.settings import SlideValve
+from screwsim.machine.rotors.slide import Slid, slid, slot_areas, slot_breakpoints
 
 STEP = np.radians(0.5)  # of the tables, between breakpoints, at most
 OVERLAP = np.radians(20.0)  # before suction closes: from there on paths on the suction side count (`profile_law`)
@@ -64,6 +66,10 @@ class Curves:
     paths: tuple[Path, ...]
     suction_closes: float
     discharge_opens: float
+    slot: Curve | None = None  # of a slide valve, to suction
+    compresses: float | None = (
+        None  # where the slot of a slide valve that is moved is passed, later than suction_closes
+    )
 
 
 def _grid(rotors: Rotors, breakpoints: list[float]) -> tuple[Array, tuple[float, ...]]:
@@ -182,13 +188,24 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     )
 
 
-def make_curves(rotors: Rotors, volume_ratio: float, axial_ratio: float | None = None) -> Curves:
+def _slot_curve(rotors: Rotors, at: Slid) -> Curve:
+    """Return the area of a slide's slot to suction, on both bores together."""
+    return _curve(rotors, slot_breakpoints(rotors, at), "m^2", lambda phi: sum(slot_areas(rotors, at, phi)))
+
+
+def make_curves(
+    rotors: Rotors, volume_ratio: float, axial_ratio: float | None = None, slide: SlideValve | None = None
+) -> Curves:
     """Return all curves; suction closes where the volume is largest.
 
-    The discharge port opens at a built-in volume ratio; with `axial_ratio` its part on the end face at that one.
+    The discharge port opens at a built-in volume ratio; with `axial_ratio` its part on the end face at that one. A
+    slide valve moves the edge of its part on the bores, and opens a slot to suction.
     """
     closes, opens = rotors.largest[0], rotors.discharge_angle(volume_ratio)
     face_opens = opens if axial_ratio is None else rotors.discharge_angle(axial_ratio, "axial_volume_ratio")
+    at = None if slide is None else slid(rotors, slide, opens, face_opens)
+    opens = opens if at is None else at.edge
+    later = at is not None and at.closes is not None and at.closes > closes
     return Curves(
         rotors.life,
         rotors.chambers,
@@ -198,4 +215,16 @@ def make_curves(rotors: Rotors, volume_ratio: float, axial_ratio: float | None =
         _paths(rotors, closes),
         closes - rotors.start,
         min(opens, face_opens) - rotors.start,
+        None if at is None else _slot_curve(rotors, at),
+        at.closes - rotors.start if at is not None and at.closes is not None and later else None,
     )
+
+
+def closed_in(rotors: Rotors, curves: Curves) -> tuple[float, float]:
+    """Return the volume at which a chamber is closed in: over the largest one, and over that where its port opens.
+
+    It is where suction closes or, later, where the slot of a slide valve is passed.
+    """
+    begins = curves.suction_closes if curves.compresses is None else curves.compresses
+    one, two = rotors.volume(np.array([begins, curves.discharge_opens]) + rotors.start)
+    return float(one) / rotors.largest[1], float(one / two)

@@ -34,6 +34,8 @@ def curves_csv(curves: Curves) -> dict[str, str]:
         one, two = parts["axial"], parts["radial"]
         both = Curve(one.angle, one.value + two.value, one.unit, one.breakpoints)
         files[f"{name}_port.csv"] = curve_csv(both)
+    if curves.slot is not None:
+        files["slide_valve.csv"] = curve_csv(curves.slot)
     for path in curves.paths:
         files[f"{path.name}.csv"] = curve_csv(path.behind)
     return files

@@ -1,4 +1,4 @@
-"""Profiles from points: a male curve or a rack, smoothed as stated, made a chain by the general gearing equation.
+"""Profiles from points: a male curve or a rack, faired or smoothed as stated, a chain by the general gearing equation.
 
 The common normal at a contact passes through the pitch point: for a male point p with unit tangent t,
 ψ = ang(t) − acos(p·t/r1); for a rack point (x, y), Y = −x dx/dy, ψ = (y − Y)/r1 (Litvin & Fuentes 2004, ch. 6).
@@ -72,7 +72,7 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
     if turn[worst] > CORNER:
         raise UsageError(
             f"machine.profile.file: the curve turns {math.degrees(turn[worst]):.0f} deg at its point {worst + 2} "
-            "(give more points there, or round the corner)"
+            "(give more points there, round the corner, or set machine.profile.tolerance)"
         )
     inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
     angle = np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])
@@ -99,7 +99,8 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     if abs(reach[worst]) > 1.0 + 1e-9:
         raise UsageError(
             f"machine.profile.file: the normal at x = {x[worst] * 1e3:.3f} mm, y = {y[worst] * 1e3:.3f} mm misses the "
-            "pitch circle: no contact there (undercut; change the curve or the centre_distance)"
+            "pitch circle: no contact there (undercut, or noise: set machine.profile.tolerance, or change "
+            "the curve or the centre_distance)"
         )
     psi = angle - np.arccos(np.clip(reach, -1.0, 1.0))
     psi -= 2.0 * math.pi * round(psi[np.argmax(np.hypot(x, y))] / (2.0 * math.pi))
@@ -128,7 +129,8 @@ def closed(pair: Pair, contact: Segment) -> Chain:
         if math.hypot(x[end] - root, y[end]) > CLOSED * pair.centre_distance:
             raise UsageError(
                 f"machine.profile.file: the curve must begin and end on the root circle of {root * 1e3:.4g} mm "
-                f"(contact at its end: {x[end] * 1e3:.4g}, {y[end] * 1e3:.4g} mm; add points, or set female_diameter)"
+                f"(contact at its end: {x[end] * 1e3:.4g}, {y[end] * 1e3:.4g} mm; "
+                "add points, set female_diameter, or change machine.profile.tolerance)"
             )
     flat = pair.pitch - (psi[-1] - psi[0])
     if flat < -1e-6:

@@ -81,6 +81,7 @@ class Chain:
     psi [rad], x, y [m]: arrays; ψ ends one pitch above its beginning, at the same place. Indices: `lead` of S' (local
     maximum of ψ, where contact on the leading flank ends), `trail` of S (local minimum, where contact on the trailing
     flank begins), `edges` where the flat (female land on male root) ends and begins, `joints` of the ends of segments.
+    `faired`: what was changed of measured points, in words.
     """
 
     psi: Array
@@ -90,6 +91,7 @@ class Chain:
     trail: int
     edges: tuple[int, int]
     joints: tuple[int, ...] = ()
+    faired: str = ""
 
     def male(self) -> tuple[Array, Array]:
         """Return the contact points on the male rotor [m], in its own frame: Rot(+ψ) C."""

@@ -8,6 +8,7 @@ docs/reference/rotors.md. φ and ψ as in `leakage`; areas in m², lengths in m,
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -70,7 +71,7 @@ def radial_discharge(
     The port lies ahead of the chamber's leading tip as it stands at φ_dis, up to cusp and end face.
     """
     areas = []
-    for tip, width, radius in _tips(pair, chain, h):
+    for tip, width, radius in groove_tips(pair, chain, h):
         whole = wrap - phi_dis - width + tip.end
         left = whole - (phi - phi_dis)
         area = radius * h * (_half_square(left + width, whole) - _half_square(left, whole))
@@ -87,7 +88,7 @@ def radial_suction(
     groove is the one that is compressed: it passes the suction cusp before the chamber's own life begins (`curves`).
     """
     areas = []
-    for tip, width, radius in _tips(pair, chain, h):
+    for tip, width, radius in groove_tips(pair, chain, h):
         far = np.minimum(phi + width, phi_close)
         near = np.minimum(phi, phi_close)
         areas.append(radius * h * (_strip(far, tip.start, wrap) - _strip(near, tip.start, wrap)))
@@ -100,10 +101,18 @@ def _strip(x: Array, start: float, wrap: float) -> Array:
     return 0.5 * on**2 - 0.5 * np.maximum(on - wrap, 0.0) ** 2
 
 
-def _tips(pair: Pair, chain: Chain, h: float) -> tuple[tuple[Helix, float, float], ...]:
-    """Return for both rotors: trailing tip, groove at the bore in male radians, bore's length a male radian [m]."""
+class GrooveTip(NamedTuple):
+    """A groove on its bore: its trailing tip, its width in male radians, the bore's length a male radian [m]."""
+
+    tip: Helix
+    width: float
+    radius: float
+
+
+def groove_tips(pair: Pair, chain: Chain, h: float) -> tuple[GrooveTip, GrooveTip]:
+    """Return the grooves of the male and of the female rotor on their bores."""
     groove = chain.land_start - chain.land_end
     return (
-        (male_tip(pair, h), pair.pitch, pair.male_radius),
-        (female_tip(pair, chain, h), groove, pair.k * pair.female_radius),
+        GrooveTip(male_tip(pair, h), pair.pitch, pair.male_radius),
+        GrooveTip(female_tip(pair, chain, h), groove, pair.k * pair.female_radius),
     )

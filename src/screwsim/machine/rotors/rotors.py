@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.faults import Fault, UsageError
-from screwsim.machine.rotors import closed_form, imported
+from screwsim.machine.rotors import closed_form, imported, measured
 from screwsim.machine.rotors.blow_hole import Opening, mirrored, opening
-from screwsim.machine.rotors.checks import check_pair, check_profile, check_size
+from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import Profile, check_settings
@@ -134,7 +134,10 @@ def make_chain(pair: Pair, profile: Profile) -> Chain:
     if profile.kind == "points":
         x, y = imported.read_profile(str(profile.file))
         make = imported.from_male if profile.curve == "male" else imported.from_rack
-        return make(pair, x, y, profile.smoothing)
+        if not profile.tolerance > 0.0:
+            return make(pair, x, y, profile.smoothing)
+        curve = measured.faired(x, y, profile.tolerance, pair.r1)
+        return replace(make(pair, curve.x, curve.y, profile.smoothing), faired=curve.words(len(x)))
     r3, r4 = profile.male_tip_radius or 0.0, profile.female_tip_radius or 0.0
     if profile.kind == "circular":
         return closed_form.circular(pair, r4)
@@ -151,7 +154,10 @@ def make_rotors(
     if profile.wrap_angle > TURN:
         _refuse([Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would meet themselves (choose less)")])
     chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
-    return _rotors(pair, chain, length, profile.wrap_angle)
+    rotors = _rotors(pair, chain, length, profile.wrap_angle)
+    if check and profile.kind == "points":
+        _refuse(check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)))
+    return rotors
 
 
 @lru_cache(maxsize=64)
@@ -166,7 +172,8 @@ def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Cha
     chain = make_chain(pair, profile)
     if check:
         _refuse(check_size(pair, chain) if profile.kind == "points" else [])
-        _refuse(check_profile(pair, chain, interference=profile.kind == "points"))
+        points = profile.kind == "points"
+        _refuse(check_profile(pair, chain, points, profile.tolerance if points else None))
     return chain
 
 

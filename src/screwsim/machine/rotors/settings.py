@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import DerivedWord, choice, file, quantity
+from screwsim.declare import DerivedWord, choice, file, number, quantity
 from screwsim.faults import Fault
 from screwsim.machine.rotors.families import FAMILIES
 
@@ -49,7 +49,27 @@ class Profile:
     root_radius: float | None = quantity("length", "r5, arc of the rack at its root (kind: rack)", None, gt=0.0)
     file: str | None = file("CSV with columns x_mm, y_mm of one lobe, from root to root (kind: points)")
     curve: str = choice("what the points are: the male lobe, or the rack", ("male", "rack"), "male")
+    tolerance: float = quantity(
+        "length", "how far the fairest curve may pass by measured points (3 to 5 times their noise)", 0.0, ge=0.0
+    )
     smoothing: float = quantity("length", "length over which the tangent of the points is averaged", 0.0, ge=0.0)
+
+
+@dataclass(frozen=True)
+class SlideValve:
+    """A slide valve in the cusp of the bores, by its geometry (law: profile)."""
+
+    position: float = number("x: 0 is full load, 1 the end of the travel", 0.0, ge=0.0, le=1.0)
+    travel: float = quantity("length", "way of the slide from full load to its end", gt=0.0)
+    length: float | None = quantity(
+        "length",
+        "from its end at the stop to the edge of the radial port at the cusp (default: it begins at the rotors' inlet "
+        "end)",
+        None,
+        gt=0.0,
+    )
+    male_span: float = quantity("angle", "of the male bore that the slide is, from the cusp back", gt=0.0)
+    female_span: float = quantity("angle", "of the female bore that the slide is, from the cusp back", gt=0.0)
 
 
 def check_settings(profile: Profile) -> list[Fault]:

@@ -53,6 +53,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     from screwsim import __version__
     from screwsim.report.page import data, tables
     from screwsim.report.page.pack import compressed
+    from screwsim.report.page.uncertain import model_lines
 
     shown = data.selection(results)
     document = data.document(results, shown)
@@ -74,6 +75,10 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
         figures=tables.figures(results, shown, document["start"]["case"]),
+        model=model_lines(results),
+        halves=tables.halves(results, shown, document["start"]["case"]),
+        inputs=tables.inputs(results, shown, document["start"]["case"]),
+        uncertain=document["inputs"] is not None,
         ranges=tables.ranges(results) if results.axis_list else [],
         checks=list(tables.checks(results)),
         claims=claims,

@@ -80,9 +80,32 @@ function row(head, cells, total) {
 function fillFigures() {
   const rows = data.figures.filter((figure) => Number.isFinite(figure.read[picked])).map((figure) => {
     const [number, unit] = written(figure, figure.read[picked]);
-    return row(figure.words, [[number, "n"], [unit, ""], [figure.error ? small(figure.error[picked]) : "", "n"]]);
+    const half = data.inputs ? [[halfOf(figure), "n"]] : [];
+    return row(figure.words, [[number, "n"], ...half, [unit, ""], [figure.error ? small(figure.error[picked]) : "", "n"]]);
   });
   document.querySelector("#figures tbody").replaceChildren(...rows);
+  if (data.inputs) fillContributors();
+}
+
+// Half of the interval by the inputs, in the unit in which the figure is written.
+function halfOf(figure) {
+  const half = figure.half ? figure.half[picked] : NaN;
+  if (!Number.isFinite(half)) return "";
+  const factor = figure.kelvin ? 1 : figure.scales.find(([least]) => Math.abs(figure.read[picked]) >= least)[1];
+  return `± ${general(half * factor, 2)}`;
+}
+
+// Which inputs make the most of some figures of the picked case.
+function fillContributors() {
+  const { names, figures } = data.inputs;
+  const lines = figures.map((figure) => {
+    const own = names.map((name, i) => ({ name, share: figure.shares[picked * names.length + i] }));
+    const most = own.filter(({ share }) => share >= 0.01).sort((a, b) => b.share - a.share).slice(0, 3);
+    const line = document.createElement("li");
+    line.textContent = `${figure.words}: ${most.map(({ name, share }) => `${name} ${Math.round(100 * share)}%`).join(", ")}`;
+    return most.length ? line : null;
+  });
+  document.getElementById("contributors").replaceChildren(...lines.filter((line) => line));
 }
 
 function balanceWords() {

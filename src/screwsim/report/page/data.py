@@ -12,6 +12,7 @@ from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
 from screwsim.report.page.pack import bytes_of, floats, steps, thin
+from screwsim.report.page.uncertain import half_of, inputs_document
 from screwsim.report.quantities import PRESSURE, TEMPERATURE, Shown, is_numeric, shown_axis, shown_figure
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
 from screwsim.results import Results
@@ -70,6 +71,7 @@ def document(results: Results, shown: Selection) -> dict[str, Any]:
         "balance": {name: floats(shown.of(results.balance[name])) for name in _BALANCES if name in results.balance},
         "cycle": _cycle(results, shown),
         "ledger": _ledger(results, shown),
+        "inputs": inputs_document(results, shown.part),
         "watts": [list(entry) for entry in SCALES["W"]],
         "start": _start(results, shown),
     }
@@ -119,6 +121,7 @@ def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
                 "scales": [list(entry) for entry in figure_scales(about)],
                 "values": floats(values),
                 "errors": floats(errors) if np.isfinite(errors).any() else None,
+                "halves": floats(halves) if np.isfinite(halves := shown.of(half_of(results, name))).any() else None,
             }
         )
     return found

@@ -146,13 +146,15 @@ function curvesDrawing(notes) {
     notes.push("○ top of a parabola (thin) through three points.");
     traces.push(...optima.map(arcTrace), optimaTrace(optima));
   }
+  const bands = overWords() ? [] : traces.slice(0, places.length).map(bandTrace).filter((band) => band);
+  if (bands.length) notes.push("Band: 95 % interval by the tolerances of the inputs alone.");
   const all = traces.flatMap((trace) => trace.x);
   const xLog = choice.xFigure ? isLog(all) : data.axes[choice.along].log;
   const xTitle = choice.xFigure ? choice.xFigure.label : data.axes[choice.along].label;
   if (choice.by !== null && places.length < sizeOf(choice.by)) notes.push(`${places.length} of ${sizeOf(choice.by)} curves are drawn.`);
   fixedWords(notes, [choice.along, choice.by]);
   leftOut(notes, places.length * sizeOf(choice.along), traces.slice(0, places.length));
-  return [traces, {
+  return [[...bands, ...traces], {
     xaxis: overWords() ? categories(xTitle) : axisLook(xTitle, xLog),
     yaxis: axisLook(choice.figure.label, false),
     showlegend: choice.by !== null,
@@ -183,6 +185,31 @@ function curveTrace(points, name, tint, dash) {
     line: { color: tint, dash, width: 2 },
     marker: { color: tint, size: points.map((p) => (data.warnings[p.number] ? 10 : 6)), symbol: points.map((p) => symbolOf(p.number)) },
   };
+}
+
+// The area between the ends of the interval that the inputs' tolerances make of a curve; null without one.
+function bandTrace(curve) {
+  const half = choice.figure.half && curve.customdata.map((number) => choice.figure.half[number] * choice.figure.factor);
+  const there = half ? half.map((each, i) => i).filter((i) => Number.isFinite(half[i])) : [];
+  if (there.length < 2) return null;
+  const back = [...there].reverse();
+  return {
+    type: "scatter",
+    mode: "lines",
+    x: [...there, ...back].map((i) => curve.x[i]),
+    y: [...there.map((i) => curve.y[i] + half[i]), ...back.map((i) => curve.y[i] - half[i])],
+    fill: "toself",
+    fillcolor: faded(curve.line.color),
+    line: { width: 0 },
+    hoverinfo: "skip",
+    showlegend: false,
+  };
+}
+
+// A colour, #rrggbb or rgb(…), through which others are seen.
+function faded(tint) {
+  const parts = tint.startsWith("#") ? [1, 3, 5].map((i) => parseInt(tint.slice(i, i + 2), 16)) : tint.match(/\d+/g).slice(0, 3);
+  return `rgba(${parts.join(",")},0.16)`;
 }
 
 function symbolOf(number) {

@@ -13,6 +13,7 @@ from screwsim.engineering import engineering, shown_name, small
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection
+from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.warned import kinds, warns
@@ -82,8 +83,24 @@ def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, st
     return rows
 
 
-def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
-    """Yield name, lowest, highest and largest estimated error of every figure over all cases with a result."""
+def halves(results: Results, shown: Selection, case: int) -> dict[str, str]:
+    """Return half of the interval by the inputs' tolerances, in the unit of the value, of each figure of one case."""
+    found = {}
+    for name in results.uncertainty:
+        value, half = (float(shown.of(each)[case]) for each in (results.performance[name], half_of(results, name)))
+        if np.isfinite(half):
+            found[shown_name(name)] = half_text(half, value, engineering(results.figure(name), value))
+    return found
+
+
+def inputs(results: Results, shown: Selection, case: int) -> list[str]:
+    """Return of one case which inputs with tolerances make the most of some figures."""
+    index = tuple(int(i) * step for i, step in zip(np.unravel_index(case, shown.shape), shown.strides, strict=True))
+    return inputs_lines(results, index)
+
+
+def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
+    """Yield name, lowest, highest, largest estimated error and interval by the inputs of every figure."""
     there = results.status != "failed"
     for name in results.figures:
         values, about = np.where(there, results.performance[name], np.nan), results.figure(name)
@@ -91,7 +108,17 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
         if finite.size:
             low, high = (" ".join(engineering(about, float(end))).strip() for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
-            yield shown_name(name), low, high, small(float(errors.max())) if errors.size else ""
+            half = half_of(results, name)
+            where = np.nanargmax(half) if np.isfinite(half).any() else None
+            most = "" if where is None else _half_at(results, name, float(half.flat[where]), float(values.flat[where]))
+            yield shown_name(name), low, high, small(float(errors.max())) if errors.size else "", most
+
+
+def _half_at(results: Results, name: str, half: float, value: float) -> str:
+    """Return half an interval with its unit; of a temperature kelvin."""
+    number, unit = engineering(results.figure(name), value)
+    shown_unit = "K" if unit.startswith("K") else unit
+    return f"{half_text(half, value, (number, unit))} {shown_unit}".strip()
 
 
 def checks(results: Results) -> Iterator[Check]:

@@ -90,7 +90,9 @@ function unpack(text) {
   for (const figure of found.figures) {
     figure.read = floats(figure.values);
     figure.error = figure.errors ? floats(figure.errors) : null;
+    figure.half = figure.halves ? floats(figure.halves) : null;
   }
+  for (const figure of found.inputs ? found.inputs.figures : []) figure.shares = floats(figure.shares);
   for (const name of Object.keys(found.balance)) found.balance[name] = floats(found.balance[name]);
   for (const part of found.cycle ? [found.cycle, found.cycle.flows] : []) {
     if (part) part.angle = Array.from(floats(part.angle));

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 from screwsim.scene import Scene, with_values
 
+AUTO, EXACT, DIFFERENCES = "auto", "exact", "differences"  # how slopes are found; auto: as is cheaper
+
 
 class Tie(NamedTuple):
     """A path that follows a parameter: factor · value + offset [SI]."""
@@ -19,10 +21,29 @@ class Tie(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """What is known of a parameter beforehand: mean and standard deviation [SI]."""
+    """What is known of a parameter beforehand: mean and standard deviation [SI], or of the logarithm: of a factor.
+
+    `told` says where that is from, where it is not the fit.
+    """
 
     mean: float
     deviation: float
+    logarithmic: bool = False
+    told: str = ""
+
+    def off(self, value: float) -> float:
+        """Return by how many standard deviations a value [SI] is off."""
+        if self.logarithmic:
+            return math.log(value / self.mean) / self.deviation
+        return (value - self.mean) / self.deviation
+
+    def slope(self, value: float) -> float:
+        """Return by how much that grows with the value [1/SI]."""
+        return 1.0 / (self.deviation * (value if self.logarithmic else 1.0))
+
+    def spread(self) -> float:
+        """Return the standard deviation [SI], of a factor that of small changes."""
+        return self.deviation * (self.mean if self.logarithmic else 1.0)
 
 
 class Measured(NamedTuple):
@@ -87,6 +108,7 @@ class Fit:
     points: tuple[Point, ...]
     starts: int = 8
     seed: int = 1
+    slopes: str = AUTO
 
     def machine(self, values: Mapping[str, float]) -> Scene:
         """Return the scene with other values [SI] of the parameters."""

@@ -15,7 +15,7 @@ from screwsim.scene.files import other_file
 from screwsim.scene.values import shown, text_of
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
-from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
+from screwsim.study.calibration.fit import AUTO, DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie
 from screwsim.study.inputs import STEPS
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
@@ -26,6 +26,9 @@ HEAD = {
     "data": Leaf("word", "the measured points: a CSV file", dataclasses.MISSING, {}),
     "starts": Leaf("count", "number of starts", 8, {"ge": 1, "le": 10_000}),
     "seed": Leaf("count", "seed of the starts", 1, {"ge": 0}),
+    "slopes": Leaf(
+        "choice", "how slopes are found; auto: as costs less", AUTO, {"options": (AUTO, EXACT, DIFFERENCES)}
+    ),
     "accuracy": Leaf("number", "relative accuracy of each solution", None, {"gt": 1e-12, "lt": 0.1}),
 }
 _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
@@ -80,7 +83,7 @@ def _typed(root: Node, name: str, problems: list[Problem]) -> Fit | None:
     if problems:
         return None
     points = tuple(point for point, _ in rows)
-    fit = Fit(head["title"], name, scene, scene_file, parameters, points, head["starts"], head["seed"])
+    fit = Fit(head["title"], name, scene, scene_file, parameters, points, head["starts"], head["seed"], head["slopes"])
     _check(fit, rows, root, problems)
     return fit
 

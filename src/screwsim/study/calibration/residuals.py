@@ -15,13 +15,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from screwsim.derivatives.solving import Found, found
 from screwsim.outputs import Figures, Result
-from screwsim.study.calibration.fit import Fit, Point
+from screwsim.study.calibration.fit import EXACT, Fit, Parameter, Point
 from screwsim.study.optimum import Simulate, closed
 from screwsim.study.warm import Warm
 
 Array = NDArray[np.float64]
 PENALTY = 1e4  # [uncertainties] of a figure without a solution
+CHEAPER = "they cost less here, or are asked for"
 STEP = 0.01  # of the bounds' distance, each way: far above the solver's noise
 
 
@@ -49,7 +51,11 @@ class Objective:
     solutions: int = 0
     failed: int = 0
     best: tuple[float, Array, Outcome] | None = None
+    jacobians: int = 0
+    exact: int = 0  # points whose slopes are exact, by Jacobian
+    methods: dict[str, str] = field(default_factory=dict)  # by path: why the last slopes are differences, '' if exact
     _last: tuple[bytes, Outcome] | None = None
+    _slopes: tuple[tuple[bytes, int], Array] | None = None
     _warm: dict[str, Simulate] = field(default_factory=dict)
 
     @property
@@ -77,7 +83,7 @@ class Objective:
         ]
         for each in self.fit.parameters:
             if each.prior is not None:
-                residuals.append((values[each.path] - each.prior.mean) / each.prior.deviation)
+                residuals.append(each.prior.off(values[each.path]))
         why = {point.name: why_not(point, result) for point, result in zip(self.points, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
         outcome = Outcome(np.array(residuals), tuple(result.performance for result in found), reasons)
@@ -108,26 +114,83 @@ class Objective:
         value = result.performance.get(figure)
         return PENALTY if value is None else (value - measured.value) / measured.uncertainty
 
-    def slopes(self, places: Array) -> Array:
-        """Return the slopes of the residuals over the places, by central differences; one-sided at bounds."""
-        here = self.outcome(places).residuals
-        columns = [self._column(places, index, here) for index in range(len(places))]
-        return np.column_stack(columns)
+    def slopes(self, places: Array, sides: int = 2) -> Array:
+        """Return the slopes of the residuals over the places: exact where they are, or differences to 1 or 2 sides.
 
-    def _column(self, places: Array, index: int, here: Array) -> Array:
-        """Return the slopes over one place; zero for a figure that has no solution on two sides."""
+        The rows of a figure without a solution are zero.
+        """
+        if self._slopes is None or self._slopes[0] != (places.tobytes(), sides):
+            self._slopes = (places.tobytes(), sides), self._slopes_at(places, sides)
+        return self._slopes[1]
+
+    def _slopes_at(self, places: Array, sides: int) -> Array:
+        outcome, values = self.outcome(places), self.values(places)
+        self.jacobians += 1
+        rows = [
+            self.point_slopes(point, places, figures, sides)
+            for point, figures in zip(self.points, outcome.figures, strict=True)
+        ]
+        for index, each in enumerate(self.fit.parameters):
+            if each.prior is not None:
+                row = np.zeros((1, len(places)))
+                row[0, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
+                rows.append(row)
+        return np.vstack(rows)
+
+    def point_slopes(self, point: Point, places: Array, figures: Figures, sides: int = 2) -> Array:
+        """Return the slopes (figures, places) of a point's residuals; `figures` are those at the places."""
+        values, names = self.values(places), tuple(point.measured)
+        solved = np.array([figures.get(name) is not None for name in names])
+        if not solved.any():
+            return np.zeros((len(names), len(places)))
+        exact = self._exact(point, values) if self.fit.slopes == EXACT else Found({}, {}, CHEAPER)
+        columns = []
+        for index, each in enumerate(self.fit.parameters):
+            column, why = exact_column(each, values[each.path], point, exact)
+            if column is None:
+                column = self._differences(point, places, index, figures, sides)
+            self.methods[each.path] = why or self.methods.get(each.path, "")
+            columns.append(np.where(solved, column, 0.0))
+        return np.column_stack(columns) if columns else np.zeros((len(names), 0))
+
+    def _exact(self, point: Point, values: Mapping[str, float]) -> Found:
+        """Return the exact derivatives of a point's figures by the paths that the parameters set."""
+        scene = self.fit.at(point, values)
+        self.solutions += 1
+        self.exact += 1
+        return found(scene, self.fit.changes(values))
+
+    def _differences(self, point: Point, places: Array, index: int, here: Figures, sides: int) -> Array:
+        """Return the slopes of a point's residuals over one place; zero where no second solution is."""
         known = [(float(places[index]), here)]
-        for sign in (1.0, -1.0):
+        for sign in (1.0, -1.0) if places[index] < 0.5 else (-1.0, 1.0):
             moved = np.array(places)
             moved[index] += sign * STEP
-            if 0.0 <= moved[index] <= 1.0:
-                known.append((float(moved[index]), self.outcome(moved).residuals))
-        column = np.zeros(len(here))
-        for row in range(len(column)):
-            pairs = sorted((place, left[row]) for place, left in known if abs(left[row]) < PENALTY)
+            if 0.0 <= moved[index] <= 1.0 and len(known) <= sides:
+                known.append((float(moved[index]), self.solved(point, self.values(moved)).performance))
+        column = np.zeros(len(point.measured))
+        for row, (name, measured) in enumerate(point.measured.items()):
+            pairs = sorted((place, each[name]) for place, each in known if each.get(name) is not None)
             if len(pairs) > 1:
-                column[row] = (pairs[-1][1] - pairs[0][1]) / (pairs[-1][0] - pairs[0][0])
+                column[row] = (pairs[-1][1] - pairs[0][1]) / (pairs[-1][0] - pairs[0][0]) / measured.uncertainty
         return column
+
+
+def exact_column(parameter: Parameter, value: float, point: Point, exact: Found) -> tuple[Array | None, str]:
+    """Return the slopes of a point's residuals over the place of a parameter, or None and why they are not exact."""
+    if exact.why:
+        return None, exact.why
+    total = np.zeros(len(point.measured))
+    for path, factor in ((parameter.path, 1.0), *((tie.path, tie.factor) for tie in parameter.ties)):
+        slopes = exact.derivatives.get(path)
+        if slopes is None:
+            return None, exact.refused.get(path, "it has no derivative")
+        missing = [name for name in point.measured if name not in slopes]
+        if missing:
+            return None, f"{missing[0]} has no derivative"
+        sizes = (slopes[name] / measured.uncertainty for name, measured in point.measured.items())
+        total += factor * parameter.slope(value) * np.array(list(sizes))
+    return total, ""
 
 
 def why_not(point: Point, result: Result) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 
 from screwsim.outputs import Figures
 from screwsim.scene import with_values
-from screwsim.study.calibration.fit import Fit, Measured, Point
+from screwsim.study.calibration.descent import descend
+from screwsim.study.calibration.fit import AUTO, DIFFERENCES, EXACT, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
 from screwsim.study.each import each
@@ -25,7 +27,6 @@ from screwsim.study.workers import DIED
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # of one round of a start
 MOST_ROUNDS = 3
-TOLERANCE = 1e-5  # of the places and of the sum of squares
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Start:
     cost: float
     solutions: int = 0
     failed: int = 0
+    jacobians: int = 0
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,8 @@ class Calibration:
     reasons: dict[str, str]  # of points without a solution
     solutions: int
     failed: int
+    jacobians: int = 0
+    methods: Mapping[str, str] = field(default_factory=dict)  # by path: '' of exact slopes, else why differences
 
     @property
     def scale(self) -> float:
@@ -104,6 +108,7 @@ def calibrate(
         from screwsim.simulate import warm_up
 
         warm_up(with_values(fit.machine(fit.first_start()), fit.points[0].values))  # before the fork
+    fit = replace(fit, slopes=_chosen(fit, simulate))
     answers: dict[int, Start] = {}
     with TemporaryDirectory(prefix="screwsim-") as folder:
         try:
@@ -122,6 +127,31 @@ def calibrate(
                 raise
             return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
     return _judged(fit, [answers[number] for number in sorted(answers)], simulate)
+
+
+def _chosen(fit: Fit, simulate: Simulate | None) -> str:
+    """Return how slopes are found: as stated, or as costs less at the first point, in time of the processor.
+
+    An exact Jacobian is held against differences to both sides, which are less accurate.
+    """
+    if simulate is not None:
+        return DIFFERENCES
+    if fit.slopes != AUTO:
+        return fit.slopes
+    places = np.array([each.place(fit.first_start()[each.path]) for each in fit.parameters])
+    point = next(point for point in fit.points if point.fitted)
+    times = {}
+    for how in (EXACT, DIFFERENCES):
+        asked = Objective(replace(fit, slopes=how))
+        figures = asked.solved(point, asked.values(places)).performance
+        if how == EXACT:
+            asked.point_slopes(point, places, figures)  # compiles
+            if all(asked.methods.values()):
+                return DIFFERENCES
+        began = time.process_time()
+        asked.point_slopes(point, places, figures)
+        times[how] = time.process_time() - began
+    return min(times, key=lambda how: times[how])
 
 
 def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
@@ -144,7 +174,7 @@ def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, n
     first = asked.outcome(began)
     if np.all(_unsolved(first)[: sum(len(point.measured) for point in asked.points)]):
         return _lost(began, next(iter(first.reasons.values())), asked)
-    if _search(asked, began):
+    if _search(asked, began, confirmed=False):
         return _start(asked, began, "ok", "")
     return _start(asked, began, "not converged", f"no minimum within {MOST_STEPS} steps")
 
@@ -153,28 +183,22 @@ def _unsolved(outcome: Outcome) -> NDArray[np.bool_]:
     return np.abs(outcome.residuals) >= PENALTY
 
 
-def _search(asked: Objective, began: Array) -> bool:
+def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
     """Walk to a minimum; tell whether one was reached.
 
     Figures that have no solution where a round begins are left out of it: their penalty is the same everywhere and
     would hide what the others gain. Where the end solves others than the beginning, a further round begins there.
     """
-    from scipy.optimize import least_squares
-
     places, converged = began, False
     for _ in range(MOST_ROUNDS):
         without = _unsolved(asked.outcome(places))
-        found = least_squares(
+        places, converged = descend(
             lambda u, without=without: np.where(without, 0.0, asked.outcome(u).residuals),
+            lambda u, without=without: np.where(without[:, None], 0.0, asked.slopes(u, 1 + confirmed)),
             places,
-            jac=lambda u, without=without: np.where(without[:, None], 0.0, asked.slopes(u)),  # type: ignore[arg-type]
-            bounds=(0.0, 1.0),
-            xtol=TOLERANCE,
-            ftol=TOLERANCE,
-            gtol=1e-10,
-            max_nfev=MOST_STEPS,
+            MOST_STEPS,
+            confirmed=confirmed,
         )
-        places, converged = np.clip(found.x, 1e-6, 1.0 - 1e-6), found.status > 0
         if np.array_equal(_unsolved(asked.outcome(places)), without):
             break
     return converged
@@ -184,11 +208,12 @@ def _start(asked: Objective, began: Array, status: str, message: str) -> Start:
     assert asked.best is not None
     cost, best, _ = asked.best
     ends = tuple(float(u) for u in best)
-    return Start(status, message, tuple(map(float, began)), ends, cost, asked.solutions, asked.failed)
+    counts = asked.solutions, asked.failed, asked.jacobians
+    return Start(status, message, tuple(map(float, began)), ends, cost, *counts)
 
 
 def _lost(began: Array, reason: str, asked: Objective | None = None) -> Start:
-    counts = (asked.solutions, asked.failed) if asked is not None else (0, 0)
+    counts = () if asked is None else (asked.solutions, asked.failed, asked.jacobians)
     where = tuple(map(float, began))
     return Start("failed", reason, where, where, float("inf"), *counts)
 
@@ -205,10 +230,16 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
         nothing = (None, None, 0, 0.0, (), (), {})
         return Calibration(fit, "failed", reason, tuple(starts), {}, *nothing, **counts)
     asked = Objective(fit, simulate)
-    places = np.array(best.places)
+    places, known = np.array(best.places), None
+    if not interrupted:
+        if _search(asked, places, confirmed=True) and asked.best is not None:
+            best = replace(best, status="ok", message="")
+        assert asked.best is not None
+        places = asked.best[1]
+        best = replace(best, places=tuple(places.tolist()), cost=asked.best[0])
+        known = certainty(fit.parameters, places, asked.slopes(places))
     outcome = asked.outcome(places)
     values = asked.values(places)
-    known = None if interrupted else certainty(fit.parameters, places, asked.slopes(places))
     compared, reasons = _compared(asked, outcome, values)
     free = sum(not border for border in borders(places))
     freedom = int(np.sum(np.abs(outcome.residuals) < PENALTY)) - free
@@ -219,8 +250,9 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
     message = _message(outcome, best, interrupted, len(starts))
     counts = {"solutions": counts["solutions"] + asked.solutions, "failed": counts["failed"] + asked.failed}
+    counts["jacobians"] = sum(start.jacobians for start in starts) + asked.jacobians
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    return Calibration(fit, status, message, tuple(starts), values, *rest, **counts)
+    return Calibration(fit, status, message, tuple(starts), values, *rest, **counts, methods=asked.methods)
 
 
 def _margin(free: int, chi_squared: float, freedom: int) -> float:

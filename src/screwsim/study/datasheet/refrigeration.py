@@ -21,7 +21,7 @@ from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import Bound, Reach, envelope
 from screwsim.study.each import each
 from screwsim.study.inputs import read_text, shown_value
-from screwsim.study.part_load import ENDS, LOADS, Control, PartLoad, controls, part_load
+from screwsim.study.part_load import ENDS, LOADS, RATIO, Control, PartLoad, controls, part_load, ratios
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
@@ -47,6 +47,7 @@ class Asked(NamedTuple):
     condensing: Axis
     bounds: tuple[Bound, ...]
     controls: tuple[Control, ...]
+    ratios: tuple[float, ...] = ()  # built-in volume ratios among which each part load's best is found
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, boun
     """Return what of a scene is to be rated; raise UsageError where it varies something else, or a range is none."""
     base = replace(scene, sweep={}, joints=())
     second = GAS_COOLER_P if base.operation.gas_cooler is not None else CONDENSING
-    known = {EVAPORATING, second, *ENDS}
+    known = {EVAPORATING, second, RATIO, *ENDS}
     others = [path for path in scene.sweep if path not in known]
     if others or scene.joints:
         path = others[0] if others else scene.joints[0].paths[0]
@@ -81,7 +82,7 @@ def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, boun
         _axis(scene, base, EVAPORATING, evaporating, "--evaporating"),
         _axis(scene, base, second, condensing, "--condensing"),
     )
-    return Asked(base, *axes, tuple(bounds), tuple(controls(scene)))
+    return Asked(base, *axes, tuple(bounds), tuple(controls(scene)), ratios(scene))
 
 
 def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
@@ -144,7 +145,7 @@ def _part(asked: Asked, full: float | None, number: int) -> _Part:
     """Return a column by the number of its evaporating temperature, behind these what a control does."""
     count = len(asked.evaporating.values)
     if number >= count:
-        return _Part(load=part_load(asked.scene, asked.controls[number - count], full, LOADS))
+        return _Part(load=part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios))
     evaporating = asked.evaporating.values[number]
     cases = [_case(asked, evaporating, condensing) for condensing in asked.condensing.values]
     solved = simulate_many([case for case in cases if isinstance(case, Scene)], trace=False)

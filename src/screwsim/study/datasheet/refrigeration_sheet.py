@@ -32,7 +32,7 @@ from screwsim.study.datasheet.refrigeration_tables import (
 )
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, told
 from screwsim.study.inputs import shown_value
-from screwsim.study.part_load import PartLoad
+from screwsim.study.part_load import PartLoad, Step
 
 KEPT = (
     CAPACITY, *SHAFT, *ELECTRICAL, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure", "volumetric_efficiency",
@@ -231,6 +231,13 @@ def _document(rated: Rating) -> dict[str, Any]:
 
 
 def _control(each: PartLoad) -> dict[str, Any]:
-    steps = [{"load": step.load, "setting": step.setting, **_figures(step.result)} for step in each.steps]
+    steps = [
+        {"load": step.load, "setting": step.setting, **_figures(step.result), **_best(step)} for step in each.steps
+    ]
     about = {"control": each.control.name, "path": each.control.path, "least_load": each.least, "message": each.why}
     return {**about, "loads": steps}
+
+
+def _best(step: Step) -> dict[str, Any]:
+    """Return the built-in volume ratio of the best COP at a part load, and the figures there."""
+    return {} if step.best is None else {"best_volume_ratio": {"ratio": step.ratio, **_figures(step.best)}}

@@ -114,6 +114,7 @@ def part_loads(rated: Rating) -> Iterator[Table]:
     scene, columns = rated.asked.scene, columns_of(rated)
     capacity, power, cop = columns[:3]
     heads = ("control", "load %", "setting", "capacity kW", f"{power[1].split()[0].lower()} kW", "COP", "discharge °C")
+    heads += ("best Vi", "COP there") if rated.asked.ratios else ()
     rows = []
     for each in rated.loads:
         for k, step in enumerate(each.steps):
@@ -121,9 +122,17 @@ def part_loads(rated: Rating) -> Iterator[Table]:
             cells = [cell_of(found, column[0], *column[2:]) for column in (capacity, power)]
             cells += [cell_of(found, cop[0], 1.0, 2), cell_of(found, DISCHARGE, 1.0, 1)]
             setting = shown_value(scene, each.control.path, step.setting, 4)
+            if rated.asked.ratios:
+                better = step.best.performance if step.best is not None else {}
+                cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", cell_of(better, cop[0], 1.0, 2)]
             rows.append([each.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
     if rows:
         note = f"load: cooling capacity over that of the scene as it stands, at {own_point(rated)}"
+        if rated.asked.ratios:
+            low, high = rated.asked.ratios[0], rated.asked.ratios[-1]
+            note += (
+                f"; best Vi: machine.built_in_volume_ratio of the best COP at that load, within {low:.3g} … {high:.3g}"
+            )
         yield Table("Part load at equal loads", heads, rows, note, left=1)
 
 

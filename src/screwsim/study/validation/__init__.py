@@ -5,19 +5,24 @@ A source is a folder `validation/<name>/` of the checkout: data with their sourc
 """
 
 from screwsim.study.validation.asking import read_table, sibling, solved
-from screwsim.study.validation.record import Comparison, NotRun, Panel, Row, Series, equal, shown, trend
-from screwsim.study.validation.sources import Outcome, document, folder_of, names_of, run_sources
+from screwsim.study.validation.discrepancy import compared, model_errors
+from screwsim.study.validation.record import Compared, Comparison, NotRun, Panel, Row, Series, equal, shown, trend
+from screwsim.study.validation.sources import Outcome, document, errors_of, folder_of, names_of, run_sources
 
 __all__ = [
+    "Compared",
     "Comparison",
     "NotRun",
     "Outcome",
     "Panel",
     "Row",
     "Series",
+    "compared",
     "document",
     "equal",
+    "errors_of",
     "folder_of",
+    "model_errors",
     "names_of",
     "read_table",
     "run_sources",

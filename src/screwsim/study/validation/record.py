@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 KINDS = {
     "exact": "against a closed form or an identity",
@@ -73,14 +74,38 @@ class Panel:
 
 
 @dataclass(frozen=True)
+class Compared:
+    """One figure of one point of a machine, ours and the source's in SI units, with their standard uncertainties.
+
+    `inputs` is that of ours by the tolerances of the scene, `stated` the source's own: None where nobody states one.
+    `fitted` points are those that a parameter was fitted to. `at` are the conditions (`study.model_error`).
+    """
+
+    machine: str
+    name: str
+    figure: str
+    ours: float
+    theirs: float
+    numerical: float | None
+    inputs: float | None
+    stated: float | None
+    fitted: bool
+    at: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class Comparison:
-    """What one source says and what we compute; `about` says in a sentence or two how to read it."""
+    """What one source says and what we compute; `about` says in a sentence or two how to read it.
+
+    `points` are what of it states the error of the model, figure by figure.
+    """
 
     title: str
     citation: str
     about: str
     rows: Sequence[Row]
     panels: Sequence[Panel] = ()
+    points: Sequence[Compared] = ()
 
 
 def equal(

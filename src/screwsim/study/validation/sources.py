@@ -17,6 +17,7 @@ from screwsim.near import nearest
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.validation.asking import sibling
+from screwsim.study.validation.discrepancy import model_errors
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 from screwsim.textfiles import Unreadable, read_text
 
@@ -121,7 +122,19 @@ def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
         if outcome.comparison is None:
             sources[outcome.name] = {"status": "not run", "reason": outcome.reason, "rows": [], "panels": []}
             continue
-        sources[outcome.name] = {"status": "ok", **asdict(outcome.comparison)}
+        told = asdict(outcome.comparison)
+        del told["points"]  # of them `errors_of` tells
+        sources[outcome.name] = {"status": "ok", **told}
         for row in outcome.comparison.rows:
             counts[row.verdict] += 1
     return {"version": __version__, "verdicts": counts, "sources": sources}
+
+
+def errors_of(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """Return by machine what the sources say of the error of the model; nothing of those that compare no figures."""
+    found: dict[str, Any] = {}
+    for outcome in outcomes:
+        if outcome.comparison is not None:
+            one = outcome.comparison
+            found |= model_errors(one.points, outcome.name, one.citation)
+    return found

@@ -6,6 +6,9 @@ import textwrap
 from collections.abc import Mapping
 from typing import Any
 
+from screwsim.engineering import shown_name
+from screwsim.figures import declared
+from screwsim.scene.model_errors import range_text
 from screwsim.study.validation.record import JUDGED, shown
 
 WIDTH = 120
@@ -46,6 +49,30 @@ def source_text(name: str, source: Mapping[str, Any]) -> str:
     for row in source["rows"]:
         lines += row_text(row)
     return "\n".join(lines)
+
+
+def errors_report(errors: Mapping[str, Any]) -> str:
+    """Return the error of the model by machine and figure, as ASME V&V 20 states it."""
+    lines = ["error of the model: E = ours - theirs; between the ends it lies at all points (E ± 2 u_val, ASME V&V 20)"]
+    for name, each in errors.items():
+        lines += textwrap.wrap(f"{name}: {range_text(each['range'])}", WIDTH)
+        for figure, told in each["figures"].items():
+            lines += _error_lines(figure, told)
+    lines.append("a scene that is like one of them says so by its name: uncertainty: {model: NAME}")
+    return "\n".join(lines)
+
+
+def _error_lines(figure: str, told: Mapping[str, Any]) -> list[str]:
+    about = declared(figure)
+    factor, unit = (1.0, "K") if about.units == "K" else (100.0, "%" if told["relative"] else "points")
+    lines = []
+    for kind, words in (("held_out", "held out"), ("fitted", "fitted to, no evidence")):
+        one = told[kind]
+        if one is not None:
+            low, high, mean = (f"{factor * one[end]:+.1f}" for end in ("low", "high", "mean"))
+            lines.append(f"  {shown_name(figure)}: {low} … {high} {unit}, mean {mean}: {one['points']} points {words}")
+    missing = told["not_stated"]
+    return [*lines, *([f"    without {', '.join(missing)}, which nobody states"] if missing else [])]
 
 
 def summary(document: Mapping[str, Any]) -> str:

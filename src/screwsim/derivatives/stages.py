@@ -1,0 +1,138 @@
+"""The stage equations of slices as compiled kernels: band matrices factored, all right sides solved together.
+
+Rows go by chamber, in it by node, so that a matrix whose chambers meet the next ones alone is a band. Pivots are sought
+in the band below: where a port is open the rates by the states are large and nearly of rank one.
+
+Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., Johns Hopkins 2013, 4.3 (band systems).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+
+from screwsim.codegen import modules
+from screwsim.derivatives.slices import INTEGRALS
+from screwsim.numerics.kernel import HEADER, flatten, kernel
+
+
+@kernel
+def fill(J, k, h, n, reach, M):
+    """Fill M[k] with 1 − h a J of slice k; J (slices nodes, N, N), n states a chamber, `reach` chambers on it meets."""
+    N = J.shape[1]
+    chambers = N // n
+    for row in range(3 * N):
+        for column in range(3 * N):
+            M[k, row, column] = 0.0
+    for c in range(chambers):
+        for d in range(max(0, c - reach), min(chambers, c + reach + 1)):
+            for i in range(3):
+                for j in range(3):
+                    weight = h * INTEGRALS[i, j]
+                    at = 3 * k + j
+                    for s in range(n):
+                        row = (3 * c + i) * n + s
+                        for t in range(n):
+                            M[k, row, (3 * d + j) * n + t] = -weight * J[at, c * n + s, d * n + t]
+    for row in range(3 * N):
+        M[k, row, row] += 1.0
+
+
+@kernel
+def factor(J, widths, n, reach, M, pivots):
+    """Factor 1 − h a J of all slices [h: widths] in M (slices, 3 N, 3 N); rows that change places in pivots."""
+    size = M.shape[1]
+    band = 3 * n * (reach + 1) - 1
+    for k in range(widths.shape[0]):
+        fill(J, k, widths[k], n, reach, M)
+        for column in range(size):
+            last = min(size, column + band + 1)
+            wide = min(size, column + 2 * band + 1)
+            p = column
+            for i in range(column + 1, last):
+                if abs(M[k, i, column]) > abs(M[k, p, column]):
+                    p = i
+            pivots[k, column] = p
+            if p != column:
+                for j in range(column, wide):
+                    M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
+            inverse = 1.0 / M[k, column, column]
+            M[k, column, column] = inverse
+            for i in range(column + 1, last):
+                share = M[k, i, column] * inverse
+                M[k, i, column] = share
+                if share != 0.0:
+                    for j in range(column + 1, wide):
+                        M[k, i, j] -= share * M[k, column, j]
+
+
+@kernel
+def solve(M, pivots, n, reach, B):
+    """Solve with the factors of `factor`, right sides B (slices, 3 N, columns) in place, their rows by node."""
+    size = M.shape[1]
+    columns = B.shape[2]
+    N = size // 3
+    band = 3 * n * (reach + 1) - 1
+    place = np.empty(size, np.int64)
+    for row in range(size):
+        chamber = row // (3 * n)
+        node = (row - chamber * 3 * n) // n
+        place[row] = node * N + chamber * n + row - (3 * chamber + node) * n
+    for k in range(B.shape[0]):
+        for row in range(size):
+            a = place[row]
+            b = place[pivots[k, row]]
+            if a != b:
+                for c in range(columns):
+                    B[k, a, c], B[k, b, c] = B[k, b, c], B[k, a, c]
+            for i in range(row + 1, min(size, row + band + 1)):
+                share = M[k, i, row]
+                b = place[i]
+                if share != 0.0:
+                    for c in range(columns):
+                        B[k, b, c] -= share * B[k, a, c]
+        for row in range(size - 1, -1, -1):
+            a = place[row]
+            for j in range(row + 1, min(size, row + 2 * band + 1)):
+                share = M[k, row, j]
+                b = place[j]
+                if share != 0.0:
+                    for c in range(columns):
+                        B[k, a, c] -= share * B[k, b, c]
+            inverse = M[k, row, row]
+            for c in range(columns):
+                B[k, a, c] *= inverse
+
+
+@kernel
+def carry(steps, gained, now, before, nodes):
+    """Fill before[k] with changes at the start of slice k, nodes[k] with those at its nodes.
+
+    They begin with `now` (N, columns), which becomes those at the end; steps (slices, 3 N, N), gained and nodes
+    (slices, 3 N, columns), before (slices, N, columns).
+    """
+    N = now.shape[0]
+    columns = now.shape[1]
+    for k in range(gained.shape[0]):
+        for i in range(N):
+            for c in range(columns):
+                before[k, i, c] = now[i, c]
+        for row in range(gained.shape[1]):
+            for c in range(columns):
+                nodes[k, row, c] = gained[k, row, c]
+            for j in range(N):
+                share = steps[k, row, j]
+                if share != 0.0:
+                    for c in range(columns):
+                        nodes[k, row, c] += share * before[k, j, c]
+        for i in range(N):
+            for c in range(columns):
+                now[i, c] = nodes[k, 2 * N + i, c]
+
+
+@cache
+def compiled() -> ModuleType:
+    """Return the module of these kernels, the same for all models."""
+    return modules.load("\n\n".join([HEADER, *flatten([factor, solve, carry]).values()]) + "\n", "stages", fast=True)

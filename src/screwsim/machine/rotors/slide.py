@@ -1,0 +1,111 @@
+"""A slide valve under both rotors: where its ends stand, and what of a chamber they uncover.
+
+The slide lies in the cusp of the bores on the high-pressure side and moves along the axes. On each bore it is the strip
+from the cusp back over its span. Its end at the suction side meets a stop at full load; moved by s it uncovers the
+strip from the stop to its end, which leads back to suction; its end at the discharge side carries the edge of the
+radial port, a helix, which moves with it. The axial port is cut in the end face and stays.
+Source: shape: N. Stosic, I. Smith, A. Kovacevic, Screw Compressors, Springer 2005; areas: docs/reference/rotors.md,
+derived there. φ and ψ as in `leakage`, z from the inlet plane; lengths in m, angles in rad, spans in male radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.machine.rotors.leakage import TURN
+from screwsim.machine.rotors.pair import Array
+from screwsim.machine.rotors.ports import groove_tips
+from screwsim.machine.rotors.rotors import Rotors
+from screwsim.machine.rotors.settings import SlideValve
+
+PATH = "machine.slide_valve"
+
+
+@dataclass(frozen=True)
+class Slid:
+    """A slide at a position: z of the stop and way from it [m], φ of the edge of the radial port, spans on both bores.
+
+    `closes` is the φ at which the last of the slot is passed, None where it is shut.
+    """
+
+    stop: float
+    moved: float
+    edge: float
+    spans: tuple[float, float]
+    closes: float | None
+
+
+def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> Slid:
+    """Return the slide at its position; `opens` is φ of the radial port's edge at full load, the face's stays.
+
+    Raise UsageError in one line for a slide that is too narrow for the port, or so long on its way, or so short, that
+    its slot would be open beside the discharge port.
+    """
+    h, (male, female) = rotors.h, groove_tips(rotors.pair, rotors.chain, rotors.h)
+    apex = h * (opens + male.width - male.tip.end)  # of the radial port, at the cusp
+    stop = 0.0 if slide.length is None else apex - slide.length
+    spans = slide.male_span, slide.female_span / rotors.pair.k
+    last = max(male.tip.end, female.tip.end)
+    _refuse_spans(rotors, slide, opens)
+    if stop / h + last >= opens:
+        least = 1e3 * (apex - h * (opens - last))
+        what = f"{1e3 * (slide.length or 0.0):.4g} mm lets the slot reach the chamber whose radial port is open"
+        raise UsageError(f"{PATH}.length: {what} (choose more than {least:.4g} mm)")
+    longest = h * (face_opens - last) - stop
+    if slide.travel >= longest:
+        what = f"{1e3 * slide.travel:.4g} mm brings the slot to chambers whose axial port is open"
+        remedy = f"choose less than {1e3 * longest:.4g} mm" if longest > 0.0 else f"choose a longer {PATH}.length"
+        raise UsageError(f"{PATH}.travel: {what} ({remedy})")
+    moved = slide.position * slide.travel
+    closes = (stop + moved) / h + last if moved > 0.0 and stop + moved > 0.0 else None
+    return Slid(stop, moved, opens + moved / h, spans, closes)
+
+
+def _refuse_spans(rotors: Rotors, slide: SlideValve, opens: float) -> None:
+    """Raise UsageError for a slide narrower than the radial port at full load, or wider than a bore."""
+    pair, wrong = rotors.pair, []
+    sides = zip(groove_tips(pair, rotors.chain, rotors.h), ("male", "female"), (1.0, pair.k), strict=True)
+    for (tip, width, _), name, ratio in sides:
+        own, given = ratio * (rotors.wrap - opens - width + tip.end), getattr(slide, f"{name}_span")
+        most = TURN - 2.0 * (pair.beta1 if name == "male" else pair.beta2)
+        text = f"{PATH}.{name}_span: {np.degrees(given):.4g} deg"
+        if given < own - 1e-9:
+            port = f"the radial port at full load reaches {np.degrees(own):.4g} deg from the cusp"
+            wrong.append(f"{text}: {port} (choose a wider slide, or a larger machine.built_in_volume_ratio)")
+        elif given > most:
+            wrong.append(f"{text} is more than the bore's {np.degrees(most):.4g} deg (choose less)")
+    if wrong:
+        raise UsageError("\n".join(wrong))
+
+
+def slot_areas(rotors: Rotors, at: Slid, phi: Array) -> tuple[Array, Array]:
+    """Return the open areas [m²] of the slot to suction on the male and the female bore.
+
+    The strip 0 ≤ θ ≤ span, stop ≤ z ≤ stop + moved, as far as it lies between the chamber's tips: the trailing one at
+    θ = z/h − φ + (end of its time on the bore), the leading one the groove's width nearer the cusp. Within the rotors.
+    """
+    low, high = (min(max(z, 0.0), rotors.length) for z in (at.stop, at.stop + at.moved))
+    areas, h = [], rotors.h
+    for (tip, width, radius), span in zip(groove_tips(rotors.pair, rotors.chain, h), at.spans, strict=True):
+        first, last = (z / h - phi + tip.end for z in (low, high))
+        whole = _under(last, span) - _under(first, span)
+        ahead = _under(last - width, span) - _under(first - width, span)
+        areas.append(radius * h * np.maximum(whole - ahead, 0.0))
+    return areas[0], areas[1]
+
+
+def slot_breakpoints(rotors: Rotors, at: Slid) -> list[float]:
+    """Return the φ at which a tip reaches or leaves a corner of the slot [rad]."""
+    found = []
+    for (tip, width, _), span in zip(groove_tips(rotors.pair, rotors.chain, rotors.h), at.spans, strict=True):
+        corners = [min(max(z, 0.0), rotors.length) / rotors.h for z in (at.stop, at.stop + at.moved)]
+        found += [z + tip.end - w - back for z in corners for w in (0.0, width) for back in (0.0, span)]
+    return found
+
+
+def _under(x: Array, span: float) -> Array:
+    """Return ∫ up to x of what lies of [0, span] below it."""
+    return 0.5 * np.maximum(x, 0.0) ** 2 - 0.5 * np.maximum(x - span, 0.0) ** 2

@@ -1,0 +1,93 @@
+"""What the page says of the tolerances of the inputs: the interval of each figure, and which inputs make the most."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from screwsim.engineering import shown_name
+from screwsim.report.page.pack import floats
+from screwsim.results import Results
+from screwsim.results.schema import MODEL_ERROR
+from screwsim.scene.model_errors import range_text
+from screwsim.scene.types import COVERAGE
+
+TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # by which inputs
+NOTHING = 1e-6  # of a figure: an interval below it is none
+MOST, LEAST = 3, 0.01  # inputs of a figure, of that share of its variance at the least
+
+
+def half_of(results: Results, name: str) -> np.ndarray:
+    """Return half of the 95 % interval [SI] of a figure on the axes, NaN where nothing is known of it."""
+    if name not in results.uncertainty:
+        return np.full(results.shape, np.nan)
+    half, size = COVERAGE * results.uncertainty[name], np.abs(results.performance[name])
+    return np.where(half > NOTHING * size, half, np.nan)
+
+
+def half_text(half: float, value: float, written: tuple[str, str]) -> str:
+    """Return half an interval in the unit in which the value is written; empty where there is none."""
+    if not np.isfinite(half):
+        return ""
+    number, unit = written
+    factor = 1.0 if unit.startswith("K") or not value else float(number) / value
+    return f"± {half * factor:.2g}"
+
+
+def _shares(results: Results, name: str) -> np.ndarray:
+    """Return the share of the variance of a figure that each input makes (cases, inputs)."""
+    changes = np.nan_to_num(results.contributions[name])
+    square = np.square(changes)
+    total = square.sum(axis=-1, keepdims=True)
+    return np.divide(square, total, out=np.zeros_like(square), where=total > 0.0)
+
+
+def inputs_document(results: Results, part: tuple[slice, ...]) -> dict[str, Any] | None:
+    """Return the names of the inputs, and their shares of some figures of the shown cases; None without any."""
+    if "contributor" not in results.contributions:
+        return None
+    names = [name for name in TOLD if name in results.contributions]
+    labels = [label.replace("effects.", "") for label in results.contributions["contributor"].tolist()]
+    shares = [
+        {"words": shown_name(name), "name": name, "shares": floats(_shares(results, name)[part].reshape(-1))}
+        for name in names
+        if np.isfinite(half_of(results, name)).any()
+    ]
+    return {"names": labels, "figures": shares}
+
+
+def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
+    """Return of one case which inputs make the most of some figures, a line a figure."""
+    lines = []
+    if "contributor" not in results.contributions:
+        return lines
+    labels = [label.replace("effects.", "") for label in results.contributions["contributor"].tolist()]
+    for name in TOLD:
+        if name not in results.contributions or not np.isfinite(half_of(results, name)[index]):
+            continue
+        shares = _shares(results, name)[index]
+        ranked = [place for place in np.argsort(-shares, kind="stable")[:MOST] if shares[place] >= LEAST]
+        lines.append(f"{shown_name(name)}: {', '.join(f'{labels[i]} {shares[i]:.0%}' for i in ranked)}")
+    return lines
+
+
+def model_lines(results: Results) -> list[str]:
+    """Return what the validation that the scene names says of the model's error; nothing where it names none."""
+    text = results.attributes.get(MODEL_ERROR)
+    if not isinstance(text, str):
+        return []
+    told = json.loads(text)
+    parts = []
+    for name, each in told["figures"].items():
+        held = each["held_out"]
+        if name in results.performance and held is not None:
+            kelvin = results.figure(name).units == "K"
+            factor, unit = (1.0, "K") if kelvin else (100.0, "%" if each["relative"] else "points")
+            parts.append(f"{shown_name(name)} {factor * held['low']:+.2g} … {factor * held['high']:+.2g} {unit}")
+    where = f"({told['of']}: {told['citation']}), at {range_text(told['range'])}"
+    return [
+        f"Error of the model, ours less measured: {', '.join(parts) or 'of none of these figures'}.",
+        f"By screwsim validate {where}; it is added to nothing.",
+    ]

@@ -1,0 +1,122 @@
+"""The error of the model as a validation states it: E = S - D figure by figure, and what it is uncertain by.
+
+Points to which a parameter was fitted are kept apart: the interval of a figure is that of the others alone. Nothing is
+added to the numerical error, or to what the inputs make of a figure.
+
+Source: ASME V&V 20-2009, section 1.5: the error of the model lies in E - u_val ... E + u_val, u_val^2 = u_num^2 +
+u_input^2 + u_D^2, here with the coverage factor 2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from screwsim.figures import declared
+from screwsim.outputs import EFFICIENCY, Result
+from screwsim.scene import Scene
+from screwsim.scene.types import COVERAGE
+from screwsim.study.model_error import conditions_of
+from screwsim.study.uncertain import with_uncertainty
+from screwsim.study.validation.record import Compared
+
+PARTS = {"numerical": "u_num", "inputs": "u_input", "stated": "u_D"}
+
+
+def is_relative(figure: str) -> bool:
+    """Tell whether the error of a figure is told over its size: of all but efficiencies and temperatures."""
+    about = declared(figure)
+    return about.scale != EFFICIENCY and about.units != "K"
+
+
+def compared(
+    machine: str,
+    name: str,
+    scene: Scene,
+    result: Result,
+    theirs: Mapping[str, float],
+    *,
+    stated: Mapping[str, float] | None = None,
+    fitted: bool = False,
+) -> list[Compared]:
+    """Return the comparison of a solved point with figures of a source [SI], which may state standard uncertainties."""
+    by_inputs = with_uncertainty(scene, result).uncertainty.get("figures", {}) if scene.uncertain else {}
+    at = conditions_of(scene, result.performance)
+    return [
+        Compared(
+            machine,
+            name,
+            figure,
+            float(result.performance[figure]),
+            float(value),
+            numerical_of(result, figure),
+            by_inputs[figure]["standard"] if figure in by_inputs else None,
+            (stated or {}).get(figure),
+            fitted,
+            at,
+        )
+        for figure, value in theirs.items()
+    ]
+
+
+def numerical_of(result: Result, figure: str) -> float | None:
+    """Return the estimated numerical error [SI] of a figure, taken as a standard uncertainty; None where none is."""
+    if result.error.get(figure) is None:
+        return None
+    size = max(abs(result.performance[figure]), declared(figure, result.performance).scale.least)
+    return float(result.error[figure]) * size
+
+
+def interval(point: Compared) -> tuple[float, float, float]:
+    """Return E of a point, and the ends between which the error of the model lies; of the source's value, or [SI]."""
+    over = abs(point.theirs) if is_relative(point.figure) else 1.0
+    found = (point.ours - point.theirs) / over
+    u_val = math.sqrt(sum(part * part for part in _parts(point).values() if part is not None)) / over
+    return found, found - COVERAGE * u_val, found + COVERAGE * u_val
+
+
+def _parts(point: Compared) -> dict[str, float | None]:
+    return {name: getattr(point, name) for name in PARTS}
+
+
+def model_errors(points: Sequence[Compared], source: str, citation: str) -> dict[str, Any]:
+    """Return of each machine of a source what its points say of the error of the model, JSON types only."""
+    machines = dict.fromkeys(point.machine for point in points)
+    return {
+        name: {
+            "source": source,
+            "citation": citation,
+            "range": _range([point for point in points if point.machine == name and not point.fitted]),
+            "figures": dict(_figures([point for point in points if point.machine == name])),
+        }
+        for name in machines
+    }
+
+
+def _figures(points: Sequence[Compared]) -> Iterator[tuple[str, dict[str, Any]]]:
+    for figure in dict.fromkeys(point.figure for point in points):
+        mine = [[point for point in points if point.figure == figure and point.fitted is fit] for fit in (False, True)]
+        unknown = [word for part, word in PARTS.items() if any(getattr(point, part) is None for point in mine[0])]
+        held, fitted = map(_told, mine)
+        yield figure, {"relative": is_relative(figure), "held_out": held, "fitted": fitted, "not_stated": unknown}
+
+
+def _told(points: Sequence[Compared]) -> dict[str, Any] | None:
+    """Return number of points, mean of E, and the interval that holds those of all points; None without any."""
+    found = [interval(point) for point in points]
+    if not found:
+        return None
+    mean = sum(each[0] for each in found) / len(found)
+    low, high = min(each[1] for each in found), max(each[2] for each in found)
+    return {"points": len(found), "mean": mean, "low": low, "high": high}
+
+
+def _range(points: Sequence[Compared]) -> dict[str, Any]:
+    """Return of each condition the ends, or the words, among some points."""
+    found: dict[str, Any] = {}
+    for name in dict.fromkeys(name for point in points for name in point.at):
+        values = [point.at[name] for point in points if name in point.at]
+        words = isinstance(values[0], str)
+        found[name] = list(dict.fromkeys(values)) if words else [min(values), max(values)]
+    return found

@@ -1,0 +1,54 @@
+"""The benchmark beside PDSim, up to PDSim itself, which is not among what is installed for tests."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from screwsim.scene import loads
+
+SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "beside_pdsim.py"
+
+
+@pytest.fixture(scope="module")
+def beside() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("beside_pdsim", SCRIPT)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_without_pdsim_one_line_says_what_is_missing_and_what_to_do(beside):
+    why = beside.missing(sys.executable, ("json", "no_such_module_of_pdsim"))
+    assert "\n" not in why and "no_such_module_of_pdsim" in why and "--help" in why
+    assert beside.missing(sys.executable, ("json",)) == ""
+    assert "No such file" in beside.missing("/no/such/python")
+
+
+def test_times_are_those_that_an_example_tells(beside, tmp_path):
+    example = tmp_path / "example.py"
+    example.write_text("print('time taken', 0.5, 's')\nprint('time taken 2.5e-1 s')\n")
+    assert beside.theirs(sys.executable, example) == [0.5, 0.25]
+
+
+def test_an_example_that_fails_is_told_by_its_last_line(beside, tmp_path):
+    example = tmp_path / "example.py"
+    example.write_text("raise ValueError('a valve is lost')\n")
+    with pytest.raises(RuntimeError, match=r"example\.py: ValueError: a valve is lost"):
+        beside.theirs(sys.executable, example)
+
+
+def test_an_example_without_a_machine_of_ours_is_timed_alone(beside, tmp_path):
+    example = tmp_path / "scroll_compressor.py"
+    example.write_text("print('time taken', 2.0)\n")
+    assert beside.pairs(sys.executable, example, None, 3) == "scroll_compressor.py: PDSim 2 s; no machine of ours"
+
+
+def test_scenes_of_the_examples_are_in_order(beside):
+    for text in filter(None, beside.EXAMPLES.values()):
+        assert loads(text).machine.kind == "slider_crank"

@@ -1,0 +1,92 @@
+"""The error of the model: E = S - D with its interval, points that were fitted apart, and where it holds."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.scene.model_errors import range_text, stored
+from screwsim.study.model_error import model_error
+from screwsim.study.validation import Compared, compared, model_errors
+from screwsim.study.validation.discrepancy import interval
+from screwsim.study.validation.words import errors_report
+
+ROOT = Path(__file__).parents[2]
+ROWS = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))["sources"]["bitzer"]["rows"]
+AT = {"machine.kind": "twin_screw", "gas.fluid": "R134a", "operation.speed": 309.0, "pressure_ratio": 3.0}
+
+
+def point(ours, theirs, figure="shaft_power", fitted=False, parts=(3.0, 4.0, 12.0), ratio=3.0):
+    """Return a point with standard uncertainties of ours, its inputs and the source."""
+    return Compared("m", "p", figure, ours, theirs, *parts, fitted, {**AT, "pressure_ratio": ratio})
+
+
+def test_the_interval_is_e_and_twice_all_three_uncertainties_in_squares():
+    assert interval(point(1100.0, 1000.0)) == pytest.approx((0.1, 0.1 - 0.026, 0.1 + 0.026))  # 3, 4, 12: 13
+    efficiency = point(0.75, 0.70, "isentropic_efficiency", parts=(0.0, None, 0.01))
+    assert interval(efficiency) == pytest.approx((0.05, 0.03, 0.07))  # of efficiencies in points
+
+
+def test_a_solved_point_brings_its_own_numerical_error_and_what_its_tolerances_make():
+    scene = screwsim.load(ROOT / "configs/paper/point.yaml", ["operation.speed=1000 rpm ± 3 %"])
+    result = screwsim.simulate(scene, trace=False)
+    (found,) = compared("m", "p", scene, result, {"displacement_flow": 0.03}, stated={"displacement_flow": 1e-4})
+    flow = result.performance.displacement_flow
+    assert found.inputs == pytest.approx(0.015 * flow, rel=1e-6)
+    assert (found.stated, found.numerical) == (1e-4, pytest.approx(result.error["displacement_flow"] * flow))
+    assert found.at["pressure_ratio"] == pytest.approx(result.performance.pressure_ratio)
+    unknown = replace(result, error={})
+    (bare,) = compared("m", "p", screwsim.load(ROOT / "configs/paper/point.yaml"), unknown, {"displacement_flow": 0.03})
+    assert (bare.numerical, bare.inputs, bare.stated) == (None, None, None)
+
+
+def test_points_of_the_fit_are_apart_and_what_nobody_states_is_named():
+    points = [point(1100.0, 1000.0), point(950.0, 1000.0, parts=(0.0, None, None), ratio=5.0)]
+    found = model_errors([*points, point(1300.0, 1000.0, fitted=True, ratio=9.0)], "s", "c")["m"]
+    told = found["figures"]["shaft_power"]
+    assert told["held_out"] == pytest.approx({"points": 2, "mean": 0.025, "low": -0.05, "high": 0.126})
+    assert told["fitted"]["points"] == 1
+    assert told["not_stated"] == ["u_input", "u_D"]
+    assert found["range"]["pressure_ratio"] == [3.0, 5.0]  # where something was predicted
+    assert "1 points fitted to, no evidence" in errors_report({"m": found})
+
+
+def test_what_is_shipped_is_what_the_stored_validation_has():
+    for machine, name in (("bitzer", "fitted machine, "), ("bitzer_paper_laws", "by the paper's laws, ")):
+        for figure, word in (("volumetric_efficiency", ": volumetric"), ("isentropic_efficiency", ": isentropic")):
+            for kind, part in (("published", "held_out"), ("calibrated", "fitted")):
+                rows = [row for row in ROWS if row["quantity"].startswith(name) and row["quantity"].endswith(word)]
+                errors = [0.01 * (row["ours"] - row["theirs"]) for row in rows if row["kind"] == kind]
+                told = stored()[machine]["figures"][figure][part]
+                assert told["points"] == len(errors)
+                assert told["mean"] == pytest.approx(math.fsum(errors) / len(errors), abs=2e-4)
+                assert (told["low"], told["high"]) == pytest.approx((min(errors), max(errors)), abs=5e-4)
+
+
+def test_a_scene_is_told_the_error_of_the_validation_that_it_names_and_where_it_is_another():
+    scene = screwsim.load(ROOT / "validation" / "bitzer" / "fitted" / "scene.yaml", ["uncertainty.model=bitzer"])
+    figures = {"pressure_ratio": 4.0, "isentropic_efficiency": 0.7}
+    found = model_error(scene, figures)
+    assert found["outside"] == []
+    told = stored()["bitzer"]["figures"]["isentropic_efficiency"]["held_out"]
+    assert found["figures"]["isentropic_efficiency"]["low"] == told["low"]
+    far = model_error(
+        screwsim.load(ROOT / "configs/paper/point.yaml", ["uncertainty.model=cagi"]), {"pressure_ratio": 3.0}
+    )
+    assert [text.partition(" ")[0] for text in far["outside"]] == ["fluid", "speed", "pressure"]
+
+
+def test_a_scene_that_names_none_is_told_nothing():
+    assert model_error(screwsim.load(ROOT / "configs/paper/point.yaml"), {"pressure_ratio": 3.0}) == {}
+
+
+def test_the_range_is_in_words():
+    known = {
+        "machine.kind": ["twin_screw"],
+        "operation.speed": [104.7197551, 314.1592654],
+        "pressure_ratio": [2.0, 2.0],
+    }
+    assert range_text(known) == "machine twin_screw, speed 1000 rpm to 3000 rpm, pressure ratio 2"
