@@ -5,7 +5,9 @@ One table for the screen, the figures and the page.
 
 from __future__ import annotations
 
-from screwsim.customary import (
+from screwsim.figures import declared
+from screwsim.outputs import EFFICIENCY, Figure
+from screwsim.outputs.customary import (
     SCALES,
     ZERO_CELSIUS,
     digits,
@@ -14,8 +16,6 @@ from screwsim.customary import (
     scale,
     small,
 )
-from screwsim.figures import declared
-from screwsim.outputs import EFFICIENCY, Figure
 
 __all__ = [
     "SCALES",

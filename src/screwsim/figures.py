@@ -10,7 +10,6 @@ from functools import cache
 from operator import is_
 from typing import Any
 
-from screwsim.display import table_html, table_text
 from screwsim.effects import catalogue, imported
 from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
 from screwsim.faults import Impossible, UsageError
@@ -31,6 +30,7 @@ from screwsim.outputs import (
     cycle_variable,
     shown,
 )
+from screwsim.outputs.display import table_html, table_text
 from screwsim.scene.types import ActiveEffect, Scene
 
 _OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells

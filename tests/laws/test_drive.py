@@ -17,7 +17,7 @@ from screwsim.faults import SceneError, UsageError
 from screwsim.model.compose import compose
 from screwsim.model.slots import P_OMEGA
 from screwsim.solve import drive
-from screwsim.start_up import Run, start_up, steadily
+from screwsim.solve.start_up import Run, start_up, steadily
 
 DRIVE = {
     "motor_inertia": "0.8 kg m^2",

@@ -15,7 +15,7 @@ from screwsim.faults import SceneError
 from screwsim.scene import load, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many
-from screwsim.start_up import steadily
+from screwsim.solve.start_up import steadily
 
 SOLUBILITY = "effects.refrigerant_solubility"
 CARRIED = {"oil.transport": "carried", "effects.separator": {}}

@@ -309,7 +309,7 @@ def startup(
     from screwsim.printing.startup import text, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
-    from screwsim.start_up import start_up
+    from screwsim.solve.start_up import start_up
 
     if folder is not None:
         make_folder(folder)

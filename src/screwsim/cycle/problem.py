@@ -90,7 +90,7 @@ class Series:
         self.stock, self.composer, self.course = Stock(), Composer(), Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
         self.losses: PressureLosses | None = None  # of a package, found last
-        self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.sought`)
+        self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.build.sought`)
         self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
         self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from screwsim import sought
+from screwsim.build import sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import InSeparator
 from screwsim.errors import worst

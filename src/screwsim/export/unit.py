@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from screwsim.display import si_unit
+from screwsim.outputs.display import si_unit
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {

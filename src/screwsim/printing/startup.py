@@ -7,7 +7,7 @@ from pathlib import Path
 
 from screwsim.printing.tables import wrapped
 from screwsim.results.atomic import write_csv
-from screwsim.start_up import StartUp
+from screwsim.solve.start_up import StartUp
 
 RPM = 30.0 / math.pi
 ROWS = (

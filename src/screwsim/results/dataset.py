@@ -8,9 +8,9 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
+from screwsim.outputs.tables import library
 from screwsim.results.read import OWN, Group, Results
 from screwsim.results.schema import Axis
-from screwsim.tables import library
 
 _PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum", "contributions")
 _UNCERTAIN = "_u"  # behind the name of a figure: its standard uncertainty by the inputs

@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim import sought
-from screwsim.build import Temperatures, filled, open_temperatures, package_of, temperature_faults
+from screwsim.build import Temperatures, filled, open_temperatures, package_of, sought, temperature_faults
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased

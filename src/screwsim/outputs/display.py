@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import NamedTuple
 
-from screwsim.customary import ZERO_CELSIUS, digits, scale
+from screwsim.outputs.customary import ZERO_CELSIUS, digits, scale
 
 MOST_LETTERS = 100  # of a meaning in text
 

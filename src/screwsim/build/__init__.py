@@ -1,0 +1,33 @@
+"""From a typed scene to the built parts that the composer takes: geometry, gas, oil, effects."""
+
+from screwsim.build.gas import build_gas
+from screwsim.build.own import blamed, faults_of_own
+from screwsim.build.parts import WIDTH, build_parts, prepare, regularisation
+from screwsim.build.site import build_site
+from screwsim.build.stock import Stock
+from screwsim.build.temperatures import (
+    Temperatures,
+    completed,
+    filled,
+    open_temperatures,
+    package_of,
+    temperature_faults,
+)
+
+__all__ = [
+    "WIDTH",
+    "Stock",
+    "Temperatures",
+    "blamed",
+    "build_gas",
+    "build_parts",
+    "build_site",
+    "completed",
+    "faults_of_own",
+    "filled",
+    "open_temperatures",
+    "package_of",
+    "prepare",
+    "regularisation",
+    "temperature_faults",
+]

@@ -1,0 +1,119 @@
+"""The parts that the composer takes: geometry, gas, oil, effects, and how they are made ready for a sweep."""
+
+from __future__ import annotations
+
+from screwsim.build.gas import build_gas
+from screwsim.build.site import build_site
+from screwsim.build.stock import Stock
+from screwsim.build.temperatures import completed
+from screwsim.effects.base import (
+    Made,
+    OilContent,
+    OilGas,
+    OilSolution,
+    Plenum,
+)
+from screwsim.faults import own_number
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.model.parts import Effects, OilPart, Parts, Widths
+from screwsim.scene.checks import cross_check
+from screwsim.scene.grid import case, case_count, only
+from screwsim.scene.lines import Lines, lines, refrigerating_effect
+from screwsim.scene.types import Scene
+
+WIDTH = 0.25  # of the regularisation over the wanted accuracy
+LEAST = 1e-300  # above nothing
+MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
+
+
+def build_oil(scene: Scene, at: Lines) -> OilPart | None:
+    """Return the oil of a scene with its supply."""
+    oil, supply = scene.oil, scene.oil_supply
+    if oil is None or supply is None or supply.temperature is None:
+        return None
+    known = oil.at(supply.temperature)
+    if supply.kind == "pump":
+        numbers = {"ratio": float(supply.ratio or 0.0)}
+    else:
+        diameter = float(supply.orifice_diameter or 0.0)
+        numbers = {
+            "density": known.density,
+            "viscosity": float(known.viscosity or 0.0),
+            "diameter": diameter,
+            "length": supply.orifice_length or 2.0 * diameter,
+            "number": supply.orifice_count,
+            "separator_pressure": at.p_d,
+        }
+    source = at.p_s if supply.source == "suction" else at.p_d
+    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers, source)
+
+
+def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:
+    """Return what the scene names, built for the composer; what it shares with the scene before is in stock."""
+    scene = completed(scene)
+    stock, at = stock or Stock(), lines(scene)
+    geometry = stock.geometry(scene.machine)
+    effects = stock.effects(scene, geometry, at)
+    gas = stock.gas(scene)
+    plenums, made, content = _of_site(effects, scene, gas)
+    return Parts(
+        geometry=geometry,
+        gas=gas,
+        omega=scene.operation.speed,
+        widths=_widths(scene, at),
+        effects=effects,
+        oil=build_oil(scene, at),
+        plenums=plenums,
+        made=made,
+        set_speed=set_speed,
+        oil_content=content,
+    )
+
+
+def _of_site(
+    effects: Effects, scene: Scene, gas: Gas
+) -> tuple[dict[str, Reservoir], dict[str, float], OilContent | OilSolution | None]:
+    """Return the states of own plenums, first guesses of what the cycle makes, and what the oil brings dissolved."""
+    plenums, made, brings = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made, OilGas))
+    if not (plenums or made or brings):
+        return {}, {}, None
+    site = build_site(scene, gas)
+    guesses = {part.entry.name: part.guess(site) for part in made}
+    for name, part in effects.all(Made):
+        own_number(name, f"the guess of {part.entry.name}", guesses[part.entry.name])
+    if len(guesses) < len(made):
+        names = ", ".join(sorted(part.entry.name for part in made))
+        raise TypeError(f"two effects declare the same of {names} as made by the cycle")
+    states = {part.name: part.state(site) for part in plenums}
+    for name, part in effects.all(Plenum):
+        for what in ("p", "T", "rho"):
+            own_number(name, f"{what} of its plenum {part.name}", getattr(states[part.name], what), LEAST)
+        own_number(name, f"h of its plenum {part.name}", states[part.name].h)
+    return states, guesses, brings[0].content(site) if brings else None
+
+
+def regularisation(scene: Scene) -> tuple[float, float, float]:
+    """Return the widths ε below which a pressure difference is smoothed: suction port, discharge port [Pa], gaps.
+
+    That of gaps is a share of the mean pressure at their ends. ε is `WIDTH` of the wanted accuracy times the pressure.
+    The error control lets the pressure err by about as much; a narrower ε would let that error jump across the flow
+    law's steep middle, a wider one costs accuracy that no step can regain (docs/explanation/numerics.md).
+    """
+    return _widths(scene, lines(scene))[:3]
+
+
+def _widths(scene: Scene, at: Lines) -> Widths:
+    width = WIDTH * scene.numerics.accuracy
+    return width * at.p_s, width * at.p_d, width, width * max(at.p_s, at.p_d)
+
+
+def prepare(scene: Scene) -> None:
+    """Ask CoolProp once for what the cases of a sweep need, so that no worker imports it."""
+    asked = (path for path in scene.sweep if path.startswith(("operation.", "gas.")) and path != "operation.speed")
+    conditions = only(scene, asked)
+    for index in range(min(case_count(conditions), MOST_PREPARED) if conditions.sweep else 0):
+        one = case(conditions, index)
+        if not cross_check(one):
+            build_gas(one)
+            refrigerating_effect(one)

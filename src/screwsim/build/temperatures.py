@@ -1,0 +1,147 @@
+"""A scene completed by what is found with its cycle: temperatures of oil and separator, losses of a package."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import NamedTuple
+
+from screwsim.build import sought
+from screwsim.effects.base import (
+    CoolsOil,
+    InSeparator,
+    LosesPressure,
+    PressureLosses,
+)
+from screwsim.faults import Fault, Unfound, UsageError
+from screwsim.fluid import constants
+from screwsim.fluid.oils import OILS
+from screwsim.scene.checks import oil_faults
+from screwsim.scene.lines import lines
+from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene
+
+WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
+
+
+class Temperatures(NamedTuple):
+    """Temperatures [K] that effects.separator finds: of the oil's supply, and of the separator."""
+
+    supply: float
+    separator: float
+
+
+def package_of(scene: Scene) -> LosesPressure | None:
+    """Return the parameters of the effect that puts a package around the machine; None where there is none."""
+    every = (active.parameters for active in scene.effects.values())
+    return next((parameters for parameters in every if isinstance(parameters, LosesPressure)), None)
+
+
+def completed(
+    scene: Scene,
+    near: Temperatures | None = None,
+    losses: PressureLosses | None = None,
+    open_numbers: Sequence[float] | None = None,
+) -> Scene:
+    """Return a scene in which all has values that is found with the cycle: what is `near`, or first guesses.
+
+    These are temperatures that effects.separator finds, and the losses of a package. Raise Unfound where oil or effects
+    cannot be at the first guess either.
+    """
+    package = package_of(scene)
+    if package is not None and scene.losses is None:
+        at = lines(scene)
+        guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
+        near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver
+        scene = replace(scene, losses=losses if near_by else guess)
+    return _tempered(sought.completed(scene, open_numbers), near)
+
+
+def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
+    if not any(open_temperatures(scene)):
+        return scene if scene.oil_supply is None or scene.oil_supply.temperature is not None else _kept(scene)
+    if near is not None:
+        found = filled(scene, near)
+        if not temperature_faults(found):
+            return found
+    supply, asked = scene.oil_supply, [one.parameters.separator_temperature for one in _asking(scene).values()]
+    if supply is not None and None not in (supply.temperature, *asked):
+        return scene
+    found = filled(scene, _guessed(scene, _cooling(scene)))
+    faults = temperature_faults(found)
+    if faults:
+        raise Unfound(f"the first guess of the oil's temperatures leads to where {faults[0]}")
+    return found
+
+
+def _kept(scene: Scene) -> Scene:
+    """Return a scene whose oil comes with the temperature that a cooler keeps."""
+    supply = scene.oil_supply
+    assert supply is not None
+    return replace(scene, oil_supply=replace(supply, temperature=_cooling(scene).outlet))
+
+
+def filled(scene: Scene, at: Temperatures) -> Scene:
+    """Return a scene with these temperatures in place of those that it leaves open."""
+    supply, effects = scene.oil_supply, scene.effects
+    assert supply is not None
+    if open_temperatures(scene)[0]:
+        scene = replace(scene, oil_supply=replace(supply, temperature=Found(at.supply)))
+    elif supply.temperature is None:
+        scene = _kept(scene)
+    for name, active in _asking(scene).items():
+        parameters = replace(active.parameters, separator_temperature=Found(at.separator))
+        effects = {**effects, name: replace(active, parameters=parameters)}
+    return replace(scene, effects=effects)
+
+
+def _cooling(scene: Scene) -> CoolsOil:
+    """Return what a scene says of its oil's cooler."""
+    every = (active.parameters for active in scene.effects.values())
+    return next((parameters for parameters in every if isinstance(parameters, CoolsOil)), CoolsOil())
+
+
+def open_temperatures(scene: Scene) -> tuple[bool, bool]:
+    """Tell whether the temperatures of the oil's supply and of the separator are found with the cycle."""
+    supply = scene.oil_supply
+    if supply is None:
+        return False, False
+    follows = _is_open(supply.temperature) and _cooling(scene).outlet is None
+    return follows, bool(_asking(scene))
+
+
+def _asking(scene: Scene) -> dict[str, ActiveEffect]:
+    """Return the effects of a scene that ask for the separator's temperature, which the scene does not state."""
+    every = ((name, one) for name, one in scene.effects.items() if isinstance(one.parameters, InSeparator))
+    return {name: one for name, one in every if _is_open(one.parameters.separator_temperature)}
+
+
+def _is_open(value: float | None) -> bool:
+    """Tell whether a temperature is not stated: absent, or where the search for it stands."""
+    return value is None or isinstance(value, Found)
+
+
+def temperature_faults(scene: Scene) -> list[Fault]:
+    """Return why effects or the oil cannot be at the temperatures with which a scene was completed."""
+    found = [] if scene.oil is None else list(oil_faults(scene))
+    T = None if scene.oil_supply is None else scene.oil_supply.temperature
+    if T is not None and not COLDEST <= T <= HOTTEST:
+        what = f"{T:.6g} K lies outside {COLDEST:g} K to {HOTTEST:g} K, where oil can be"
+        found.append(Fault("oil_supply.temperature", f"{what} (another duty or temperature of the cooler)"))
+    for active in _asking(scene).values():
+        found += [] if active.effect.check is None else active.effect.check(active.parameters, scene)
+    return found
+
+
+def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
+    """Return first guesses: of a mixture that is warmer than suction gas, and of gas that does not condense."""
+    at, T_c = lines(scene), scene.operation.condensing_temperature
+    T = at.T_s + WARMED if kept.discharge is None else kept.discharge
+    if T_c is None and (scene.gas.model == "real" or _asking(scene)):
+        with suppress(UsageError):  # above the critical pressure
+            T_c = constants.saturation_temperature(scene.gas.name, at.p_d)
+    mixture = T if T_c is None else max(T, T_c + COOLED)
+    if scene.oil is not None and scene.oil.name is not None:
+        stored = OILS[scene.oil.name]
+        mixture = min(max(mixture, stored.low), stored.high)
+    return Temperatures(mixture if kept.discharge is None else mixture - COOLED, mixture)

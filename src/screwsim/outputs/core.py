@@ -1,0 +1,142 @@
+"""The figures of the core: every result may have them, whichever effects its scene names."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from screwsim.outputs.declared import LEAST_OIL, POWER, Figure, Scale, efficiency, power_figure
+
+# what calls for a figure of the core, beside keys of a scene (`figures.called_for`)
+OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
+HEATED = ("an effect that gives the oil a temperature, such as effects.oil_heat",)
+COOLED = ("operation.condensing_temperature and machine.mode: compressor", "operation.gas_cooler")
+CHANGED = ("effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "another effect with an Intake")
+WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
+HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
+
+HUMID = ("gas.relative_humidity",)
+HUMID_PACKAGE = ("gas.relative_humidity and effects.air_package",)
+# of what condenses: saturation changes by 15 and more times what the temperature does
+CONDENSED = Scale(15.0, ("water_flow",))
+
+_oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
+_humid = partial(Figure, needs=HUMID)
+_CORE = (
+    efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
+    efficiency(
+        "ideal_isothermal_efficiency",
+        "ideal-gas isothermal power at suction temperature over shaft power",
+        by_flow=True,
+    ),
+    efficiency("isentropic_efficiency", "isentropic efficiency of the shaft power", by_flow=True),
+    efficiency("volumetric_efficiency", "volumetric efficiency", by_flow=True),
+    Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", Scale(times="filling"), by_flow=True),
+    _oiled("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(LEAST_OIL, ("gas_mass_flow",))),
+    _oiled(
+        "oil_ratio",
+        "1",
+        "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: its end)",
+        Scale(LEAST_OIL),
+    ),
+    _oiled("oil_flow_ratio", "1", "injected oil over net suction gas", Scale(LEAST_OIL, times="filling"), by_flow=True),
+    power_figure("indicated_power", "indicated power"),
+    power_figure("oil_lift_power", "power that lifts the oil to discharge, beside the indicated power", needs=OILED),
+    power_figure("shaft_power", "shaft power"),
+    Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
+    Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),
+    Figure("oil_discharge_temperature", "K", "flow-weighted mean oil temperature at discharge", needs=HEATED),
+    Figure("peak_pressure", "Pa", "highest chamber pressure up to the widest opening of the discharge port"),
+    Figure("work_per_cycle", "J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
+    Figure("trapped_mass", "kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
+    _oiled(
+        "injection_pressure",
+        "Pa",
+        "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes; oil_injection: mean)",
+    ),
+    Figure("suction_pressure", "Pa", "pressure of the suction line"),
+    Figure("suction_temperature", "K", "temperature of the suction line"),
+    Figure("discharge_pressure", "Pa", "pressure of the discharge line, in a package before its separator element"),
+    Figure("pressure_ratio", "1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
+    Figure("displacement", "m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
+    Figure("displacement_flow", "m3 s-1", "displacement times speed"),
+    Figure(
+        "built_in_volume_ratio",
+        "1",
+        "chamber volume where suction closes over that where the discharge port opens (profiles: as stated)",
+        needs=("machine.kind: twin_screw",),
+    ),
+    Figure("specific_power", "W s m-3", "shaft power over the volume flow of suction gas", by_flow=True),
+    _cooled(
+        "cooling_capacity",
+        "W",
+        "cooling capacity: net gas flow times the real fluid's refrigerating effect",
+        by_flow=True,
+    ),
+    _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
+    _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
+    _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
+    _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
+    _humid("humidity_ratio", "1", "water vapour per dry air in the suction line"),
+    _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
+    _humid("lowest_safe_oil_temperature", "K", "pressure dew point and gas.dew_point_margin: of gas and oil, at least"),
+    _humid(
+        "water_flow",
+        "kg s-1",
+        "water that the net gas flow brings",
+        Scale(times="filling"),
+        by_flow=True,
+        shown="kg h-1",
+    ),
+    _humid(
+        "condensate_flow",
+        "kg s-1",
+        "water that condenses where gas and oil have mixed, in the separator (dry machine: at discharge temperature)",
+        CONDENSED,
+        shown="kg h-1",
+    ),
+    _humid("vapour_flow", "kg s-1", "water that leaves as vapour behind the separator", CONDENSED, shown="kg h-1"),
+    Figure(
+        "aftercooler_condensate_flow",
+        "kg s-1",
+        "water that condenses in the aftercooler",
+        CONDENSED,
+        ("operation.aftercooler_temperature", "gas.relative_humidity and effects.air_package.aftercooler"),
+        shown="kg h-1",
+    ),
+    Figure(
+        "package_vapour_flow",
+        "kg s-1",
+        "water that leaves as vapour at the package's outlet",
+        CONDENSED,
+        HUMID_PACKAGE,
+        shown="kg h-1",
+    ),
+    Figure("package_dew_point", "K", "dew point of the air at the package's outlet", needs=HUMID_PACKAGE),
+    _humid(
+        "chamber_condensate_share",
+        "1",
+        "largest share of the water trapped in a chamber that is liquid",
+        Scale(1.0, alone=True, unasked=True),
+    ),
+    _humid(
+        "water_residual",
+        "1",
+        "water that comes less what leaves as vapour and condensate, over what comes",
+        Scale(1.0, alone=True, unasked=True),
+    ),
+    power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
+    Figure(
+        "filling_factor",
+        "1",
+        "net gas flow of an expander over that which fills its chambers at the inlet's closing",
+        needs=EXPANDED,
+    ),
+    Figure("wall_heat", "W", "net heat from walls into the gas", POWER, WALLED),
+    Figure(
+        "discharge_dissolved_gas_ratio",
+        "1",
+        "refrigerant dissolved in oil that leaves to discharge, per oil",
+        needs=HELD,
+    ),
+)
+PERFORMANCE = {figure.name: figure for figure in _CORE}  # the core's own; effects declare theirs

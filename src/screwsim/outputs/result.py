@@ -1,0 +1,109 @@
+"""The record that carries the results of one simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from screwsim.outputs import tables
+from screwsim.outputs.core import PERFORMANCE
+from screwsim.outputs.declared import EFFICIENCY, Figure, Variable
+from screwsim.outputs.display import Shown, table_html, table_text
+from screwsim.outputs.variables import cycle_variable
+
+
+class Figures(dict[str, Any]):
+    """A mapping whose names are attributes too: `result.performance.isothermal_efficiency`."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"no figure {name!r}; known: {', '.join(self)}") from None
+
+    def __dir__(self) -> list[str]:
+        """Return the figures beside the methods: what an editor completes."""
+        return sorted({*super().__dir__(), *self})
+
+
+def shown(figures: Mapping[str, Any]) -> list[Shown]:
+    """Return figures as they are shown, with what is declared of each where that is known."""
+    about: Mapping[str, Figure] = getattr(figures, "about", PERFORMANCE)
+    found = []
+    for name, value in figures.items():
+        each = about.get(name) or PERFORMANCE.get(name) or Figure(name, "1", "")
+        found.append(Shown(name, value, each.units, each.long_name, each.shown, each.scale == EFFICIENCY))
+    return found
+
+
+@dataclass(frozen=True)
+class Result:
+    """One simulated operating point; every mapping has the names of the tables above.
+
+    `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
+    `notes` say why a figure is None although its effect is simulated. `failure_angle` is in degrees.
+    """
+
+    status: str
+    message: str = ""
+    warnings: tuple[str, ...] = ()
+    effects: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    performance: Figures = field(default_factory=Figures)
+    balance: Figures = field(default_factory=Figures)
+    error: Figures = field(default_factory=Figures)
+    numerics: Figures = field(default_factory=Figures)
+    notes: Mapping[str, str] = field(default_factory=dict)
+    cycle: Mapping[str, np.ndarray] = field(default_factory=dict)
+    ledger: Figures = field(default_factory=Figures)  # empty without the cycle
+    knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
+    uncertainty: Mapping[str, Any] = field(default_factory=dict)  # of the inputs, where the scene gives tolerances
+
+    @property
+    def told(self) -> str:
+        """How it ended, in words: `not closed: …`."""
+        return f"{self.status.replace('_', ' ')}: {self.message}"
+
+    def lacks(self, names: Iterable[str]) -> list[str]:
+        """Return why it has no figures of these names, a text for each that it does not have."""
+        none = (name for name in names if self.performance.get(name) is None)
+        return [f"no {name}: {self.notes.get(name, 'it is not simulated')}" for name in none]
+
+    def __repr__(self) -> str:
+        return f"Result: {self.told if self.message else self.status}\n{table_text(shown(self.performance))}".rstrip()
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: how it ended, warnings, and all figures with units and meanings."""
+        heading = self.told if self.message else self.status
+        return table_html(heading, [f"warning: {text}" for text in self.warnings], shown(self.performance))
+
+    def to_pandas(self) -> Any:
+        """Return the cycle as a pandas.DataFrame over the angle [degree], SI units; figures are in its `attrs`."""
+        return tables.frame(self.cycle, dict(self.performance))
+
+    def to_xarray(self) -> Any:
+        """Return figures and cycle as an xarray.Dataset, units and meanings as attributes."""
+        about = {each.name: Variable(each.units, each.long_name) for each in shown(self.performance)}
+        return tables.dataset(self.performance, about, self.cycle, {name: cycle_variable(name) for name in self.cycle})
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `run --json` prints (the cycle stays in the HDF5 file)."""
+        asked: dict[str, Any] = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}
+        asked |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
+        return {
+            "status": self.status,
+            "message": self.message,
+            "warnings": list(self.warnings),
+            "effects": list(self.effects),
+            "states": list(self.states),
+            "performance": dict(self.performance),
+            "balance": dict(self.balance),
+            "error": dict(self.error),
+            "ledger": dict(self.ledger),
+            "numerics": dict(self.numerics),
+            "notes": dict(self.notes),
+            **asked,
+        }

@@ -1,0 +1,111 @@
+"""What else a result holds beside its figures: balances, numerics, curves, ledger, knock-outs; units and meanings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from screwsim.outputs.declared import Variable
+
+STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index
+
+BALANCE = {
+    "mass": Variable("1", "relative residual of the gas mass balance"),
+    "energy": Variable("1", "relative residual of the energy balance"),
+    "entropy": Variable("1", "relative residual of the entropy balance: of the ledger, over shaft power and losses"),
+    "oil_mass": Variable("1", "relative residual of the oil mass balance (oil.transport: carried)"),
+    "oil_residue": Variable(
+        "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
+    ),
+    "drive": Variable("1", "relative residual of the drive's powers: motor, coupling, shaft"),
+    "bound": Variable("1", "bound on the residuals of mass, energy and entropy"),
+}
+
+NUMERICS = {
+    "rtol": Variable("1", "relative tolerance of a step"),
+    "turns": Variable("1", "chamber lives integrated until closed (coupled chambers: pitches over chambers alive)"),
+    "steps": Variable("1", "accepted integration steps"),
+    "rhs_evaluations": Variable("1", "evaluations of the right-hand side of one chamber, those for Jacobians included"),
+    "jacobians": Variable("1", "Jacobians of one chamber"),
+    "wall_time": Variable("s", "time of the solution alone, compiled and warm"),
+    "estimating_time": Variable("s", "time of estimating the errors, on top of the solution"),
+}
+NUMERICS_TEXT = {"integrator": "integrator", "closing": "way in which the cycle was closed"}
+
+CYCLE = {
+    "angle": Variable("degree", "angle of the male rotor, or of the crank"),
+    "volume": Variable("m3", "chamber volume"),
+    "pressure": Variable("Pa", "chamber pressure"),
+    "gas_temperature": Variable("K", "gas temperature"),
+    "oil_temperature": Variable("K", "oil temperature"),
+    "gas_mass": Variable("kg", "gas mass in the chamber"),
+    "oil_mass": Variable("kg", "oil mass in the chamber"),
+    "dissolved_gas_ratio": Variable("1", "refrigerant dissolved in the chamber's oil, per oil"),
+    "work": Variable("J", "work on the gas since 0 degrees"),
+}
+
+
+LEDGER = {
+    "ambient_temperature": Variable("K", "ambient temperature of the ledger"),
+    "shaft_power": Variable("W", "shaft power"),
+    "gas_exergy_rise": Variable("W", "exergy rise of the delivered gas from suction to discharge state"),
+    "oil_exergy_rise": Variable("W", "exergy rise of the oil from its supply to discharge"),
+    "exergy_destroyed": Variable("W", "exergy destroyed by all effects together"),
+    "residue": Variable("W", "shaft power less exergy rises and exergy destroyed: numerical"),
+    "relative_residue": Variable("1", "residue of the ledger over shaft power"),
+}
+LEDGER_ENTRY = {  # of each effect, `<name>_<effect>`
+    "gas_moved": Variable("kg s-1", "gas moved"),
+    "energy_moved": Variable("W", "energy moved"),
+    "entropy_generated": Variable("W K-1", "entropy generated"),
+    "exergy_destroyed": Variable("W", "exergy destroyed"),
+}
+
+KNOCK_OUT_STATUSES = (*STATUSES, "needed")  # the scene cannot do without the effect
+KNOCK_OUT = {  # of each effect that is left out, with what that changes
+    name: Variable(units, f"{meaning} without the effect")
+    for name, units, meaning in (
+        ("shaft_power", "W", "shaft power"),
+        ("specific_work", "J kg-1", "shaft power over net gas flow"),
+        ("cooling_capacity", "W", "cooling capacity"),
+        ("cop", "1", "coefficient of performance"),
+    )
+}
+KNOCK_OUT |= {
+    f"change_of_{name}": each._replace(long_name=f"{each.long_name}, less that with it")
+    for name, each in KNOCK_OUT.items()
+}
+
+
+def ledger_variable(name: str) -> Variable:
+    """Return unit and meaning of a ledger's total, or of an entry `<quantity>_<effect>`."""
+    if name in LEDGER:
+        return LEDGER[name]
+    quantity = next(quantity for quantity in LEDGER_ENTRY if name.startswith(f"{quantity}_"))
+    units, meaning = LEDGER_ENTRY[quantity]
+    return Variable(units, f"{meaning}, {name.removeprefix(f'{quantity}_').replace('_', ' ')}")
+
+
+def ledger_entries(ledger: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return {effect: {quantity: value}} of a ledger, in its order."""
+    entries: dict[str, dict[str, Any]] = {}
+    for name, value in ledger.items():
+        for quantity in LEDGER_ENTRY:
+            if name not in LEDGER and name.startswith(f"{quantity}_"):
+                entries.setdefault(name.removeprefix(f"{quantity}_"), {})[quantity] = value
+    return entries
+
+
+def sorted_entries(ledger: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Return the entries of a ledger by the exergy that they destroy, the dearest first."""
+    return sorted(ledger_entries(ledger).items(), key=lambda entry: -float(entry[1]["exergy_destroyed"]))
+
+
+def cycle_variable(name: str) -> Variable:
+    """Return unit and meaning of a cycle trace, of flow paths too (`mass_flow_<effect>[_leading]`, `oil_flow_…`)."""
+    if name.startswith("mass_flow_"):
+        return Variable("kg s-1", f"mass flow into the chamber, {name.removeprefix('mass_flow_').replace('_', ' ')}")
+    if name.startswith("oil_flow_"):
+        gap = name.removeprefix("oil_flow_").replace("_", " ")
+        return Variable("kg s-1", f"oil that flows into the chamber without gas, {gap}")
+    return CYCLE.get(name) or Variable("1", name.replace("_", " "))
