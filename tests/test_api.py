@@ -1,6 +1,7 @@
 """The package as a program uses it: what is taken as a scene, values changed, how figures show themselves."""
 
 import json
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -181,3 +182,23 @@ def test_importing_the_package_imports_nothing_else():
 def test_public_names_are_there_and_typed():
     assert all(getattr(screwsim, name) is not None for name in screwsim.__all__)
     assert (Path(screwsim.__file__).parent / "py.typed").exists()
+
+
+def test_a_figure_says_its_unit_and_meaning_and_is_a_number(result):
+    power = result.performance.shaft_power
+    assert repr(power).endswith(" kW), shaft power") and " W (" in repr(power) and power.units == "W"
+    plain = repr(result.performance["shaft_power"])
+    assert str(power) == f"{power}" == json.dumps(power) == repr(float(power)) == plain
+    again = pickle.loads(pickle.dumps(power))
+    assert again == power and repr(again) == repr(power) and type(power + 1.0) is float
+
+
+def test_balances_errors_and_ledger_say_their_units(result):
+    assert "relative residual of the gas mass balance" in repr(result.balance)
+    assert repr(result.error.shaft_power).endswith(", relative numerical error of shaft power")
+    assert "accepted integration steps" in repr(result.numerics) and "<td" in result.ledger._repr_html_()
+
+
+def test_a_slip_in_a_figures_name_is_told(result):
+    with pytest.raises(AttributeError, match="did you mean 'shaft_power'"):
+        _ = result.performance.shaft_pwer

@@ -29,8 +29,9 @@ from screwsim.outputs import (
     Variable,
     cycle_variable,
     shown,
+    shown_of,
 )
-from screwsim.outputs.display import table_html, table_text
+from screwsim.outputs.display import Shown, table_html, table_text
 from screwsim.scene.types import ActiveEffect, Scene
 
 _OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells
@@ -59,6 +60,11 @@ class Performance(Figures):
         if needs := needs_of(name):
             raise AttributeError(f"no figure {name!r} here: it needs {needs}")
         return super().__getattr__(name)
+
+    def described(self, name: str) -> Shown | None:
+        """Return unit and meaning of a figure, None where they are not declared."""
+        about = self.about.get(name) or PERFORMANCE.get(name)
+        return None if about is None else shown_of(about, self.get(name))
 
     def __repr__(self) -> str:
         return table_text(shown(self))

@@ -28,7 +28,8 @@ from screwsim.outputs.declared import (
     over,
     power_figure,
 )
-from screwsim.outputs.result import Figures, Result, shown
+from screwsim.outputs.figures import Figures, shown, shown_of
+from screwsim.outputs.result import Result
 from screwsim.outputs.stages import STAGES
 from screwsim.outputs.variables import (
     BALANCE,
@@ -82,5 +83,6 @@ __all__ = [
     "over",
     "power_figure",
     "shown",
+    "shown_of",
     "sorted_entries",
 ]

@@ -15,11 +15,40 @@ class Shown(NamedTuple):
     """One figure to show: value and unit (SI, CF style), meaning, the unit people write, whether it is in percent."""
 
     name: str
-    value: float | None
+    value: float | str | None
     units: str
     long_name: str
     shown: str = ""
     percent: bool = False
+
+
+class Value(float):
+    """A figure as an attribute gives it: a number [SI] that knows its `units` (CF style) and meaning, `long_name`.
+
+    Printed it is the plain number; its `repr` says unit, customary unit and meaning.
+    """
+
+    units: str
+    long_name: str
+    _about: Shown
+
+    def __new__(cls, value: float, about: Shown) -> Value:
+        """Make a number of a value and what is known of it."""
+        made = super().__new__(cls, value)
+        made.units, made.long_name, made._about = about.units, about.long_name, about
+        return made
+
+    def __repr__(self) -> str:
+        about = self._about._replace(value=float(self))
+        usual = customary(about)
+        number = f"{float(self)!r} {si_unit(self.units)}".rstrip()
+        return f"{number} ({usual}), {self.long_name}" if usual else f"{number}, {self.long_name}"
+
+    def __str__(self) -> str:
+        return float.__repr__(self)
+
+    def __reduce__(self) -> tuple[type[Value], tuple[float, Shown]]:
+        return Value, (float(self), self._about)
 
 
 def si_unit(units: str) -> str:
@@ -36,7 +65,7 @@ def si_unit(units: str) -> str:
 
 def customary(figure: Shown) -> str:
     """Return a value in the unit in which people write it; empty where that is the SI unit."""
-    if figure.value is None:
+    if figure.value is None or isinstance(figure.value, str):
         return ""
     if figure.percent:
         return f"{digits(100.0 * figure.value)} %"
@@ -57,18 +86,25 @@ def table_text(figures: Sequence[Shown]) -> str:
 
 
 def _value(figure: Shown) -> str:
-    return "none" if figure.value is None else f"{figure.value:.6g} {si_unit(figure.units)}".rstrip()
+    if figure.value is None or isinstance(figure.value, str):
+        return figure.value or "none"
+    return f"{figure.value:.6g} {si_unit(figure.units)}".rstrip()
 
 
 def table_html(heading: str, notes: Iterable[str], figures: Sequence[Shown]) -> str:
     """Return a heading, notes and a table of figures as a piece of HTML that takes the colours of its page."""
-    cell = "text-align: left; padding: 0 1em 0 0"
     rows = [
-        f"<tr><td style='{cell}'><code>{escape(each.name)}</code></td><td style='{cell}'>{escape(_value(each))}</td>"
-        f"<td style='{cell}'>{escape(customary(each))}</td><td style='{cell}'>{escape(each.long_name)}</td></tr>"
+        [f"<code>{escape(each.name)}</code>", escape(_value(each)), escape(customary(each)), escape(each.long_name)]
         for each in figures
     ]
-    head = "".join(f"<th style='{cell}'>{word}</th>" for word in ("figure", "SI", "customary", "meaning"))
+    return _html(heading, notes, ("figure", "SI", "customary", "meaning"), rows)
+
+
+def _html(heading: str, notes: Iterable[str], columns: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    cell = "text-align: left; padding: 0 1em 0 0"
+    lines = ["".join(f"<td style='{cell}'>{text}</td>" for text in row) for row in rows]
+    head = "".join(f"<th style='{cell}'>{escape(word)}</th>" for word in columns)
     said = "".join(f"<p>{escape(text)}</p>" for text in notes)
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>" if rows else ""
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" if lines else ""
     return f"<div><p><b>{escape(heading)}</b></p>{said}{table}</div>"

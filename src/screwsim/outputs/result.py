@@ -9,42 +9,22 @@ from typing import Any
 import numpy as np
 
 from screwsim.outputs import tables
-from screwsim.outputs.core import PERFORMANCE
-from screwsim.outputs.declared import EFFICIENCY, Figure, Variable
-from screwsim.outputs.display import Shown, table_html, table_text
+from screwsim.outputs.declared import Variable
+from screwsim.outputs.display import table_html, table_text
+from screwsim.outputs.figures import Balance, Error, Figures, Ledger, Numerics, shown
 from screwsim.outputs.variables import cycle_variable
-
-
-class Figures(dict[str, Any]):
-    """A mapping whose names are attributes too: `result.performance.isothermal_efficiency`."""
-
-    def __getattr__(self, name: str) -> Any:
-        try:
-            return self[name]
-        except KeyError:
-            raise AttributeError(f"no figure {name!r}; known: {', '.join(self)}") from None
-
-    def __dir__(self) -> list[str]:
-        """Return the figures beside the methods: what an editor completes."""
-        return sorted({*super().__dir__(), *self})
-
-
-def shown(figures: Mapping[str, Any]) -> list[Shown]:
-    """Return figures as they are shown, with what is declared of each where that is known."""
-    about: Mapping[str, Figure] = getattr(figures, "about", PERFORMANCE)
-    found = []
-    for name, value in figures.items():
-        each = about.get(name) or PERFORMANCE.get(name) or Figure(name, "1", "")
-        found.append(Shown(name, value, each.units, each.long_name, each.shown, each.scale == EFFICIENCY))
-    return found
 
 
 @dataclass(frozen=True)
 class Result:
-    """One simulated operating point; every mapping has the names of the tables above.
+    """One simulated operating point, all in SI units; what `simulate` returns.
 
-    `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
-    `notes` say why a figure is None although its effect is simulated. `failure_angle` is in degrees.
+    - `status` is ok, not_closed or failed; `message` says why, `warnings` what to doubt.
+    - `performance` holds the figures by their names, as attributes too; `notes` say why one is None.
+    - `error` is the estimated numerical error of each figure, relative; `balance` the residuals of mass, energy and
+      entropy with their bound; `numerics` what the solution took.
+    - `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
+    - `ledger` is where the shaft power goes; empty without the cycle. `effects` and `states` name what was simulated.
     """
 
     status: str
@@ -61,6 +41,12 @@ class Result:
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
     knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
     uncertainty: Mapping[str, Any] = field(default_factory=dict)  # of the inputs, where the scene gives tolerances
+
+    def __post_init__(self) -> None:
+        """Let what is not performance say its units, too."""
+        for name, kind in (("balance", Balance), ("error", Error), ("numerics", Numerics), ("ledger", Ledger)):
+            if type(own := getattr(self, name)) is not kind:
+                object.__setattr__(self, name, kind(own))
 
     @property
     def told(self) -> str:

@@ -1,0 +1,98 @@
+"""Figures by name, also as attributes that say their units and meanings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from screwsim.near import nearest
+from screwsim.outputs.core import PERFORMANCE
+from screwsim.outputs.declared import EFFICIENCY, Figure, Variable
+from screwsim.outputs.display import Shown, Value, table_html, table_text
+from screwsim.outputs.variables import BALANCE, NUMERICS, NUMERICS_TEXT, ledger_variable
+
+
+class Figures(dict[str, Any]):
+    """A mapping whose names are attributes too: `result.performance.isothermal_efficiency`.
+
+    A number is so a `display.Value`, which says its unit and meaning where these are known.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            value = self[name]
+        except KeyError:
+            offer = nearest(name, self)
+            hint = f"did you mean {offer!r}?" if offer else f"known: {', '.join(self)}"
+            raise AttributeError(f"no figure {name!r}; {hint}") from None
+        if isinstance(value, float) and (about := self.described(name)):
+            return Value(value, about)
+        return value
+
+    def described(self, name: str) -> Shown | None:
+        """Return unit and meaning of a figure, None where they are not known."""
+        return None
+
+    def __dir__(self) -> list[str]:
+        """Return the figures beside the methods: what an editor completes."""
+        return sorted({*super().__dir__(), *self})
+
+
+class _Listed(Figures):
+    """Figures that show themselves a line each, with unit and meaning."""
+
+    def __repr__(self) -> str:
+        return table_text(self._rows())
+
+    def _repr_html_(self) -> str:
+        return table_html(type(self).__name__.lower(), (), self._rows())
+
+    def _rows(self) -> list[Shown]:
+        rows = ((name, self.described(name) or Shown(name, None, "1", "")) for name in self)
+        return [about._replace(value=self[name]) for name, about in rows]
+
+
+class Balance(_Listed):
+    """The residuals of the balances, and their bound."""
+
+    def described(self, name: str) -> Shown | None:
+        """Return unit and meaning of a residual."""
+        return Shown(name, None, *BALANCE[name]) if name in BALANCE else None
+
+
+class Error(_Listed):
+    """The estimated numerical errors of the figures, each relative to its size."""
+
+    def described(self, name: str) -> Shown | None:
+        """Return unit and meaning of an error."""
+        return Shown(name, None, "1", f"relative numerical error of {name.replace('_', ' ')}")
+
+
+class Numerics(_Listed):
+    """What the solution took: steps, evaluations, times."""
+
+    def described(self, name: str) -> Shown | None:
+        """Return unit and meaning of a number."""
+        return Shown(name, None, *(NUMERICS.get(name) or Variable("1", NUMERICS_TEXT.get(name, ""))))
+
+
+class Ledger(_Listed):
+    """Where the shaft power goes: totals, and `<quantity>_<effect>` of each effect."""
+
+    def described(self, name: str) -> Shown | None:
+        """Return unit and meaning of a total or an entry."""
+        return Shown(name, None, *ledger_variable(name))
+
+
+def shown(figures: Mapping[str, Any]) -> list[Shown]:
+    """Return figures as they are shown, with what is declared of each where that is known."""
+    about: Mapping[str, Figure] = getattr(figures, "about", PERFORMANCE)
+    found = []
+    for name, value in figures.items():
+        found.append(shown_of(about.get(name) or PERFORMANCE.get(name) or Figure(name, "1", ""), value))
+    return found
+
+
+def shown_of(about: Figure, value: Any) -> Shown:
+    """Return a value of a figure as it is shown."""
+    return Shown(about.name, value, about.units, about.long_name, about.shown, about.scale == EFFICIENCY)
