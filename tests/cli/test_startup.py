@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim import cli, start_up
+from screwsim import cli
 from screwsim.outputs import Figures
+from screwsim.solve import start_up
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 FIGURES = {
