@@ -23,7 +23,7 @@ import effects_space  # noqa: E402
 import search  # noqa: E402
 from fuzz import PACKAGES  # noqa: E402
 from search import Row, largest  # noqa: E402
-from true_error import true_error, warns  # noqa: E402
+from true_error import ANOTHER, true_error, warns  # noqa: E402
 
 from screwsim.outputs import Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
@@ -69,7 +69,9 @@ def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
         if checked(index, check) and row["status"] == "ok" and scene and result:
             pipe.send((index, row | {"true": NO_ANSWER}))  # what is known, should the finer ones not come back
             known, row["true_figure"], true = true_error(scene, result)
-            row["true"] = true if known == "ok" else NO_ANSWER
+            row["true"] = true if known in ("ok", ANOTHER) else NO_ANSWER
+            if known == ANOTHER:
+                row["true_figure"] = f"{ANOTHER}: {row['true_figure']}"
         pipe.send((index, row))
     pipe.close()
 
@@ -98,6 +100,7 @@ def outcome(rows: list[Row], seed: int, each: int, check: int) -> Row:
         "true": {
             "compared": len(compared),
             "no_answer": sum(row["true"] == NO_ANSWER for row in rows),
+            "another_cycle": [row["index"] for row in rows if str(row["true_figure"]).startswith(ANOTHER)],
             "within_or_warned": len(told),
             "beyond_three_times_unwarned": [row["index"] for row in unwarned if row["share"] > 3.0],
             "beyond_accuracy_unwarned": [row["index"] for row in unwarned if row["share"] > 1.0],
