@@ -123,9 +123,9 @@ What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
   accuracy. The largest true error is in the median {median:.2g} times the largest estimate, and in 95 % at most
   {of_95:.2g} times. {no_answer} had no answer: the finer solutions did not close, or differed by more than a tenth of
   the accuracy. In {another}, solutions that begin anew at a finer accuracy come to another cycle of the machine, which
-  has two; finer ones begun from the scene's own cycle stay on it, and it is judged by these. (Scene 644: gaps that pass oil
-  where the chamber behind holds enough and gas where not; both cycles close at 1e-6, one with an isothermal efficiency
-  of 38.2 %, the other of 16.5 %.)
+  has two; finer ones begun from the scene's own cycle stay on it, and it is judged by these. (Scene 644: gaps that pass
+  oil where the chamber behind holds enough and gas where not; both cycles close at 1e-6, one with an isothermal
+  efficiency of 38.2 %, the other of 16.5 %.)
 """
 
 
