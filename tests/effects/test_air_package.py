@@ -63,7 +63,7 @@ def test_the_machine_is_one_between_throttle_and_higher_discharge(shipped, chang
     found = solved(*changes).performance if changes else shipped.performance
     throttle = f"effects.suction_throttle={{pressure_ratio: {found.intake_pressure / 1e5!r}}}"
     alone = solved(
-        f"{PACKAGE}=off", throttle, f"operation.discharge.pressure={found.discharge_pressure!r} Pa", *changes[1:]
+        f"{PACKAGE}=off", throttle, f"operation.discharge.pressure={float(found.discharge_pressure)!r} Pa", *changes[1:]
     )
     for name in ("gas_mass_flow", "shaft_power", "oil_mass_flow", "oil_cooler_duty", "isentropic_efficiency"):
         assert found[name] == pytest.approx(alone.performance[name], rel=2.0 * ACCURACY), name

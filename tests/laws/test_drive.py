@@ -159,7 +159,7 @@ def test_the_motors_speed_follows_from_its_line():
     slip = 1.0 - p.mean_speed / p.no_load_speed
     expected = 2.0 * 600.0 / (slip / 0.1 + 0.1 / slip)
     assert p.coupling_torque_mean == pytest.approx(expected, rel=1e-3)  # of the mean speed; the ripple is 2e-3
-    at_that_speed = run({"operation.speed": f"{p.mean_speed!r} rad/s"}).performance
+    at_that_speed = run({"operation.speed": f"{float(p.mean_speed)!r} rad/s"}).performance
     assert p.gas_mass_flow == pytest.approx(at_that_speed.gas_mass_flow, rel=3e-4)
 
 

@@ -118,7 +118,11 @@ def test_gas_and_oil_without_losses_mix_to_the_mean_of_their_heat_capacities():
 def test_the_cycle_is_that_of_the_supply_temperature_that_was_found(case):
     """What is found, stated: the same figures within the wanted accuracy."""
     found = run(COOLED[case]).performance
-    stated = {**COOLED[case], "effects.separator": {}, "oil_supply.temperature": f"{found.oil_supply_temperature!r} K"}
+    stated = {
+        **COOLED[case],
+        "effects.separator": {},
+        "oil_supply.temperature": f"{float(found.oil_supply_temperature)!r} K",
+    }
     same = run(stated).performance
     for name in ("shaft_power", "gas_mass_flow", "discharge_temperature", "oil_mass_flow", "separator_temperature"):
         assert same[name] == pytest.approx(found[name], rel=3e-4), name
@@ -130,8 +134,8 @@ def test_what_oil_brings_dissolved_is_that_of_both_temperatures_that_were_found(
     """Stated without the effect, both give the same figures and no warning; a separator 3 K warmer is told of."""
     found = run(COOLED[case]).performance
     T, supply = found.separator_temperature, found.oil_supply_temperature
-    stated = {**COOLED[case], "effects.separator": DROP, "oil_supply.temperature": f"{supply!r} K"}
-    same = run({**stated, f"{SOLUBILITY}.separator_temperature": f"{T!r} K"})
+    stated = {**COOLED[case], "effects.separator": DROP, "oil_supply.temperature": f"{float(supply)!r} K"}
+    same = run({**stated, f"{SOLUBILITY}.separator_temperature": f"{float(T)!r} K"})
     for name in ("shaft_power", "gas_mass_flow", "dissolved_gas_ratio", "discharge_temperature"):
         assert same.performance[name] == pytest.approx(found[name], rel=3e-4), name
     assert same.warnings == ()
@@ -144,7 +148,7 @@ def test_a_stored_oil_has_the_properties_of_the_temperature_that_was_found():
     changes = COOLED["stored oil, displaced"]
     p, oil = run(changes).performance, make(changes).oil
     assert p.oil_flow_volume == pytest.approx(p.oil_mass_flow / oil.at(p.oil_supply_temperature).density, rel=1e-12)
-    stated = {**changes, "effects.separator": DROP, "oil_supply.temperature": f"{p.oil_supply_temperature!r} K"}
+    stated = {**changes, "effects.separator": DROP, "oil_supply.temperature": f"{float(p.oil_supply_temperature)!r} K"}
     colder = {**stated, "oil_supply.temperature": f"{p.oil_supply_temperature - 20.0!r} K"}
     assert run(stated).performance.oil_mass_flow == pytest.approx(p.oil_mass_flow, rel=3e-4)
     assert run(colder).performance.oil_mass_flow < 0.997 * p.oil_mass_flow
@@ -196,7 +200,7 @@ def test_a_cycle_whose_power_hangs_little_on_the_oil_is_met_at_once():
     found = run(COOLED["little oil"])
     p = found.performance
     assert p.oil_supply_temperature - (283.0 + 45.0) > 40.0
-    stated = {"effects.separator": DROP, "oil_supply.temperature": f"{p.oil_supply_temperature!r} K"}
+    stated = {"effects.separator": DROP, "oil_supply.temperature": f"{float(p.oil_supply_temperature)!r} K"}
     stated = {**COOLED["little oil"], **stated}
     assert found.numerics.rhs_evaluations < 4.0 * run(stated).numerics.rhs_evaluations
 

@@ -17,8 +17,8 @@ def checked(monkeypatch):
     """Compile every module anew, with checks; no module of before is taken."""
 
     class Checked(modules.Module):
-        def __init__(self, name, text):
-            super().__init__(name, text, checks=True)
+        def __init__(self, name, text, **how):
+            super().__init__(name, text, **how, checks=True)
 
     monkeypatch.setattr(modules, "Module", Checked)
     monkeypatch.setattr(modules, "_patience", math.inf)  # code that is thrown away, of the same bits

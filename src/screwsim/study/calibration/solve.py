@@ -107,7 +107,7 @@ def calibrate(
         from screwsim.simulate import warm_up
 
         warm_up(with_values(fit.machine(fit.first_start()), fit.points[0].values))  # before the fork
-    if simulate is not None:
+    else:
         fit = replace(fit, slopes=DIFFERENCES)
     answers: dict[int, Start] = {}
     with TemporaryDirectory(prefix="screwsim-") as folder:
@@ -126,7 +126,11 @@ def calibrate(
             if not answers:
                 raise
             return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
-    return _judged(fit, [answers[number] for number in sorted(answers)], simulate)
+    starts = [answers[number] for number in sorted(answers)]
+    try:
+        return _judged(fit, starts, simulate)
+    except KeyboardInterrupt:  # while the best end is confirmed
+        return _judged(fit, starts, simulate, interrupted=True)
 
 
 def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
