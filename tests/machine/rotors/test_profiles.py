@@ -1,7 +1,9 @@
 """Profiles from points, and the refusals: each in one line with its remedy."""
 
+import importlib.util
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +18,12 @@ from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.rotors import make_rotors
 from screwsim.machine.rotors.sections import sections
 from screwsim.machine.rotors.settings import Profile
+
+SPEC = importlib.util.spec_from_file_location(
+    "measured_rotors", Path(__file__).parents[3] / "scripts" / "measured_rotors.py"
+)
+measured_rotors = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(measured_rotors)
 
 MM, DEG = 1e-3, math.pi / 180.0
 PAIR = Pair(4, 6, 80 * MM, 50 * MM, 50 * MM)
@@ -91,24 +99,11 @@ def test_noise_of_a_tenth_of_a_micrometre_is_smoothed(pairs):
     assert largest == pytest.approx(rotors.largest[1], rel=1e-3)
 
 
-def _measured(rotors, seed, noise=1e-6):
-    """Return points of the male lobe at uneven distances of 20 to 80 µm, with normal noise [m] in both coordinates."""
-    random = np.random.default_rng(seed)
-    x, y = rotors.chain.male()
-    first, last = rotors.chain.edges
-    x, y = x[first : last + 1], y[first : last + 1]
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
-    one = np.concatenate([[True], np.diff(way) > 1e-9])
-    at = np.cumsum(random.uniform(2e-5, 8e-5, 5000))
-    at = np.concatenate([[0.0], at[at < way[-1] - 2e-5], way[-1:]])
-    return tuple(np.interp(at, way[one], line[one]) + noise * random.standard_normal(len(at)) for line in (x, y))
-
-
 @pytest.mark.parametrize("name, seed", [("b", 1), ("b", 2), ("c", 1)])
 def test_points_with_a_micrometre_of_noise_are_faired_within_their_tolerance(pairs, tmp_path, name, seed):
     """V_max within 1.5e-3 and blow-holes within 3 % of the rotors that were measured; no point is passed by farther."""
     rotors, path = pairs[name], tmp_path / "measured.csv"
-    x, y = _measured(rotors, seed)
+    x, y = measured_rotors.measured(rotors, seed)
     path.write_text(profile_csv(x, y))
     pair = rotors.pair
     own = replace(
@@ -144,7 +139,7 @@ def test_a_fair_curve_keeps_jumps_of_curvature(pairs):
 
 def test_messages_of_points_name_keys_of_points(pairs, tmp_path):
     path = tmp_path / "measured.csv"
-    path.write_text(profile_csv(*_measured(pairs["b"], 1)))
+    path.write_text(profile_csv(*measured_rotors.measured(pairs["b"], 1)))
     for tolerance, words in ((0.0, "tolerance"), (1e-6, "tolerance"), (1e-3, "smaller tolerance")):
         own = replace(points(path), tolerance=tolerance)
         text = _refusal(make_rotors, own, 4, 6, 100 * MM, 110 * MM)
