@@ -2,7 +2,8 @@
 
     python scripts/docs_site.py [FOLDER]     (default: results/site; needs the extra `docs`; a warning is an error)
 
-Equations are MathML, so that the site needs nothing from elsewhere. Links to files outside of docs/ become their names.
+Equations are MathML, so that the site needs nothing from elsewhere. Links to files outside of docs/ become their names;
+one to what is not there fails.
 """
 
 from __future__ import annotations
@@ -80,21 +81,15 @@ def main(folder: str = "results/site") -> int:
     (source / "reference" / "api.md").write_text(api_page(), encoding="utf-8")
     (source / "gallery.md").write_text(gallery(DOCS / "gallery.md", source), encoding="utf-8")
     (source / "index.md").write_text(index(source), encoding="utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "sphinx",
-        "-q",
-        "-W",
-        "--keep-going",
-        "-b",
-        "html",
-        str(source),
-        str(site / "html"),
-    ]
-    code = subprocess.run(command, check=False).returncode
+    code = build(source, site / "html")
     print(site / "html" / "index.html" if code == 0 else "the site has warnings, see above")
     return code
+
+
+def build(source: Path, html: Path) -> int:
+    """Make pages of a folder with a conf.py; return Sphinx's exit status, which one warning makes 1."""
+    options = ["-q", "-W", "--keep-going", "-b", "html"]
+    return subprocess.run([sys.executable, "-m", "sphinx", *options, str(source), str(html)], check=False).returncode
 
 
 def copy_pages(source: Path) -> None:
@@ -110,12 +105,12 @@ def copy_pages(source: Path) -> None:
 
 
 def local_links(text: str, folder: Path) -> str:
-    """Return a page in which only links to pages of docs/ are left."""
+    """Return a page whose links to files outside of docs/ are words; those to what is not there stay, to be told."""
 
     def replaced(found: re.Match[str]) -> str:
-        target = found[2].partition("#")[0]
-        inside = not target or ((folder / target).is_file() and (folder / target).resolve().is_relative_to(DOCS))
-        return found[0] if inside and not target.endswith("README.md") else found[1]
+        file = folder / found[2].partition("#")[0]
+        outside = file.exists() and not file.resolve().is_relative_to(DOCS)
+        return found[1] if outside or file.name == "README.md" else found[0]
 
     return LINK.sub(replaced, text)
 

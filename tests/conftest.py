@@ -64,6 +64,7 @@ LONGEST = (
     "tests/validation/test_cagi.py",
     "tests/laws/test_rotors.py",
     "tests/cli/test_studies.py",
+    "tests/docs/test_site.py",
     "tests/laws/test_drive.py",
     "tests/validation/test_fits.py",
 )

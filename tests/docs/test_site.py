@@ -1,4 +1,7 @@
-"""What the site is made of: every page in its tree, no link that leads out, a picture for each piece of the gallery."""
+"""What the site is made of: every page in its tree, no link that leads out, a picture for each piece of the gallery.
+
+And that it is made without a warning, which a link to nowhere would be.
+"""
 
 import importlib.util
 import re
@@ -47,3 +50,33 @@ def test_each_piece_of_the_gallery_draws(tmp_path):
     page = site.gallery(ROOT / "docs" / "gallery.md", tmp_path)
     pieces = page.count("```python\n")
     assert pieces == 4 == page.count("![") == len(list((tmp_path / "gallery").glob("*.png")))
+
+
+def test_the_site_is_made_without_a_warning(tmp_path, capfd):
+    assert site.main(str(tmp_path)) == 0, capfd.readouterr()
+    made = {str(page.relative_to(tmp_path / "html")) for page in (tmp_path / "html").rglob("*.html")}
+    pages = {str(page.relative_to(ROOT / "docs").with_suffix(".html")) for page in (ROOT / "docs").rglob("*.md")}
+    assert pages - {"README.html"} < made and {"index.html", "reference/api.html"} < made
+
+
+def test_a_warning_fails_the_site(tmp_path, capfd):
+    """A link to a missing page is kept as the pages are copied, and told as a missing heading or picture is."""
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "conf.py").write_text(site.CONF.format(version="0"), encoding="utf-8")
+    told = {
+        "[a page](how-to/gone.md)": "how-to/gone.md",
+        "[a heading](#gone)": "gone",
+        "![a picture](gone.png)": "gone.png",
+        "$\\gone x$": "gone",
+        "{term}`gone`": "gone",
+    }
+    text = site.local_links("# Page\n\n" + "\n\n".join(told) + "\n", site.DOCS)
+    (source / "index.md").write_text(text, encoding="utf-8")
+    assert site.build(source, tmp_path / "html") == 1
+    warnings = [line for line in capfd.readouterr().err.splitlines() if "WARNING" in line]
+    assert len(warnings) == len(told)
+    for found in told.values():
+        assert any(found in line for line in warnings), (found, warnings)
+    (source / "index.md").write_text("# Page\n\n[a heading](#page)\n", encoding="utf-8")
+    assert site.build(source, tmp_path / "html") == 0
