@@ -9,6 +9,7 @@ one to what is not there fails.
 from __future__ import annotations
 
 import inspect
+import json
 import os
 import re
 import shutil
@@ -22,7 +23,13 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
 PIECE = re.compile(r"^```python\n(.*?)^```$", re.M | re.S)
-SECTIONS = {"Start here": "start", "How to": "how-to", "Reference": "reference", "Explanation": "explanation"}
+SECTIONS = {
+    "Start here": "start",
+    "Notebooks": "notebooks",
+    "How to": "how-to",
+    "Reference": "reference",
+    "Explanation": "explanation",
+}
 CONF = """\
 import re
 
@@ -33,7 +40,8 @@ from sphinx.util import logging
 
 project, author = "screwsim", "the screwsim developers"
 version = release = {version!r}
-extensions = ["myst_parser"]
+extensions = ["myst_nb"]
+nb_execution_mode = "off"  # scripts/notebooks.py runs them, and stores what they show
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # pages of one table begin with small headings
@@ -68,6 +76,18 @@ def block(self, node):
 
 def setup(app):
     app.add_html_math_renderer("mathml", (inline, None), (block, None))
+    app.config.html_static_path.append("notebooks/files")
+    app.config.exclude_patterns.append("notebooks/files")
+    app.add_css_file("notebooks.css")
+"""
+NOTEBOOKS_CSS = """\
+.cell_output { overflow-x: auto; }
+.cell_output table { border: 0; border-collapse: collapse; font-size: var(--font-size--small); }
+.cell_output th, .cell_output td { border: 0; padding: 0.25rem 0.7rem; vertical-align: top; }
+.cell_output tbody tr { border-top: 1px solid var(--color-table-border); }
+.cell_output table.dataframe { font-variant-numeric: tabular-nums; white-space: nowrap; }
+.cell_output table.dataframe td, .cell_output table.dataframe th { text-align: right; }
+.cell_output table.dataframe tbody th { text-align: left; font-weight: normal; }
 """
 
 
@@ -78,6 +98,7 @@ def main(folder: str = "results/site") -> int:
     source.mkdir(parents=True)
     (source / "conf.py").write_text(CONF.format(version=screwsim.__version__), encoding="utf-8")
     copy_pages(source)
+    copy_notebooks(source / "notebooks")
     (source / "reference" / "api.md").write_text(api_page(), encoding="utf-8")
     (source / "gallery.md").write_text(gallery(DOCS / "gallery.md", source), encoding="utf-8")
     (source / "index.md").write_text(index(source), encoding="utf-8")
@@ -104,6 +125,17 @@ def copy_pages(source: Path) -> None:
             shutil.copy(path, target)
 
 
+def copy_notebooks(target: Path) -> None:
+    """Copy notebooks as pages, and beside them as files; where a page names its own, that is to be had."""
+    (target / "files").mkdir(parents=True)
+    (target / "files" / "notebooks.css").write_text(NOTEBOOKS_CSS, encoding="utf-8")
+    for path in sorted((DOCS / "notebooks").glob("*.ipynb")):
+        shutil.copy(path, target / "files")
+        offered = f"{{download}}`{path.name} <files/{path.name}>`"
+        text = path.read_text(encoding="utf-8").replace(f"`docs/notebooks/{path.name}`", offered)
+        (target / path.name).write_text(text, encoding="utf-8")
+
+
 def local_links(text: str, folder: Path) -> str:
     """Return a page whose links to files outside of docs/ are words; those to what is not there stay, to be told."""
 
@@ -126,15 +158,19 @@ def index(source: Path) -> str:
     for caption, folder in SECTIONS.items():
         pages = [name for name in dict.fromkeys(named) if name.startswith(f"{folder}/")]
         pages += [] if folder != "reference" else ["model.md", "reference/api.md"]
-        listed = "\n".join(name.removesuffix(".md") for name in pages if (source / name).is_file())
+        listed = "\n".join(name.rpartition(".")[0] for name in pages if (source / name).is_file())
         trees.append(f"```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{listed}\n```\n")
     return text.rstrip() + "\n\n" + "\n".join(trees) + "\n```{toctree}\n:hidden:\n\ngallery\n```\n"
 
 
 def heading(page: str) -> str:
-    """Return the heading of a page of docs/."""
-    lines = (DOCS / page).read_text(encoding="utf-8").splitlines()
-    return next((line[2:] for line in lines if line.startswith("# ")), page)
+    """Return the heading of a page or notebook of docs/; of what is not there its name."""
+    if not (DOCS / page).is_file():
+        return page
+    text = (DOCS / page).read_text(encoding="utf-8")
+    if page.endswith(".ipynb"):
+        text = "".join(json.loads(text)["cells"][0]["source"])
+    return next((line[2:] for line in text.splitlines() if line.startswith("# ")), page)
 
 
 def api_page() -> str:

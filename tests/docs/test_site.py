@@ -22,6 +22,7 @@ def source(tmp_path_factory):
     """Return a folder with the pages as they are given to Sphinx."""
     folder = tmp_path_factory.mktemp("site")
     site.copy_pages(folder)
+    site.copy_notebooks(folder / "notebooks")
     (folder / "reference" / "api.md").write_text(site.api_page(), encoding="utf-8")
     return folder
 
@@ -30,6 +31,7 @@ def test_every_page_is_in_the_tree(source):
     listed = re.findall(r"^[\w./-]+$", site.index(source), re.M)
     pages = {str(path.relative_to(source)).removesuffix(".md") for path in source.rglob("*.md")}
     assert pages <= set(listed)
+    assert {f"notebooks/{path.stem}" for path in (source / "notebooks").glob("*.ipynb")} <= set(listed)
 
 
 def test_links_stay_inside(source):
@@ -57,12 +59,17 @@ def test_the_site_is_made_without_a_warning(tmp_path, capfd):
     made = {str(page.relative_to(tmp_path / "html")) for page in (tmp_path / "html").rglob("*.html")}
     pages = {str(page.relative_to(ROOT / "docs").with_suffix(".html")) for page in (ROOT / "docs").rglob("*.md")}
     assert pages - {"README.html"} < made and {"index.html", "reference/api.html"} < made
+    page = (tmp_path / "html" / "notebooks" / "machine.html").read_text(encoding="utf-8")
+    stored = (ROOT / "docs" / "notebooks" / "machine.ipynb").read_bytes()
+    assert page.count('<div class="cell_output') > 5
+    assert [path.read_bytes() for path in (tmp_path / "html" / "_downloads").rglob("machine.ipynb")] == [stored]
 
 
 def test_a_warning_fails_the_site(tmp_path, capfd):
     """A link to a missing page is kept as the pages are copied, and told as a missing heading or picture is."""
     source = tmp_path / "source"
-    source.mkdir()
+    (source / "notebooks" / "files").mkdir(parents=True)
+    (source / "notebooks" / "files" / "notebooks.css").touch()
     (source / "conf.py").write_text(site.CONF.format(version="0"), encoding="utf-8")
     told = {
         "[a page](how-to/gone.md)": "how-to/gone.md",
