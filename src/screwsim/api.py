@@ -44,7 +44,7 @@ def optimum(
         best, = screwsim.optimum("point.yaml", "oil_supply.ratio", low=0.5, high=4)
 
     `low` and `high` are numbers or texts with a unit; without them the range is that of the scene's axis. Without a
-    figure the efficiency is sought, as the command does. `progress` None: only where a notebook shows it.
+    figure the efficiency is sought, as the command does. `progress` None: a bar where a notebook shows it.
     """
     at = scene_of(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}

@@ -25,7 +25,7 @@ from screwsim.study.each import each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import STEPS, check_continuous
 from screwsim.study.optimum import closed
-from screwsim.study.progress import Progress
+from screwsim.study.progress import Progress, shown
 from screwsim.study.workers import DIED
 
 EXACT, DIFFERENCES = "exact", "differences"
@@ -85,7 +85,7 @@ def sensitivities(
     figures: Sequence[str] | None = None,
     *,
     jobs: int | None = 1,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     result: Result | None = None,
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
@@ -128,7 +128,7 @@ def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> di
 
 
 def _differences(
-    scene: Scene, values: Mapping[str, float], jobs: int | None, progress: Progress | None
+    scene: Scene, values: Mapping[str, float], jobs: int | None, progress: Progress | bool | None
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the derivatives of figures by path as differences of closed cycles, and why some have none."""
     if not values:
@@ -143,7 +143,7 @@ def _differences(
         died=lambda number: Result("failed", DIED),
         jobs=jobs,
         failed=lambda result: result.status != "ok",
-        progress=progress,
+        progress=shown("sensitivities", progress),
     )
     slopes: dict[str, dict[str, float]] = {}
     failed: dict[str, str] = {}
