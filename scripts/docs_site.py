@@ -85,7 +85,8 @@ NOTEBOOKS_CSS = """\
 .cell_output table { border: 0; border-collapse: collapse; font-size: var(--font-size--small); }
 .cell_output th, .cell_output td { border: 0; padding: 0.25rem 0.7rem; vertical-align: top; }
 .cell_output tbody tr { border-top: 1px solid var(--color-table-border); }
-.cell_output table.dataframe { font-variant-numeric: tabular-nums; white-space: nowrap; }
+.cell_output table.dataframe { font-variant-numeric: tabular-nums; }
+.cell_output table.dataframe td { white-space: nowrap; }
 .cell_output table.dataframe td, .cell_output table.dataframe th { text-align: right; }
 .cell_output table.dataframe tbody th { text-align: left; font-weight: normal; }
 """
