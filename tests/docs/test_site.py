@@ -54,6 +54,7 @@ def test_each_piece_of_the_gallery_draws(tmp_path):
     assert pieces == 4 == page.count("![") == len(list((tmp_path / "gallery").glob("*.png")))
 
 
+@pytest.mark.slow
 def test_the_site_is_made_without_a_warning(tmp_path, capfd):
     assert site.main(str(tmp_path)) == 0, capfd.readouterr()
     made = {str(page.relative_to(tmp_path / "html")) for page in (tmp_path / "html").rglob("*.html")}

@@ -141,6 +141,7 @@ def script(monkeypatch, tmp_path):
     return module
 
 
+@pytest.mark.slow
 def test_a_kernel_stores_the_bar_as_it_ended(script):
     """In a kernel as Jupyter has it, with workers, the bar is one output, whose last state is kept."""
     scene = f"screwsim.load({POINT!r}).with_({{'sweep.operation.speed': ['1000 rpm', '2000 rpm', '3000 rpm']}})"
