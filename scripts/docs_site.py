@@ -23,6 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
 PIECE = re.compile(r"^```python\n(.*?)^```$", re.M | re.S)
+<<<<<<< HEAD
 SECTIONS = {
     "Start here": "start",
     "Notebooks": "notebooks",
@@ -30,8 +31,14 @@ SECTIONS = {
     "Reference": "reference",
     "Explanation": "explanation",
 }
+=======
+WIDTH = 96  # of a line of code
+SECTIONS = {"Start here": "start", "How to": "how-to", "Reference": "reference", "Explanation": "explanation"}
+>>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
 CONF = """\
 import re
+from html import unescape
+from xml.etree import ElementTree
 
 from docutils import nodes
 from docutils.utils.math import MathError
@@ -40,16 +47,25 @@ from sphinx.util import logging
 
 project, author = "screwsim", "the screwsim developers"
 version = release = {version!r}
+<<<<<<< HEAD
 extensions = ["myst_nb"]
 nb_execution_mode = "off"  # scripts/notebooks.py runs them, and stores what they show
 myst_enable_extensions = ["dollarmath", "amsmath"]
+=======
+extensions = ["myst_parser"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath"]
+>>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # pages of one table begin with small headings
 html_theme = "furo"
 html_title = f"screwsim {{version}}"
+html_static_path, html_css_files = ["_static"], ["docs_site.css"]
 html_show_sourcelink = html_copy_source = False
 highlight_language = "none"
 html_math_renderer = "mathml"
+MATHML, ACCENTS = "{{http://www.w3.org/1998/Math/MathML}}", "˙¨ˉ¯~˜^ˆ→"
+ENTITY = re.compile(r"&(?!(?:amp|lt|gt);)\\w+;")  # of HTML, which are none of XML
+ElementTree.register_namespace("", MATHML[1:-1])
 KNOWN = ((r"\\dots", r"\\ldots"), (r"\\texttt", r"\\mathtt"), (r"\\mathrel", ""), (r"\\biggr", r"\\right"),
          (r"\\biggl", r"\\left"), (r"\\bigg", ""))
 
@@ -58,10 +74,20 @@ def mathml(text, block):
     for ours, theirs in KNOWN:
         text = text.replace(ours, theirs)
     try:
-        return tex2mathml(text, as_block=block)
+        return accents(tex2mathml(text, as_block=block))
     except MathError as error:
         logging.getLogger(__name__).warning("equation %r: %s", text, error)
         return text
+
+
+def accents(text):  # an index beside a letter with an accent, where docutils sets it below the letter
+    root = ElementTree.fromstring(ENTITY.sub(lambda found: unescape(found[0]), text))
+    for each in root.iter(MATHML + "munderover"):
+        letter, index, accent = each
+        if accent.tag == MATHML + "mo" and accent.text in ACCENTS:
+            each.tag, each[:] = MATHML + "msub", [ElementTree.Element(MATHML + "mover", accent="true"), index]
+            each[0][:] = [letter, accent]
+    return ElementTree.tostring(root, encoding="unicode")
 
 
 def inline(self, node):
@@ -98,6 +124,8 @@ def main(folder: str = "results/site") -> int:
     shutil.rmtree(source, ignore_errors=True)
     source.mkdir(parents=True)
     (source / "conf.py").write_text(CONF.format(version=screwsim.__version__), encoding="utf-8")
+    (source / "_static").mkdir()
+    shutil.copy(Path(__file__).with_suffix(".css"), source / "_static")
     copy_pages(source)
     copy_notebooks(source / "notebooks")
     (source / "reference" / "api.md").write_text(api_page(), encoding="utf-8")
@@ -141,22 +169,33 @@ def local_links(text: str, folder: Path) -> str:
     """Return a page whose links to files outside of docs/ are words; those to what is not there stay, to be told."""
 
     def replaced(found: re.Match[str]) -> str:
+<<<<<<< HEAD
         file = folder / found[2].partition("#")[0]
         outside = file.exists() and not file.resolve().is_relative_to(DOCS)
         return found[1] if outside or file.name == "README.md" else found[0]
+=======
+        target = found[2].partition("#")[0]
+        inside = not target or ((folder / target).is_file() and (folder / target).resolve().is_relative_to(DOCS))
+        if not inside or target.endswith("README.md"):
+            return found[1]
+        page = (folder / target).resolve()
+        words = heading(page) if page.suffix == ".md" and found[1].endswith(".md") else found[1]  # no name of a file
+        return f"[{words}]({found[2]})"
+>>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
 
     return LINK.sub(replaced, text)
 
 
 def index(source: Path) -> str:
-    """Return the first page: that of the repository's docs, with the pages in its order."""
+    """Return the first page: what it is and how it begins, then the pages of docs/ in its order, as cards."""
     text = local_links((DOCS / "README.md").read_text(encoding="utf-8"), DOCS)
-    text = LINK.sub(lambda found: f"[{heading(found[2])}]({found[2]})", text).replace(
-        "# The pages, and for whom they are", "# screwsim", 1
-    )
     named = [target for _, target in LINK.findall(text)]
+    pages = text.partition("\n\n")[2].rstrip()
+    pages = re.sub(r"^\*\*(.+?)\*\*(?:: (.+))?$", _section, pages, flags=re.M)
+    pages = re.sub(r"^- .*?(?=\n\n|\Z)", r":::{container} cards\n\g<0>\n:::", pages, flags=re.M | re.S)
     trees = []
     for caption, folder in SECTIONS.items():
+<<<<<<< HEAD
         pages = [name for name in dict.fromkeys(named) if name.startswith(f"{folder}/")]
         pages += [] if folder != "reference" else ["model.md", "reference/api.md"]
         listed = "\n".join(name.rpartition(".")[0] for name in pages if (source / name).is_file())
@@ -172,31 +211,100 @@ def heading(page: str) -> str:
     if page.endswith(".ipynb"):
         text = "".join(json.loads(text)["cells"][0]["source"])
     return next((line[2:] for line in text.splitlines() if line.startswith("# ")), page)
+=======
+        listed = [name for name in dict.fromkeys(named) if name.startswith(f"{folder}/")]
+        listed += {"reference": ["model.md", "reference/api.md"], "start": ["gallery.md"]}.get(folder, [])
+        lines = "\n".join(name.removesuffix(".md") for name in listed if (source / name).is_file() or "gallery" in name)
+        trees.append(f"```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{lines}\n```\n")
+    return "\n\n".join([_beginning(), pages, *trees])
+
+
+def _section(found: re.Match[str]) -> str:
+    return f"## {found[1]}\n" + (f"\nFor whoever {found[2].removeprefix('who ')}.\n" if found[2] else "")
+
+
+def _beginning() -> str:
+    """Return the head of the first page: the README's first words and picture, and the tutorial's first commands."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    words, picture = readme.split("\n\n")[1:3]
+    tutorial = (DOCS / "start" / "tutorial.md").read_text(encoding="utf-8")
+    commands = "\n".join(re.findall(r"^    \$ (screwsim (?:new|run|sweep|report) .+)$", tutorial, re.M)[:2])
+    commands = commands.replace(" --displacement", " \\\n    --displacement")
+    shown = picture.replace("](docs/", "](")
+    return f"# screwsim\n\n{words}\n\n```text\n{commands}\n```\n\n{shown}\n"
+
+
+def heading(page: Path) -> str:
+    """Return the heading of a page."""
+    lines = page.read_text(encoding="utf-8").splitlines()
+    return next((line[2:] for line in lines if line.startswith("# ")), page.name)
+>>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
 
 
 def api_page() -> str:
-    """Return all public names of the package with their signatures and docstrings."""
-    parts = [
-        "# Python\n\nAll public names of `screwsim`, as the code has them; [how to use them](../how-to/python.md).\n"
-    ]
+    """Return all public names of the package: a table of them, then each with its signature and docstring."""
+    found: dict[str, object] = {}
     for name in screwsim.__all__:
         thing = getattr(screwsim, name)
-        if name.startswith("__"):
-            continue
-        members = {name: thing}
         if inspect.ismodule(thing):
-            members = {f"{name}.{each}": getattr(thing, each) for each in thing.__all__}
-        parts += [_entry(f"screwsim.{each}", value) for each, value in members.items()]
+            found |= {f"{name}.{each}": getattr(thing, each) for each in thing.__all__}
+        elif not name.startswith("__"):
+            found[name] = thing
+    kinds = {
+        "Functions": {name: thing for name, thing in found.items() if not isinstance(thing, type) and "." not in name},
+        "Pictures": {name: thing for name, thing in found.items() if "." in name},
+        "Classes": {name: thing for name, thing in found.items() if isinstance(thing, type)},
+    }
+    parts = [
+        "# Python\n\nAll public names of `screwsim`, as the code has them; [how to use them](../how-to/python.md).\n",
+    ]
+    for kind, members in kinds.items():
+        firsts = {name: _words(thing).partition("\n")[0] for name, thing in members.items()}
+        rows = [f"| [`{name}`](#{_anchor(name)}) | {words} |" for name, words in firsts.items()]
+        parts += [f"## {kind}\n\n| name | what |\n|---|---|\n" + "\n".join(rows) + "\n"]
+        parts += [_entry(name, thing) for name, thing in members.items()]
     return "\n".join(parts)
 
 
+def _anchor(name: str) -> str:
+    return "screwsim-" + re.sub(r"\W", "-", name).lower()
+
+
+def _words(thing: object) -> str:
+    return inspect.cleandoc(inspect.getdoc(thing) or "")
+
+
 def _entry(name: str, thing: object) -> str:
+    """Return the part of the page about a name: signature, and the docstring as the Markdown that it is."""
+    words = re.sub(r"(?<=\S)\n(?=[-*] )", "\n\n", _words(thing))
+    signature = _signature(f"screwsim.{name}", thing)
+    shown = f"```python\n{signature}\n```\n\n" if signature else ""
+    return f"({_anchor(name)})=\n### screwsim.{name}\n\n{shown}{words}\n"
+
+
+class _Bare(str):
+    """An annotation as it stands in the source."""
+
+    __slots__ = ()
+    __repr__ = str.__str__
+
+
+def _signature(name: str, thing: object) -> str:
+    """Return the call of a name, a parameter a line where it is long; nothing where there is none to tell."""
     try:
-        signature = str(inspect.signature(thing)) if callable(thing) else ""  # type: ignore[arg-type]
-    except ValueError:
-        signature = ""
-    words = inspect.cleandoc(inspect.getdoc(thing) or "").replace("```", "'''")
-    return f"## {name}\n\n```text\n{name}{signature}\n\n{words}\n```\n"
+        signature = inspect.signature(thing)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return ""
+    listed: list[str] = []
+    for each in signature.parameters.values():
+        if each.kind is each.KEYWORD_ONLY and not any(other.startswith("*") for other in listed):
+            listed.append("*")
+        typed = isinstance(each.annotation, str)
+        listed.append(str(each.replace(annotation=_Bare(each.annotation)) if typed else each))
+    back = signature.return_annotation
+    end = f" -> {back}" if isinstance(back, str) and not isinstance(thing, type) else ""
+    line = f"{name}({', '.join(listed)}){end}"
+    return line if len(line) <= WIDTH else f"{name}(\n    " + ",\n    ".join(listed) + f",\n){end}"
 
 
 def gallery(page: Path, source: Path) -> str:
@@ -211,6 +319,8 @@ def gallery(page: Path, source: Path) -> str:
     def drawn(found: re.Match[str]) -> str:
         pyplot.close("all")
         exec(found[1], names)
+        if not any(figure.axes for figure in map(pyplot.figure, pyplot.get_fignums())):
+            raise SystemExit(f"{page.name}: these lines draw nothing:\n{found[1]}")
         number = len(list(pictures.glob("*.png"))) + 1
         pyplot.gcf().savefig(pictures / f"{number}.png", dpi=130, bbox_inches="tight")
         return f"{found[0]}\n\n![what the lines above draw](gallery/{number}.png)"

@@ -58,6 +58,7 @@ LONGEST = (
     "tests/study/test_culprits.py",
     "tests/hard/test_mutate.py",
     "tests/docs/test_tutorial.py",
+    "tests/docs/test_snippets.py",
     "tests/effects/test_figures.py",
     "tests/laws/test_course.py",
     "tests/border/test_foreign_files.py",

@@ -52,6 +52,51 @@ def test_each_piece_of_the_gallery_draws(tmp_path):
     page = site.gallery(ROOT / "docs" / "gallery.md", tmp_path)
     pieces = page.count("```python\n")
     assert pieces == 4 == page.count("![") == len(list((tmp_path / "gallery").glob("*.png")))
+    for number in range(1, pieces + 1):  # each behind its own lines, and with something in it
+        assert f"![what the lines above draw](gallery/{number}.png)" in page.split("```python\n")[number]
+        assert (tmp_path / "gallery" / f"{number}.png").stat().st_size > 10_000
+
+
+def test_lines_of_the_gallery_that_draw_nothing_are_told(tmp_path):
+    (tmp_path / "gallery.md").write_text("```python\nfrom matplotlib import pyplot\npyplot.figure()\n```\n")
+    with pytest.raises(SystemExit, match="draw nothing"):
+        site.gallery(tmp_path / "gallery.md", tmp_path)
+
+
+def test_the_first_page_begins_with_what_it_is_and_shows_commands_and_a_picture(source):
+    text = site.index(source)
+    words = (ROOT / "README.md").read_text(encoding="utf-8").split("\n\n")[1]
+    assert text.startswith(f"# screwsim\n\n{words}") and "screwsim run mine.yaml" in text
+    (picture,) = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
+    assert (source / picture).is_file()
+    assert text.count(":::{container} cards") == 4 == text.count("```{toctree}")
+
+
+def test_words_that_are_a_file_name_become_its_heading():
+    text = site.local_links(
+        "[python.md](../how-to/python.md), [there](../how-to/python.md), [x](../../README.md)", ROOT / "docs" / "start"
+    )
+    assert text == "[From Python](../how-to/python.md), [there](../how-to/python.md), x"
+
+
+def test_a_signature_has_a_parameter_a_line_where_it_is_long():
+    def short(one: "int", *more: "str") -> "float": ...
+
+    def long(
+        scene: "str", *, the_first_of_them: "str | None" = None, the_second_of_them: "float" = 1.0, third: "int" = 2
+    ): ...
+
+    assert site._signature("short", short) == "short(one: int, *more: str) -> float"
+    assert site._signature("long", long).splitlines()[:3] == ["long(", "    scene: str,", "    *,"]
+    assert "    the_first_of_them: str | None = None,\n" in site._signature("long", long)
+
+
+def test_an_index_stands_beside_a_letter_with_an_accent():
+    pytest.importorskip("sphinx", reason="the extra `docs` is not installed")
+    conf: dict = {}
+    exec(site.CONF.format(version="0"), conf)
+    text = re.sub(r"\s|<math[^>]*>|</math>", "", conf["mathml"](r"\dot m_i + \sum_i x", True))
+    assert text.startswith('<msub><moveraccent="true"><mi>m</mi>') and "munderover" not in text and "<munder>" in text
 
 
 @pytest.mark.slow
