@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from screwsim.study.sweep import run_sweep, sweep
     from screwsim.study.uncertain import uncertainty
 
-__version__ = "0.1.0"
+    __version__: str
 
 __all__ = [
     "Result",
@@ -83,6 +83,8 @@ def __getattr__(name: str) -> Any:
     """Return a public name from the module that defines it."""
     if name == "plot":
         return importlib.import_module("screwsim.plot")
+    if name == "__version__":  # in a checkout git tells it, which is asked only where the version is wanted
+        return importlib.import_module("screwsim.version").version()
     if name not in _HOMES:
         raise AttributeError(f"module 'screwsim' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOMES[name]), name)

@@ -15,7 +15,6 @@ from typing import Annotated, Any
 
 import typer
 
-from screwsim import __version__
 from screwsim.cli import files, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
 from screwsim.cli.explore import explore
@@ -24,6 +23,7 @@ from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
 from screwsim.screen import say
+from screwsim.version import version
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a disk says that takes no more
 
@@ -42,7 +42,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        say(f"screwsim {__version__}")
+        say(f"screwsim {version()}")
         raise typer.Exit
 
 
