@@ -11,6 +11,7 @@ from screwsim.figures import declared
 from screwsim.outputs import EFFICIENCY
 from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.units import customary_unit, to_customary
 from screwsim.screen import say
@@ -124,8 +125,11 @@ def _percent(value: float | None) -> str:
     return "" if value is None else "0" if abs(value) < NONE else f"{value:+.3g}"
 
 
-def write_local(path: Path, found: Sensitivities) -> None:
-    """Write a row a figure and number: CSV or HDF5."""
+def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
+    """Write a row a figure and number as CSV; as HDF5 the results of the point, with a group of derivatives."""
+    if path.suffix.lower() != ".csv":
+        save(path, scene, found.result, "sensitivity --local", found)
+        return
     rows = [(figure, number, slope) for figure, slopes in found.derivatives.items() for number, slope in slopes.items()]
     performance = found.result.performance
     columns = {
