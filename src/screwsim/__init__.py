@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, datasheet, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -38,6 +38,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "datasheet",
+    "diagnose",
     "evaluate_map",
     "find",
     "load",
@@ -62,6 +63,7 @@ _HOMES = {
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
     "datasheet": "screwsim.api",
+    "diagnose": "screwsim.api",
     "evaluate_map": "screwsim.study.map_points",
     "find": "screwsim.study.seek",
     "load": "screwsim.scene",

@@ -13,10 +13,9 @@ from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
-from screwsim.scene.units import customary_unit, to_customary
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_value, usual_efficiency
+from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
 from screwsim.study.local import DIFFERENCES, Sensitivities
 
 SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, where none is chosen
@@ -97,10 +96,7 @@ def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
 def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
     """Return a round change [SI] of about a twentieth of a number, and how it is written."""
     kind = leaf_of(scene, path).dimension
-    unit = "" if kind is None else "K" if kind.name == "temperature" else customary_unit(kind)
-    per = 1.0 if kind is None or unit == "K" else to_customary(kind, 1.0)
-    if unit == "mm" and abs(value) < 1e-3:
-        unit, per = "um", 1e6
+    per, unit = unit_of_change(scene, path, value)
     if kind is not None and kind.name in ("temperature", "angle"):
         return 1.0 / per, f"1 {unit}"
     about = abs(value * per) / 20.0 or 1.0

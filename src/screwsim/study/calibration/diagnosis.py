@@ -1,0 +1,346 @@
+"""Which parameter of a machine has changed, and with what probability: single changes against none, by Bayes' rule.
+
+The machine is a fit's scene, its parameters at the means of their priors where these are stated. Each parameter alone
+may have come to lie anywhere between its bounds, or none has. Inputs of the unchanged machine are known as far as
+priors and the scene's tolerances say, and off by the same at all points. All hypotheses are judged by exact slopes at
+the unchanged machine; the likely ones are solved again at their best estimates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Figures
+from screwsim.scene import Scene, value_at
+from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point
+from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Simulate
+from screwsim.study.calibration.single import Along, along, distance, whitener
+from screwsim.study.each import each
+from screwsim.study.local import sensitivities
+from screwsim.study.progress import Progress
+from screwsim.study.uncertain import groups_of
+from screwsim.study.workers import DIED
+
+NONE = ""  # the path of the hypothesis that nothing changed
+LEVEL = 0.9  # of the intervals
+UNCHANGED = 0.5  # probability beforehand that nothing changed; the others share the rest
+LIKELY = 1e-3  # probability by slopes from which on a hypothesis is solved again, and in any case ...
+FIRST = 3  # ... so many of them
+STEPS, HALVINGS = 8, 5
+SETTLED = 0.05  # of a standard error: a shorter step is none
+APART = 2.0  # uncertainties: nearer than that two changes make the same of the points
+CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A change of one parameter, or none (path ''): its probability, and what is left over, chi² of all points.
+
+    `value` is what the parameter would be now, `change` from the unchanged one, between `low` and `high` with the
+    probability `LEVEL` [SI]. `linear` says why it was not solved again, '' where it was.
+    """
+
+    path: str
+    probability: float
+    log_evidence: float
+    misfit: float
+    freedom: int
+    value: float | None = None
+    change: float | None = None
+    low: float | None = None
+    high: float | None = None
+    linear: str = ""
+
+
+class Alike(NamedTuple):
+    """Two changes that the points do not tell apart: `off` is by how many uncertainties they differ at all points."""
+
+    first: str
+    second: str
+    off: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer: hypotheses, the most probable first; `unchanged` are the parameters [SI] of the machine as it was.
+
+    `chance` is the probability of a misfit at least as large as the best one's. `reasons` are those of points without a
+    solution. `status` ok | failed.
+    """
+
+    fit: Fit
+    status: str
+    message: str
+    unchanged: Mapping[str, float]
+    hypotheses: tuple[Hypothesis, ...] = ()
+    alike: tuple[Alike, ...] = ()
+    chance: float | None = None
+    inputs: tuple[str, ...] = ()  # of the unchanged machine, that are not known exactly
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    solutions: int = 0
+    failed: int = 0
+
+
+class Here(NamedTuple):
+    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), what its inputs make (n, inputs)."""
+
+    residuals: Array
+    slopes: Array
+    inputs: Array
+    figures: Figures
+    why: str
+    solutions: int
+    failed: int
+
+
+def diagnose(
+    fit: Fit,
+    *,
+    unchanged: float = UNCHANGED,
+    jobs: int | None = None,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Return which parameter of a fit's machine its points say has changed; `unchanged` is how probable none is.
+
+    Raises UsageError where the unchanged machine lies outside a parameter's bounds.
+    """
+    if not 0.0 < unchanged < 1.0:
+        raise UsageError(f"--unchanged {unchanged:g}: is no probability between 0 and 1 (write e.g. 0.5)")
+    machine, before = unchanged_machine(fit)
+    asked = posed(fit, machine, simulate)
+    names, priors = inputs_of(fit, machine)
+    prepare(asked, simulate)
+    call = partial(here, asked, names, priors, before, simulate)
+    points = [point for point in asked.points if point.fitted]
+    found = each(call, len(points), died=_lost, jobs=jobs, failed=lambda one: bool(one.why), progress=progress)
+    reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
+    solutions, failed = sum(one.solutions for one in found), sum(one.failed for one in found)
+    good = [i for i, one in enumerate(found) if not one.why]
+    if not good:
+        why = f"no point has a solution: {next(iter(reasons.values()))}"
+        return Diagnosis(fit, "failed", why, before, reasons=reasons, solutions=solutions, failed=failed)
+    asked = replace(asked, points=tuple(points[i] for i in good))
+    residuals = np.concatenate([found[i].residuals for i in good])
+    slopes = np.vstack([found[i].slopes for i in good])
+    white = whitener(np.vstack([found[i].inputs for i in good]))
+    start = _places(asked, before)
+    linear = [along(u, white @ residuals, white @ column) for u, column in zip(start, slopes.T, strict=True)]
+    none = float(np.sum((white @ residuals) ** 2))
+    likely = _likely(none, linear, unchanged)
+    call = partial(refined, asked, machine, white, [found[i].figures for i in good], simulate, likely, start, linear)
+    sharp = each(call, len(likely), died=lambda number: Refined(linear[likely[number]], DIED), jobs=jobs)
+    solutions, failed = solutions + sum(one.solutions for one in sharp), failed + sum(one.failed for one in sharp)
+    best = {i: (one, "by slopes alone: hardly probable") for i, one in enumerate(linear)}
+    best |= {i: (one.along, one.why) for i, one in zip(likely, sharp, strict=True)}
+    ranked = _ranked(asked, before, none, best, unchanged, len(residuals))
+    alike = _alike(ranked, asked.parameters, before, white @ slopes)
+    message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
+    rest = (_chance(ranked), tuple(" + ".join(group) for group in (*names, *priors)), reasons, solutions, failed)
+    return Diagnosis(fit, "failed" if reasons else "ok", message, before, ranked, alike, *rest)
+
+
+def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
+    """Return the scene of the machine as it was, and the fit's parameters [SI] in it."""
+    before = {}
+    for parameter in fit.parameters:
+        stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
+        if not isinstance(stated, int | float):
+            raise UsageError(f"{parameter.path}: is not stated in the scene (state there what it was unchanged)")
+        if not parameter.low <= stated <= parameter.high:
+            why = f"was {stated:.6g} unchanged [SI], outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
+            raise UsageError(f"{parameter.path}: {why} (widen from and to, within which it may have changed)")
+        before[parameter.path] = float(stated)
+    return fit.machine(before), before
+
+
+def posed(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
+    """Return a fit of that machine without priors, its slopes exact but where points are not ours."""
+    bare = tuple(replace(parameter, prior=None) for parameter in fit.parameters)
+    return replace(fit, scene=machine, parameters=bare, slopes=EXACT if simulate is None else DIFFERENCES)
+
+
+def prepare(fit: Fit, simulate: Simulate | None) -> None:
+    """Compile what the points need, before workers are forked."""
+    if simulate is None and fit.points:
+        from screwsim.scene import with_values
+        from screwsim.simulate import warm_up
+
+        warm_up(with_values(fit.scene, fit.points[0].values))
+
+
+Group = tuple[str, ...]
+
+
+def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, float]]:
+    """Return the groups of the scene's inputs with a tolerance, and deviations [SI] of parameters by their priors.
+
+    A parameter's prior counts, and not the tolerance of its path.
+    """
+    priors = {(each.path,): each.prior.deviation for each in fit.parameters if each.prior is not None}
+    known = {path for group in priors for path in group}
+    groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
+    return tuple(group for group in groups if group), priors
+
+
+def here(
+    fit: Fit,
+    groups: Sequence[Group],
+    priors: Mapping[Group, float],
+    values: Mapping[str, float],
+    simulate: Simulate | None,
+    number: int,
+) -> Here:
+    """Return one point of the unchanged machine, and how it moves."""
+    point = [point for point in fit.points if point.fitted][number]
+    asked = Objective(replace(fit, points=(point,)), simulate)
+    places = _places(fit, values)
+    outcome = asked.outcome(places)
+    count = len(point.measured)
+    empty = np.zeros((count, len(groups) + len(priors)))
+    why = outcome.reasons.get(point.name, "")
+    if why or np.any(np.abs(outcome.residuals) >= PENALTY):
+        why = why or "a figure has no value"
+        nothing = np.zeros(count), np.zeros((count, len(places))), empty, Figures()
+        return Here(*nothing, why, asked.solutions, asked.failed)
+    slopes = asked.slopes(places)
+    own = [_by_tolerance(fit.at(point, values), point, group) for group in groups]
+    paths = [parameter.path for parameter in fit.parameters]
+    for (path,), deviation in priors.items():
+        i = paths.index(path)
+        own.append(slopes[:, i] * deviation / fit.parameters[i].slope(values[path]))
+    inputs = np.column_stack(own) if own else empty
+    return Here(outcome.residuals, slopes, inputs, outcome.figures[0], "", asked.solutions, asked.failed)
+
+
+def _by_tolerance(scene: Scene, point: Point, group: Group) -> Array:
+    """Return what one standard uncertainty of inputs that err together makes of a point's residuals."""
+    found = sensitivities(scene, list(group), list(point.measured))
+    total = np.zeros(len(point.measured))
+    for path in group:
+        standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))
+        for row, (figure, measured) in enumerate(point.measured.items()):
+            total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
+    return total
+
+
+def _lost(number: int) -> Here:
+    return Here(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), DIED, 0, 0)
+
+
+def _places(fit: Fit, values: Mapping[str, float]) -> Array:
+    return np.array([parameter.place(values[parameter.path]) for parameter in fit.parameters])
+
+
+def _likely(none: float, linear: Sequence[Along], unchanged: float) -> list[int]:
+    """Return which hypotheses are worth solving again."""
+    chances = probabilities(none, [one.log_evidence for one in linear], unchanged)[1:]
+    ranked = sorted(range(len(linear)), key=lambda i: -chances[i])
+    return [i for rank, i in enumerate(ranked) if rank < FIRST or chances[i] > LIKELY]
+
+
+def probabilities(none: float, evidences: Sequence[float], unchanged: float) -> Array:
+    """Return the probabilities of no change (chi² `none`) and of each change, by logarithms of their evidences."""
+    logs = np.log([unchanged, *[(1.0 - unchanged) / max(len(evidences), 1)] * len(evidences)])
+    logs += np.array([-0.5 * none, *evidences])
+    weights = np.exp(logs - np.max(logs))
+    return weights / weights.sum()
+
+
+class Refined(NamedTuple):
+    """A hypothesis at its best estimate; `why` it was not solved there, '' where it was."""
+
+    along: Along
+    why: str
+    solutions: int = 0
+    failed: int = 0
+
+
+def refined(
+    fit: Fit,
+    machine: Scene,
+    white: Array,
+    figures: Sequence[Figures],
+    simulate: Simulate | None,
+    likely: Sequence[int],
+    start: Array,
+    linear: Sequence[Along],
+    number: int,
+) -> Refined:
+    """Return the likelihood along one parameter where it is highest: Gauss-Newton steps, halved where chi² grows."""
+    index = likely[number]
+    asked = Objective(replace(fit, scene=machine, parameters=(fit.parameters[index],)), simulate)
+    place, known, why = float(start[index]), linear[index], ""
+    residuals = white @ asked.outcome(np.array([place])).residuals
+    for _ in range(STEPS):
+        step = known.estimate - place
+        if abs(step) * known.information**0.5 < SETTLED or abs(step) < 1e-6:
+            break
+        for _ in range(HALVINGS):
+            there = asked.outcome(np.array([place + step]))
+            moved = white @ there.residuals
+            if not there.reasons and moved @ moved < residuals @ residuals:
+                break
+            step *= 0.5
+        else:
+            why = "no better solution was found on the way to its best estimate"
+            break
+        place, residuals = place + step, moved
+        known = along(place, residuals, white @ asked.slopes(np.array([place]))[:, 0])
+    return Refined(known, why, asked.solutions, asked.failed)
+
+
+def _ranked(
+    fit: Fit,
+    before: Mapping[str, float],
+    none: float,
+    best: Mapping[int, tuple[Along, str]],
+    unchanged: float,
+    count: int,
+) -> tuple[Hypothesis, ...]:
+    """Return all hypotheses, the most probable first."""
+    order = sorted(best)
+    chances = probabilities(none, [best[i][0].log_evidence for i in order], unchanged)
+    found = [Hypothesis(NONE, float(chances[0]), -0.5 * none, none, count)]
+    for i, chance in zip(order, chances[1:], strict=True):
+        parameter, (one, why) = fit.parameters[i], best[i]
+        was, value = before[parameter.path], parameter.value(one.estimate)
+        low, high = (parameter.value(place) - was for place in one.interval(LEVEL))
+        rest = (value, value - was, low, high, why)
+        found.append(Hypothesis(parameter.path, float(chance), one.log_evidence, one.misfit, count - 1, *rest))
+    return tuple(sorted(found, key=lambda each: -each.probability))
+
+
+def _alike(
+    ranked: Sequence[Hypothesis], parameters: Sequence[Parameter], before: Mapping[str, float], slopes: Array
+) -> tuple[Alike, ...]:
+    """Return pairs of likely changes that the points do not tell apart; none where nothing changed most probably."""
+    by_path = {parameter.path: i for i, parameter in enumerate(parameters)}
+    likely = [each for each in ranked if each.path and each.probability > LIKELY]
+    if not likely or ranked[0].path == NONE:
+        return ()
+    found = []
+    for first, second in combinations(likely, 2):
+        i, j = by_path[first.path], by_path[second.path]
+        one, other = parameters[i], parameters[j]
+        assert first.value is not None
+        by = one.place(first.value) - one.place(before[first.path])
+        at = other.place(before[second.path])
+        off = distance(by * slopes[:, i], slopes[:, j], -at, 1.0 - at)
+        if off < APART:
+            found.append(Alike(first.path, second.path, off))
+    return tuple(found)
+
+
+def _chance(ranked: Sequence[Hypothesis]) -> float:
+    from scipy.stats import chi2
+
+    best = ranked[0]
+    return float(chi2.sf(best.misfit, max(best.freedom, 1)))
