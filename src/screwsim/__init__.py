@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map, plan
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -47,6 +47,7 @@ __all__ = [
     "optimize",
     "optimum",
     "performance_map",
+    "plan",
     "plot",
     "run_sweep",
     "schema",
@@ -72,6 +73,7 @@ _HOMES = {
     "optimize": "screwsim.study.optimize",
     "optimum": "screwsim.api",
     "performance_map": "screwsim.api",
+    "plan": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
     "sensitivities": "screwsim.study.local",

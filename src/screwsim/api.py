@@ -21,6 +21,8 @@ from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.diagnosis import UNCHANGED, Diagnosis
 from screwsim.study.calibration.diagnosis import diagnose as _diagnose
 from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.plan import COUNT, LEVELS, Plan, candidates_of
+from screwsim.study.calibration.plan import plan as _plan
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import Sheet, sheet_of
 from screwsim.study.progress import for_program
@@ -116,6 +118,30 @@ def diagnose(
     return _diagnose(asked, unchanged=unchanged, jobs=jobs, progress=for_program("diagnose", progress))
 
 
+def plan(
+    fit: Fit | str | os.PathLike[str],
+    *,
+    candidates: str | os.PathLike[str] | None = None,
+    ranges: Mapping[str, tuple[str | float, str | float]] | None = None,
+    levels: int = LEVELS,
+    count: int = COUNT,
+    scene: str | os.PathLike[str] | None = None,
+    data: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool | None = None,
+) -> Plan:
+    """Return which candidates to measure next, those that would tell most first (`screwsim plan`).
+
+        screwsim.plan("x.fit.yaml", ranges={"operation.speed": ("1000 rpm", "4000 rpm")}, count=2)
+
+    Candidates are those of a CSV file, or all combinations of `levels` values of each of the ranges.
+    """
+    asked = _fit_of(fit, scene, data)
+    texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
+    points = candidates_of(asked, candidates, texts, levels)
+    return _plan(asked, points, count=count, jobs=jobs, progress=for_program("plan", progress))
+
+
 def _fit_of(
     fit: Fit | str | os.PathLike[str],
     scene: str | os.PathLike[str] | None = None,
@@ -140,4 +166,4 @@ def results_of(given: Any) -> Results:
     raise UsageError(f"{what} is no file of results (pass the path of one, written by screwsim.run_sweep)")
 
 
-__all__ = ["calibrate", "diagnose", "optimum", "performance_map", "results_of", "run_sweep"]
+__all__ = ["calibrate", "diagnose", "optimum", "performance_map", "plan", "results_of", "run_sweep"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fit_fakes import SCENE, coordinates, plane, product, torn, write_fit
 
+import screwsim
 from screwsim.cli import exit_code
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
@@ -40,10 +41,7 @@ def points(of=lambda n: 5.0 + 2.0 * n, seed=1, noise=0.05, count=6):
 
 
 def written(folder, text):
-    file = write_fit(folder, FIT, text)
-    scene = load(folder / "machine.yaml", [f"{path}={value}" for path, value in UNCHANGED.items()])
-    (folder / "machine.yaml").write_text(scene.text, encoding="utf-8")
-    return file
+    return write_fit(folder, FIT, text, screwsim.loads(SCENE).with_(UNCHANGED).text)
 
 
 def asked(folder, text, simulator=plane, **how):
@@ -280,7 +278,3 @@ def test_bad_input_is_told_in_one_line(tmp_path, capsys, rest, text, code, told)
     assert exit_code(["diagnose", str(written(tmp_path, text)), *rest]) == code
     err = capsys.readouterr().err
     assert told in err and len(err.splitlines()) == 1
-
-
-def test_the_scene_of_the_fakes_is_one(tmp_path):
-    assert "tip_leakage" in SCENE and set(read_fit(written(tmp_path, points())).first_start()) == {GAP, CAPACITY}

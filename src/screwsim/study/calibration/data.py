@@ -59,9 +59,12 @@ class _Column:
 
 
 def read_points(
-    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[Problem]
+    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[Problem], *, candidates: bool = False
 ) -> list[tuple[Point, Place]]:
-    """Return the points of a file with their places; `taken` are paths that a parameter sets."""
+    """Return the points of a file with their places; `taken` are paths that a parameter sets.
+
+    Of `candidates` nothing is measured yet: figures stand for nothing there, uncertainties for what would be measured.
+    """
     start = Place(1, label)
     try:
         sheet = read_sheet(path)
@@ -81,10 +84,10 @@ def read_points(
         problems.append(Problem(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
         return []
     before = len(problems)
-    columns = _columns(_cells(sheet.head, start), scene, taken, problems)
+    columns = _columns(_cells(sheet.head, start), scene, taken, problems, candidates)
     if len(problems) > before:
         return []
-    read = [_point(row, start, columns, problems) for row in sheet.rows]
+    read = [_point(row, start, columns, problems, candidates) for row in sheet.rows]
     points = [row for row in read if row is not None]
     names: set[str] = set()
     for point, place in points:
@@ -112,7 +115,7 @@ def _starts(line: str) -> Iterator[int]:
 
 
 def _columns(
-    cells: list[tuple[str, Place]], scene: Scene, taken: Sequence[str], problems: list[Problem]
+    cells: list[tuple[str, Place]], scene: Scene, taken: Sequence[str], problems: list[Problem], candidates: bool
 ) -> list[tuple[_Column, Place]]:
     found = []
     for cell, place in cells:
@@ -128,10 +131,10 @@ def _columns(
         if names.count(name) > 1:
             problems.append(Problem(place, column.of, "is there twice (remove one column)"))
         partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
-        if partner and (partner, column.of) not in names:
+        if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
             other = column.of if partner == "figure" else column.of + UNCERTAINTY
             problems.append(Problem(place, column.of, f"has no column {other} beside it (add it)"))
-    if not any(kind == "figure" for kind, _ in names) and not problems:
+    if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
         problems.append(Problem(cells[0][1], "data", f"has no measured figure (known: {', '.join(_figures(scene))})"))
     return found
 
@@ -141,7 +144,7 @@ def _figures(scene: Scene) -> Mapping[str, Figure]:
     return known() | {each.name: each for active in scene.effects.values() for each in active.effect.figures}
 
 
-def _units(figure: str) -> Mapping[str, float]:
+def units_of(figure: str) -> Mapping[str, float]:
     """Return the factors to SI units of the units in which a figure may be stated."""
     si = declared(figure).units
     return UNITS.get(si, {si: 1.0})
@@ -154,7 +157,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     figure = name.removesuffix(UNCERTAINTY)
     figures = _figures(scene)
     if figure in figures:
-        units = _units(figure)
+        units = units_of(figure)
         if unit not in units and not (CELSIUS == unit and "K" in units and figure == name):
             raise Refused(f"unit {shown(unit)} is none of its units (write [{'], ['.join(u for u in units if u)}])")
         return _Column("figure" if figure == name else "uncertainty", figure, unit)
@@ -174,7 +177,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
 
 
 def _point(
-    row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem]
+    row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem], candidates: bool
 ) -> tuple[Point, Place] | None:
     place, before = start.at(row.line, 1), len(problems)
     found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}
@@ -188,6 +191,8 @@ def _point(
             found[column.kind][column.of] = value
     if len(problems) > before:
         return None
+    if candidates:
+        found["figure"] = dict.fromkeys(found["uncertainty"], 0.0)
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
         problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
     if len(problems) > before:
@@ -222,4 +227,4 @@ def _value(column: _Column, text: str) -> Any:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
     if column.unit == CELSIUS:
         return value + ZERO
-    return value * _units(column.of)[column.unit]
+    return value * units_of(column.of)[column.unit]

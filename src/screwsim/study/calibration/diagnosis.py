@@ -18,14 +18,21 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.scene import Scene, value_at
-from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point
+from screwsim.scene import Scene
+from screwsim.study.calibration.fit import Fit, Parameter
+from screwsim.study.calibration.machine import (
+    Group,
+    by_tolerance,
+    inputs_of,
+    places_of,
+    posed,
+    prepare,
+    unchanged_machine,
+)
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Simulate
 from screwsim.study.calibration.single import Along, along, distance, whitener
 from screwsim.study.each import each
-from screwsim.study.local import sensitivities
 from screwsim.study.progress import Progress
-from screwsim.study.uncertain import groups_of
 from screwsim.study.workers import DIED
 
 NONE = ""  # the path of the hypothesis that nothing changed
@@ -131,7 +138,7 @@ def diagnose(
     residuals = np.concatenate([found[i].residuals for i in good])
     slopes = np.vstack([found[i].slopes for i in good])
     white = whitener(np.vstack([found[i].inputs for i in good]))
-    start = _places(asked, before)
+    start = places_of(asked, before)
     linear = [along(u, white @ residuals, white @ column) for u, column in zip(start, slopes.T, strict=True)]
     none = float(np.sum((white @ residuals) ** 2))
     likely = _likely(none, linear, unchanged)
@@ -147,49 +154,6 @@ def diagnose(
     return Diagnosis(fit, "failed" if reasons else "ok", message, before, ranked, alike, *rest)
 
 
-def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
-    """Return the scene of the machine as it was, and the fit's parameters [SI] in it."""
-    before = {}
-    for parameter in fit.parameters:
-        stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
-        if not isinstance(stated, int | float):
-            raise UsageError(f"{parameter.path}: is not stated in the scene (state there what it was unchanged)")
-        if not parameter.low <= stated <= parameter.high:
-            why = f"was {stated:.6g} unchanged [SI], outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
-            raise UsageError(f"{parameter.path}: {why} (widen from and to, within which it may have changed)")
-        before[parameter.path] = float(stated)
-    return fit.machine(before), before
-
-
-def posed(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
-    """Return a fit of that machine without priors, its slopes exact but where points are not ours."""
-    bare = tuple(replace(parameter, prior=None) for parameter in fit.parameters)
-    return replace(fit, scene=machine, parameters=bare, slopes=EXACT if simulate is None else DIFFERENCES)
-
-
-def prepare(fit: Fit, simulate: Simulate | None) -> None:
-    """Compile what the points need, before workers are forked."""
-    if simulate is None and fit.points:
-        from screwsim.scene import with_values
-        from screwsim.simulate import warm_up
-
-        warm_up(with_values(fit.scene, fit.points[0].values))
-
-
-Group = tuple[str, ...]
-
-
-def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, float]]:
-    """Return the groups of the scene's inputs with a tolerance, and deviations [SI] of parameters by their priors.
-
-    A parameter's prior counts, and not the tolerance of its path.
-    """
-    priors = {(each.path,): each.prior.deviation for each in fit.parameters if each.prior is not None}
-    known = {path for group in priors for path in group}
-    groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
-    return tuple(group for group in groups if group), priors
-
-
 def here(
     fit: Fit,
     groups: Sequence[Group],
@@ -201,7 +165,7 @@ def here(
     """Return one point of the unchanged machine, and how it moves."""
     point = [point for point in fit.points if point.fitted][number]
     asked = Objective(replace(fit, points=(point,)), simulate)
-    places = _places(fit, values)
+    places = places_of(fit, values)
     outcome = asked.outcome(places)
     count = len(point.measured)
     empty = np.zeros((count, len(groups) + len(priors)))
@@ -211,7 +175,7 @@ def here(
         nothing = np.zeros(count), np.zeros((count, len(places))), empty, Figures()
         return Here(*nothing, why, asked.solutions, asked.failed)
     slopes = asked.slopes(places)
-    own = [_by_tolerance(fit.at(point, values), point, group) for group in groups]
+    own = [by_tolerance(fit.at(point, values), point, group) for group in groups]
     paths = [parameter.path for parameter in fit.parameters]
     for (path,), deviation in priors.items():
         i = paths.index(path)
@@ -220,23 +184,8 @@ def here(
     return Here(outcome.residuals, slopes, inputs, outcome.figures[0], "", asked.solutions, asked.failed)
 
 
-def _by_tolerance(scene: Scene, point: Point, group: Group) -> Array:
-    """Return what one standard uncertainty of inputs that err together makes of a point's residuals."""
-    found = sensitivities(scene, list(group), list(point.measured))
-    total = np.zeros(len(point.measured))
-    for path in group:
-        standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))
-        for row, (figure, measured) in enumerate(point.measured.items()):
-            total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
-    return total
-
-
 def _lost(number: int) -> Here:
     return Here(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), DIED, 0, 0)
-
-
-def _places(fit: Fit, values: Mapping[str, float]) -> Array:
-    return np.array([parameter.place(values[parameter.path]) for parameter in fit.parameters])
 
 
 def _likely(none: float, linear: Sequence[Along], unchanged: float) -> list[int]:
