@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
-from screwsim.study.calibration.diagnosis import CHANCE, LEVEL, NONE, Diagnosis, Hypothesis
+from screwsim.study.calibration.diagnosis import CHANCE, LEVEL, LIKELY, NONE, Diagnosis, Hypothesis
 from screwsim.study.inputs import unit_of_change
 
 NOTHING = "nothing changed"
@@ -50,7 +50,7 @@ def print_diagnosis(found: Diagnosis) -> None:
         say(wrapped(f"{found.status}: {found.message}"))
         return
     say()
-    heads = ["what changed", "probability", "by", f"{LEVEL:.0%} interval", "is now", "", "misfit"]
+    heads = ["what changed", "probability", "by", f"{LEVEL:.0%} interval", "now", "", "misfit"]
     say("\n".join(plain_table(heads, [_row(found, each) for each in found.hypotheses], 1)))
     say()
     for line in _told(found):
@@ -94,10 +94,15 @@ def _told(found: Diagnosis) -> Iterator[str]:
     best = found.hypotheses[0]
     what = NOTHING if best.path == NONE else f"{best.path} has changed by {_change(found, best)}"
     yield f"most probable: {what} ({_probability(best.probability)})"
+    for each in found.hypotheses:
+        if each.also and each.probability > LIKELY:
+            per, unit = unit_of_change(found.fit.scene, each.path, each.value or 0.0)
+            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
+            yield f"{each.path} = {values} fits nearly as well as the best of its values"
     for each in found.alike:
         yield (
-            f"not told apart: {each.first} and {each.second}: a change of the second makes the same of all points as "
-            f"that of the first, within {each.off:.2g} uncertainties (screwsim plan says which points would tell)"
+            f"not told apart: {each.first} and {each.second}: their changes make the same of all points together, "
+            f"within {each.off:.2g} uncertainties (screwsim plan says which points would tell)"
         )
     if found.chance is not None and found.chance < CHANCE:
         yield (
@@ -108,4 +113,4 @@ def _told(found: Diagnosis) -> Iterator[str]:
     beside = f"; {', '.join(found.inputs)} known as tolerances and priors say" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"
     if any(each.linear for each in found.hypotheses):
-        yield "* by the slopes of the unchanged machine alone (hardly probable, or no better solution on the way)"
+        yield "* by the slopes of the unchanged machine alone (hardly probable, or without another solution)"

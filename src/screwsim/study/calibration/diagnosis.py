@@ -8,7 +8,7 @@ the unchanged machine; the likely ones are solved again at their best estimates.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
@@ -18,7 +18,6 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.scene import Scene
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.machine import (
     Group,
@@ -29,8 +28,9 @@ from screwsim.study.calibration.machine import (
     prepare,
     unchanged_machine,
 )
+from screwsim.study.calibration.profile import Profile, profile, straight
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Simulate
-from screwsim.study.calibration.single import Along, along, distance, whitener
+from screwsim.study.calibration.single import Along, along, whitener
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
@@ -40,8 +40,7 @@ LEVEL = 0.9  # of the intervals
 UNCHANGED = 0.5  # probability beforehand that nothing changed; the others share the rest
 LIKELY = 1e-3  # probability by slopes from which on a hypothesis is solved again, and in any case ...
 FIRST = 3  # ... so many of them
-STEPS, HALVINGS = 8, 5
-SETTLED = 0.05  # of a standard error: a shorter step is none
+UNLIKELY, UNSOLVED = "hardly probable", "no other value has a solution at all points"  # why by slopes alone
 APART = 2.0  # uncertainties: nearer than that two changes make the same of the points
 CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
 
@@ -51,7 +50,8 @@ class Hypothesis:
     """A change of one parameter, or none (path ''): its probability, and what is left over, chi² of all points.
 
     `value` is what the parameter would be now, `change` from the unchanged one, between `low` and `high` with the
-    probability `LEVEL` [SI]. `linear` says why it was not solved again, '' where it was.
+    probability `LEVEL` [SI]; `also` are values that fit nearly as well, further off. `linear` says why it was not
+    solved again, '' where it was.
     """
 
     path: str
@@ -64,6 +64,7 @@ class Hypothesis:
     low: float | None = None
     high: float | None = None
     linear: str = ""
+    also: tuple[float, ...] = ()
 
 
 class Alike(NamedTuple):
@@ -139,16 +140,21 @@ def diagnose(
     slopes = np.vstack([found[i].slopes for i in good])
     white = whitener(np.vstack([found[i].inputs for i in good]))
     start = places_of(asked, before)
-    linear = [along(u, white @ residuals, white @ column) for u, column in zip(start, slopes.T, strict=True)]
-    none = float(np.sum((white @ residuals) ** 2))
-    likely = _likely(none, linear, unchanged)
-    call = partial(refined, asked, machine, white, [found[i].figures for i in good], simulate, likely, start, linear)
-    sharp = each(call, len(likely), died=lambda number: Refined(linear[likely[number]], DIED), jobs=jobs)
-    solutions, failed = solutions + sum(one.solutions for one in sharp), failed + sum(one.failed for one in sharp)
-    best = {i: (one, "by slopes alone: hardly probable") for i, one in enumerate(linear)}
-    best |= {i: (one.along, one.why) for i, one in zip(likely, sharp, strict=True)}
-    ranked = _ranked(asked, before, none, best, unchanged, len(residuals))
-    alike = _alike(ranked, asked.parameters, before, white @ slopes)
+    here_, columns = white @ residuals, (white @ slopes).T
+    by_slopes = [along(u, here_, column) for u, column in zip(start, columns, strict=True)]
+    none = float(here_ @ here_)
+    likely = _likely(none, by_slopes, unchanged)
+    call = partial(refined, asked, white, simulate, likely, start, columns)
+    solved = dict(zip(likely, each(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
+    solutions += sum(one.solutions for one in solved.values() if one)
+    failed += sum(one.failed for one in solved.values() if one)
+    best = {i: solved.get(i) or one for i, one in enumerate(by_slopes)}
+    left = [
+        one.residuals if isinstance(one, Profile) else straight(one, start[i], here_, columns[i])
+        for i, one in best.items()
+    ]
+    ranked = _ranked(asked, before, none, best, set(likely), unchanged, len(residuals))
+    alike = _alike(ranked, asked.parameters, left)
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
     rest = (_chance(ranked), tuple(" + ".join(group) for group in (*names, *priors)), reasons, solutions, failed)
     return Diagnosis(fit, "failed" if reasons else "ok", message, before, ranked, alike, *rest)
@@ -188,10 +194,10 @@ def _lost(number: int) -> Here:
     return Here(np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), Figures(), DIED, 0, 0)
 
 
-def _likely(none: float, linear: Sequence[Along], unchanged: float) -> list[int]:
+def _likely(none: float, by_slopes: Sequence[Along], unchanged: float) -> list[int]:
     """Return which hypotheses are worth solving again."""
-    chances = probabilities(none, [one.log_evidence for one in linear], unchanged)[1:]
-    ranked = sorted(range(len(linear)), key=lambda i: -chances[i])
+    chances = probabilities(none, [one.log_evidence for one in by_slopes], unchanged)[1:]
+    ranked = sorted(range(len(by_slopes)), key=lambda i: -chances[i])
     return [i for rank, i in enumerate(ranked) if rank < FIRST or chances[i] > LIKELY]
 
 
@@ -203,89 +209,51 @@ def probabilities(none: float, evidences: Sequence[float], unchanged: float) -> 
     return weights / weights.sum()
 
 
-class Refined(NamedTuple):
-    """A hypothesis at its best estimate; `why` it was not solved there, '' where it was."""
-
-    along: Along
-    why: str
-    solutions: int = 0
-    failed: int = 0
-
-
 def refined(
-    fit: Fit,
-    machine: Scene,
-    white: Array,
-    figures: Sequence[Figures],
-    simulate: Simulate | None,
-    likely: Sequence[int],
-    start: Array,
-    linear: Sequence[Along],
-    number: int,
-) -> Refined:
-    """Return the likelihood along one parameter where it is highest: Gauss-Newton steps, halved where chi² grows."""
+    fit: Fit, white: Array, simulate: Simulate | None, likely: Sequence[int], start: Array, columns: Array, number: int
+) -> Profile | None:
+    """Return the likelihood over one of the likely parameters; None where there is none but by slopes."""
     index = likely[number]
-    asked = Objective(replace(fit, scene=machine, parameters=(fit.parameters[index],)), simulate)
-    place, known, why = float(start[index]), linear[index], ""
-    residuals = white @ asked.outcome(np.array([place])).residuals
-    for _ in range(STEPS):
-        step = known.estimate - place
-        if abs(step) * known.information**0.5 < SETTLED or abs(step) < 1e-6:
-            break
-        for _ in range(HALVINGS):
-            there = asked.outcome(np.array([place + step]))
-            moved = white @ there.residuals
-            if not there.reasons and moved @ moved < residuals @ residuals:
-                break
-            step *= 0.5
-        else:
-            why = "no better solution was found on the way to its best estimate"
-            break
-        place, residuals = place + step, moved
-        known = along(place, residuals, white @ asked.slopes(np.array([place]))[:, 0])
-    return Refined(known, why, asked.solutions, asked.failed)
+    asked = Objective(replace(fit, parameters=(fit.parameters[index],)), simulate)
+    return profile(asked, white, float(start[index]), columns[index])
 
 
 def _ranked(
     fit: Fit,
     before: Mapping[str, float],
     none: float,
-    best: Mapping[int, tuple[Along, str]],
+    best: Mapping[int, Along | Profile],
+    likely: Set[int],
     unchanged: float,
     count: int,
 ) -> tuple[Hypothesis, ...]:
     """Return all hypotheses, the most probable first."""
     order = sorted(best)
-    chances = probabilities(none, [best[i][0].log_evidence for i in order], unchanged)
+    chances = probabilities(none, [best[i].log_evidence for i in order], unchanged)
     found = [Hypothesis(NONE, float(chances[0]), -0.5 * none, none, count)]
     for i, chance in zip(order, chances[1:], strict=True):
-        parameter, (one, why) = fit.parameters[i], best[i]
+        parameter, one = fit.parameters[i], best[i]
         was, value = before[parameter.path], parameter.value(one.estimate)
         low, high = (parameter.value(place) - was for place in one.interval(LEVEL))
-        rest = (value, value - was, low, high, why)
+        also = tuple(map(parameter.value, one.others())) if isinstance(one, Profile) else ()
+        why = "" if isinstance(one, Profile) else UNSOLVED if i in likely else UNLIKELY
+        rest = (value, value - was, low, high, why, also)
         found.append(Hypothesis(parameter.path, float(chance), one.log_evidence, one.misfit, count - 1, *rest))
     return tuple(sorted(found, key=lambda each: -each.probability))
 
 
-def _alike(
-    ranked: Sequence[Hypothesis], parameters: Sequence[Parameter], before: Mapping[str, float], slopes: Array
-) -> tuple[Alike, ...]:
-    """Return pairs of likely changes that the points do not tell apart; none where nothing changed most probably."""
-    by_path = {parameter.path: i for i, parameter in enumerate(parameters)}
+def _alike(ranked: Sequence[Hypothesis], parameters: Sequence[Parameter], left: Sequence[Array]) -> tuple[Alike, ...]:
+    """Return pairs of likely changes that the points do not tell apart; none where nothing changed most probably.
+
+    `left` are the residuals at the best value of each parameter.
+    """
+    by_path = {parameter.path: each for parameter, each in zip(parameters, left, strict=True)}
     likely = [each for each in ranked if each.path and each.probability > LIKELY]
-    if not likely or ranked[0].path == NONE:
+    if ranked[0].path == NONE:
         return ()
-    found = []
-    for first, second in combinations(likely, 2):
-        i, j = by_path[first.path], by_path[second.path]
-        one, other = parameters[i], parameters[j]
-        assert first.value is not None
-        by = one.place(first.value) - one.place(before[first.path])
-        at = other.place(before[second.path])
-        off = distance(by * slopes[:, i], slopes[:, j], -at, 1.0 - at)
-        if off < APART:
-            found.append(Alike(first.path, second.path, off))
-    return tuple(found)
+    pairs = ((one, other, by_path[one.path] - by_path[other.path]) for one, other in combinations(likely, 2))
+    found = (Alike(one.path, other.path, float(np.linalg.norm(apart))) for one, other, apart in pairs)
+    return tuple(each for each in found if each.off < APART)
 
 
 def _chance(ranked: Sequence[Hypothesis]) -> float:

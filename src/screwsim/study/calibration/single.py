@@ -72,13 +72,6 @@ def whitener(inputs: Array) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(np.eye(len(inputs)) + inputs @ inputs.T)), float)
 
 
-def distance(change: Array, other: Array, low: float, high: float) -> float:
-    """Return how far a change of whitened residuals is from the nearest of the multiples low … high of another."""
-    size = float(other @ other)
-    by = float(np.clip(change @ other / size, low, high)) if size > 0.0 else 0.0
-    return float(np.linalg.norm(change - by * other))
-
-
 def _log_mass(low: float, high: float) -> float:
     """Return the logarithm of the standard normal distribution's mass between two ends, of tails too."""
     from scipy.special import log_ndtr
