@@ -150,7 +150,8 @@ def test_the_likelihood_between_solutions_is_that_of_the_model(tmp_path):
     gaps = np.linspace(1.0, 10.0, 20_001)
     off = 5.0 + 0.2 * (gaps[:, None] - 4.0) ** 2 + 2.0 * n - measured
     likelihood = np.exp(-0.5 * np.sum((off / 0.05) ** 2, axis=1))
-    assert found[GAP].log_evidence == pytest.approx(np.log(likelihood.mean()), abs=0.02)
+    # interpolated between a dozen solutions
+    assert found[GAP].log_evidence == pytest.approx(np.log(likelihood.mean()), abs=0.05)
     below = np.cumsum(likelihood) / likelihood.sum()
     for end, share in ((found[GAP].low, 0.05), (found[GAP].high, 0.95)):
         assert np.interp(5.0 + 1e5 * end, gaps, below) == pytest.approx(share, abs=0.01)
