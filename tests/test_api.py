@@ -252,3 +252,15 @@ def test_a_result_that_does_not_know_its_scene_says_so():
     with pytest.raises(KeyError, match="does not know its scene"):
         Result("ok").derivatives["shaft_power", "operation.speed"]
     assert "none" in repr(Result("ok").derivatives)
+
+
+def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
+    def solved(scene, values, points, number):
+        path, by = points[number]
+        return Result("ok", performance=Figures(shaft_power=3.0 * (values[path] + by)))
+
+    monkeypatch.setattr("screwsim.study.local._solved", solved)
+    scene = screwsim.load(Path(__file__).parents[1] / "configs" / "slider_crank" / "air.yaml")
+    found = screwsim.sensitivities(scene, result=made(scene))
+    assert set(found.method.values()) == {"differences"} and "operation.ambient_pressure" in found.values
+    assert list(found.derivatives["shaft_power"].values()) == pytest.approx([3.0] * len(found.values))

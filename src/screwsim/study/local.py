@@ -17,7 +17,7 @@ from screwsim.derivatives.solving import found
 from screwsim.faults import UsageError
 from screwsim.figures import declared
 from screwsim.outputs import Result
-from screwsim.scene import Scene, leaf_of, scene_of, with_values
+from screwsim.scene import Scene, scene_of, with_values
 from screwsim.scene.fields import Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
@@ -146,7 +146,8 @@ def _differences(
     numerics = scene.numerics
     finer = min(ACCURACY, numerics.accuracy) if numerics.rtol is None else numerics.accuracy
     scene = replace(scene, numerics=replace(numerics, accuracy=finer, error="none"))
-    points = [(path, by) for path, value in values.items() for by in _sides(leaf_of(scene, path), value)]
+    leaves = _leaves(scene)
+    points = [(path, by) for path, value in values.items() for by in _sides(leaves[path], value)]
     results = each(
         partial(_solved, scene, values, points),
         len(points),
