@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
 PIECE = re.compile(r"^```python\n(.*?)^```$", re.M | re.S)
-<<<<<<< HEAD
+WIDTH = 96  # of a line of code
 SECTIONS = {
     "Start here": "start",
     "Notebooks": "notebooks",
@@ -31,10 +31,6 @@ SECTIONS = {
     "Reference": "reference",
     "Explanation": "explanation",
 }
-=======
-WIDTH = 96  # of a line of code
-SECTIONS = {"Start here": "start", "How to": "how-to", "Reference": "reference", "Explanation": "explanation"}
->>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
 CONF = """\
 import re
 from html import unescape
@@ -47,14 +43,9 @@ from sphinx.util import logging
 
 project, author = "screwsim", "the screwsim developers"
 version = release = {version!r}
-<<<<<<< HEAD
 extensions = ["myst_nb"]
 nb_execution_mode = "off"  # scripts/notebooks.py runs them, and stores what they show
-myst_enable_extensions = ["dollarmath", "amsmath"]
-=======
-extensions = ["myst_parser"]
 myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath"]
->>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # pages of one table begin with small headings
 html_theme = "furo"
@@ -169,19 +160,13 @@ def local_links(text: str, folder: Path) -> str:
     """Return a page whose links to files outside of docs/ are words; those to what is not there stay, to be told."""
 
     def replaced(found: re.Match[str]) -> str:
-<<<<<<< HEAD
-        file = folder / found[2].partition("#")[0]
-        outside = file.exists() and not file.resolve().is_relative_to(DOCS)
-        return found[1] if outside or file.name == "README.md" else found[0]
-=======
         target = found[2].partition("#")[0]
-        inside = not target or ((folder / target).is_file() and (folder / target).resolve().is_relative_to(DOCS))
-        if not inside or target.endswith("README.md"):
+        file = folder / target if target else None
+        outside = file is not None and file.exists() and not file.resolve().is_relative_to(DOCS)
+        if outside or target.endswith("README.md"):
             return found[1]
-        page = (folder / target).resolve()
-        words = heading(page) if page.suffix == ".md" and found[1].endswith(".md") else found[1]  # no name of a file
-        return f"[{words}]({found[2]})"
->>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
+        named = file is not None and file.is_file() and file.suffix == ".md" and found[1].endswith(".md")
+        return f"[{heading(file) if named and file else found[1]}]({found[2]})"  # no name of a file as words
 
     return LINK.sub(replaced, text)
 
@@ -195,26 +180,10 @@ def index(source: Path) -> str:
     pages = re.sub(r"^- .*?(?=\n\n|\Z)", r":::{container} cards\n\g<0>\n:::", pages, flags=re.M | re.S)
     trees = []
     for caption, folder in SECTIONS.items():
-<<<<<<< HEAD
-        pages = [name for name in dict.fromkeys(named) if name.startswith(f"{folder}/")]
-        pages += [] if folder != "reference" else ["model.md", "reference/api.md"]
-        listed = "\n".join(name.rpartition(".")[0] for name in pages if (source / name).is_file())
-        trees.append(f"```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{listed}\n```\n")
-    return text.rstrip() + "\n\n" + "\n".join(trees) + "\n```{toctree}\n:hidden:\n\ngallery\n```\n"
-
-
-def heading(page: str) -> str:
-    """Return the heading of a page or notebook of docs/; of what is not there its name."""
-    if not (DOCS / page).is_file():
-        return page
-    text = (DOCS / page).read_text(encoding="utf-8")
-    if page.endswith(".ipynb"):
-        text = "".join(json.loads(text)["cells"][0]["source"])
-    return next((line[2:] for line in text.splitlines() if line.startswith("# ")), page)
-=======
         listed = [name for name in dict.fromkeys(named) if name.startswith(f"{folder}/")]
         listed += {"reference": ["model.md", "reference/api.md"], "start": ["gallery.md"]}.get(folder, [])
-        lines = "\n".join(name.removesuffix(".md") for name in listed if (source / name).is_file() or "gallery" in name)
+        there = (name for name in listed if (source / name).is_file() or "gallery" in name)
+        lines = "\n".join(name.rpartition(".")[0] for name in there)
         trees.append(f"```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{lines}\n```\n")
     return "\n\n".join([_beginning(), pages, *trees])
 
@@ -235,10 +204,13 @@ def _beginning() -> str:
 
 
 def heading(page: Path) -> str:
-    """Return the heading of a page."""
-    lines = page.read_text(encoding="utf-8").splitlines()
-    return next((line[2:] for line in lines if line.startswith("# ")), page.name)
->>>>>>> 19d9566ade5d292272b479b52c7415cdd3fb22fb
+    """Return the heading of a page or notebook; of what is not there its name."""
+    if not page.is_file():
+        return page.name
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        text = "".join(json.loads(text)["cells"][0]["source"])
+    return next((line[2:] for line in text.splitlines() if line.startswith("# ")), page.name)
 
 
 def api_page() -> str:
