@@ -2,12 +2,14 @@
 
     python scripts/docs_site.py [FOLDER]     (default: results/site; needs the extra `docs`; a warning is an error)
 
-Equations are MathML, so that the site needs nothing from elsewhere. Links to files outside of docs/ become their names.
+Equations are MathML, so that the site needs nothing from elsewhere. Links to files outside of docs/ become their names;
+one to what is not there fails.
 """
 
 from __future__ import annotations
 
 import inspect
+import json
 import os
 import re
 import shutil
@@ -22,7 +24,13 @@ DOCS = ROOT / "docs"
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
 PIECE = re.compile(r"^```python\n(.*?)^```$", re.M | re.S)
 WIDTH = 96  # of a line of code
-SECTIONS = {"Start here": "start", "How to": "how-to", "Reference": "reference", "Explanation": "explanation"}
+SECTIONS = {
+    "Start here": "start",
+    "Notebooks": "notebooks",
+    "How to": "how-to",
+    "Reference": "reference",
+    "Explanation": "explanation",
+}
 CONF = """\
 import re
 from html import unescape
@@ -35,7 +43,8 @@ from sphinx.util import logging
 
 project, author = "screwsim", "the screwsim developers"
 version = release = {version!r}
-extensions = ["myst_parser"]
+extensions = ["myst_nb"]
+nb_execution_mode = "off"  # scripts/notebooks.py runs them, and stores what they show
 myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # pages of one table begin with small headings
@@ -84,6 +93,19 @@ def block(self, node):
 
 def setup(app):
     app.add_html_math_renderer("mathml", (inline, None), (block, None))
+    app.config.html_static_path.append("notebooks/files")
+    app.config.exclude_patterns.append("notebooks/files")
+    app.add_css_file("notebooks.css")
+"""
+NOTEBOOKS_CSS = """\
+.cell_output { overflow-x: auto; }
+.cell_output table { border: 0; border-collapse: collapse; font-size: var(--font-size--small); }
+.cell_output th, .cell_output td { border: 0; padding: 0.25rem 0.7rem; vertical-align: top; }
+.cell_output tbody tr { border-top: 1px solid var(--color-table-border); }
+.cell_output table.dataframe { font-variant-numeric: tabular-nums; }
+.cell_output table.dataframe td { white-space: nowrap; }
+.cell_output table.dataframe td, .cell_output table.dataframe th { text-align: right; }
+.cell_output table.dataframe tbody th { text-align: left; font-weight: normal; }
 """
 
 
@@ -96,24 +118,19 @@ def main(folder: str = "results/site") -> int:
     (source / "_static").mkdir()
     shutil.copy(Path(__file__).with_suffix(".css"), source / "_static")
     copy_pages(source)
+    copy_notebooks(source / "notebooks")
     (source / "reference" / "api.md").write_text(api_page(), encoding="utf-8")
     (source / "gallery.md").write_text(gallery(DOCS / "gallery.md", source), encoding="utf-8")
     (source / "index.md").write_text(index(source), encoding="utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "sphinx",
-        "-q",
-        "-W",
-        "--keep-going",
-        "-b",
-        "html",
-        str(source),
-        str(site / "html"),
-    ]
-    code = subprocess.run(command, check=False).returncode
+    code = build(source, site / "html")
     print(site / "html" / "index.html" if code == 0 else "the site has warnings, see above")
     return code
+
+
+def build(source: Path, html: Path) -> int:
+    """Make pages of a folder with a conf.py; return Sphinx's exit status, which one warning makes 1."""
+    options = ["-q", "-W", "--keep-going", "-b", "html"]
+    return subprocess.run([sys.executable, "-m", "sphinx", *options, str(source), str(html)], check=False).returncode
 
 
 def copy_pages(source: Path) -> None:
@@ -128,17 +145,28 @@ def copy_pages(source: Path) -> None:
             shutil.copy(path, target)
 
 
+def copy_notebooks(target: Path) -> None:
+    """Copy notebooks as pages, and beside them as files; where a page names its own, that is to be had."""
+    (target / "files").mkdir(parents=True)
+    (target / "files" / "notebooks.css").write_text(NOTEBOOKS_CSS, encoding="utf-8")
+    for path in sorted((DOCS / "notebooks").glob("*.ipynb")):
+        shutil.copy(path, target / "files")
+        offered = f"{{download}}`{path.name} <files/{path.name}>`"
+        text = path.read_text(encoding="utf-8").replace(f"`docs/notebooks/{path.name}`", offered)
+        (target / path.name).write_text(text, encoding="utf-8")
+
+
 def local_links(text: str, folder: Path) -> str:
-    """Return a page in which only links to pages of docs/ are left."""
+    """Return a page whose links to files outside of docs/ are words; those to what is not there stay, to be told."""
 
     def replaced(found: re.Match[str]) -> str:
         target = found[2].partition("#")[0]
-        inside = not target or ((folder / target).is_file() and (folder / target).resolve().is_relative_to(DOCS))
-        if not inside or target.endswith("README.md"):
+        file = folder / target if target else None
+        outside = file is not None and file.exists() and not file.resolve().is_relative_to(DOCS)
+        if outside or target.endswith("README.md"):
             return found[1]
-        page = (folder / target).resolve()
-        words = heading(page) if page.suffix == ".md" and found[1].endswith(".md") else found[1]  # no name of a file
-        return f"[{words}]({found[2]})"
+        named = file is not None and file.is_file() and file.suffix == ".md" and found[1].endswith(".md")
+        return f"[{heading(file) if named and file else found[1]}]({found[2]})"  # no name of a file as words
 
     return LINK.sub(replaced, text)
 
@@ -154,7 +182,8 @@ def index(source: Path) -> str:
     for caption, folder in SECTIONS.items():
         listed = [name for name in dict.fromkeys(named) if name.startswith(f"{folder}/")]
         listed += {"reference": ["model.md", "reference/api.md"], "start": ["gallery.md"]}.get(folder, [])
-        lines = "\n".join(name.removesuffix(".md") for name in listed if (source / name).is_file() or "gallery" in name)
+        there = (name for name in listed if (source / name).is_file() or "gallery" in name)
+        lines = "\n".join(name.rpartition(".")[0] for name in there)
         trees.append(f"```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{lines}\n```\n")
     return "\n\n".join([_beginning(), pages, *trees])
 
@@ -175,9 +204,13 @@ def _beginning() -> str:
 
 
 def heading(page: Path) -> str:
-    """Return the heading of a page."""
-    lines = page.read_text(encoding="utf-8").splitlines()
-    return next((line[2:] for line in lines if line.startswith("# ")), page.name)
+    """Return the heading of a page or notebook; of what is not there its name."""
+    if not page.is_file():
+        return page.name
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        text = "".join(json.loads(text)["cells"][0]["source"])
+    return next((line[2:] for line in text.splitlines() if line.startswith("# ")), page.name)
 
 
 def api_page() -> str:

@@ -65,6 +65,9 @@ LONGEST = (
     "tests/validation/test_cagi.py",
     "tests/laws/test_rotors.py",
     "tests/cli/test_studies.py",
+    "tests/docs/test_site.py",
+    "tests/docs/test_notebooks.py",
+    "tests/study/test_notebook.py",
     "tests/laws/test_drive.py",
     "tests/validation/test_fits.py",
 )
