@@ -92,7 +92,6 @@ def test_a_signature_has_a_parameter_a_line_where_it_is_long():
 
 
 def test_an_index_stands_beside_a_letter_with_an_accent():
-    pytest.importorskip("sphinx", reason="the extra `docs` is not installed")
     conf: dict = {}
     exec(site.CONF.format(version="0"), conf)
     text = re.sub(r"\s|<math[^>]*>|</math>", "", conf["mathml"](r"\dot m_i + \sum_i x", True))
