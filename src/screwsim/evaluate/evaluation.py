@@ -77,7 +77,7 @@ class Evaluation:
     @cached_property
     def package(self) -> Package | None:
         """How far the losses of a package are from those of the flow; None without one."""
-        return package_off(self.problem, self.figures.gas_mass_flow)
+        return package_off(self.problem, self.figures["gas_mass_flow"])
 
     @property
     def figures(self) -> Performance:
