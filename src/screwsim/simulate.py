@@ -12,7 +12,7 @@ from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import Problem, Series, leave, one_alone, problem_of
 from screwsim.evaluate import cautions, own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
@@ -121,7 +121,7 @@ def _survived(scene: Scene) -> None:
 
 def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     course = None if series is None else series.course
-    series = series or Series()
+    alone, series = series is None, series or one_alone()
     try:
         with faults_of_own(scene):
             with compiled.equation_announced(scene.gas.name):
@@ -133,6 +133,8 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
             problem, machinery = at_speed, leased(at_speed)
         result = _solved(problem, machinery, trace, course, search)
         leases.give_back(machinery)
+        if alone:
+            leave(series)
     except Impossible as wrong:
         result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != "ok":

@@ -83,16 +83,41 @@ class Problem:
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
 
+Built = tuple[Stock, Composer]
+
+
 class Series:
     """What scenes solved one after the other leave to the next: what was built, what was composed, what closed."""
 
-    def __init__(self) -> None:
-        self.stock, self.composer, self.course = Stock(), Composer(), Course()
+    def __init__(self, built: Built | None = None) -> None:
+        self.stock, self.composer = built or (Stock(), Composer())
+        self.course = Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
         self.losses: PressureLosses | None = None  # of a package, found last
         self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.build.sought`)
         self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
         self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
+
+
+_free: list[Built] = []
+KEPT = 32  # of them: so many points may be solved side by side
+
+
+def one_alone() -> Series:
+    """Return a series for one scene that has nothing to do with those before, but what was built and composed of them.
+
+    That gives the numbers that building anew does. Whoever is done with it gives it back (`leave`).
+    """
+    try:
+        return Series(_free.pop())  # one step of the interpreter's own
+    except IndexError:
+        return Series()
+
+
+def leave(series: Series) -> None:
+    """Keep what was built and composed for the next scene that is solved alone."""
+    if len(_free) < KEPT:
+        _free.append((series.stock, series.composer))
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
