@@ -6,6 +6,7 @@ import math
 import operator
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import nullcontext
 from typing import Any, Literal
 
 from screwsim.build import blamed, faults_of_own, prepare
@@ -123,7 +124,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     course = None if series is None else series.course
     alone, series = series is None, series or one_alone()
     try:
-        with faults_of_own(scene):
+        with faults_of_own(scene) if scene.own else nullcontext():
             with compiled.equation_announced(scene.gas.name):
                 problem = problem_of(scene, series)
             machinery = leased(problem)

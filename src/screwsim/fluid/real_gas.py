@@ -209,11 +209,11 @@ class RealGas:
 
     def enthalpy(self, p: float, T: float) -> float:
         """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
-        return float(self._kernels["state"](T, self.density(p, T))[1])
+        return _vapour_energies(self, p, T)[0]
 
     def entropy(self, p: float, T: float) -> float:
         """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
-        return float(self._kernels["entropy"](T, self.density(p, T)))
+        return _vapour_energies(self, p, T)[1]
 
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]: T_sat where two phases have it."""
@@ -348,6 +348,13 @@ class RealGas:
 def _vapour_density(gas: RealGas, p: float, T: float) -> float:
     found = saturation(gas.fluid)
     return float(_compiled(gas)["density"](p, T, gas.R, found.T_c, found.rho_c))
+
+
+@lru_cache(maxsize=64)
+def _vapour_energies(gas: RealGas, p: float, T: float) -> tuple[float, float]:
+    """Return specific enthalpy [J/kg] and entropy [J/(kg K)] of the vapour at p [Pa], T [K]."""
+    rho = gas.density(p, T)
+    return float(gas._kernels["state"](T, rho)[1]), float(gas._kernels["entropy"](T, rho))
 
 
 @lru_cache(maxsize=64)
