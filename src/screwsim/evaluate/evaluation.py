@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
-from screwsim.cycle.known import CycleFigures, known_of, pitch_at, uncarried_oil_temperature
+from screwsim.cycle.known import CycleFigures, known_of, pitch_at
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.powers import oil_lift, power_losses, shaft_power
 from screwsim.cycle.problem import Problem
@@ -105,7 +105,7 @@ def balance(of: Evaluation) -> Figures:
     """Return the balances of a closed cycle (contract: balance)."""
     problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
     left, residual = residuals(problem, of.life.R, of.q), None
-    T_out = uncarried_oil_temperature(of.life) if "T_oil" in c.states and not c.carried else None
+    T_out = None if c.carried else of.known.oil_discharge_temperature
     if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         residual = float(-of.q[1] - carried) * problem.rate
