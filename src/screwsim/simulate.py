@@ -231,9 +231,7 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
     elif circuit.sought_open(of) > bound:
         status, left = "not_closed", f"what is found with the cycle leaves {circuit.sought_open(of):.2g} of a flow open"
-        message = (
-            f"{left}, against the bound {bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
-        )
+        message = f"{left}, against the bound {bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
     elif package_open > bound:
         status, left = "not_closed", f"the package's losses leave {package_open:.2g} of a pressure open"
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"

@@ -1,4 +1,4 @@
-"""A scene solved alone is nothing to the next: what was built for the one before gives the bits that building anew does."""
+"""A scene solved alone is nothing to the next: what was built for one gives the bits that building anew does."""
 
 from pathlib import Path
 
