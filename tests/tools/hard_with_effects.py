@@ -124,7 +124,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     },
     "separator": {"effects.separator": {}},
     "separator, no cooler": {"effects.separator": {}, "oil_supply.temperature": DROP},
-    "motor": {"effects.motor": {"rated_power": "15 kW", "efficiency": 0.921}},
+    "motor": {"effects.motor": {"rated_power": "1 MW", "efficiency": 0.921}},  # what drives the dearest case
     "air_package": {
         "effects.motor": {"rated_power": "1 MW"},
         "effects.air_package": {

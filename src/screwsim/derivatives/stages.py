@@ -15,7 +15,8 @@ import numpy as np
 
 from screwsim.codegen import modules
 from screwsim.derivatives.slices import INTEGRALS
-from screwsim.numerics.kernel import HEADER, flatten, kernel
+from screwsim.numerics.kept_text import flat_module
+from screwsim.numerics.kernel import kernel
 
 
 @kernel
@@ -135,4 +136,4 @@ def carry(steps, gained, now, before, nodes):
 @cache
 def compiled() -> ModuleType:
     """Return the module of these kernels, the same for all models."""
-    return modules.load("\n\n".join([HEADER, *flatten([factor, solve, carry]).values()]) + "\n", "stages", fast=True)
+    return modules.load(flat_module((factor, solve, carry)), "stages", fast=True)

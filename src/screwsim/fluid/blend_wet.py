@@ -17,7 +17,7 @@ from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.blend_dome import surface_kernel
 from screwsim.fluid.blend_flash import Flashes, dome
 from screwsim.fluid.description import describe
-from screwsim.numerics.kernel import HEADER, flatten
+from screwsim.numerics.kept_text import flat_module
 
 CLOSE = 1e-15  # relative, of a root
 
@@ -29,8 +29,7 @@ class BlendWet:
         border = blend_border(fluid)
         assert border is not None
         self.border, self.edges, kernel = border, dome(fluid).edges, surface_kernel(fluid)
-        text = "\n\n".join([HEADER, *flatten((kernel,)).values()]) + "\n"
-        self._surface = getattr(load(text, "fluid"), kernel.flat_name)
+        self._surface = getattr(load(flat_module((kernel,)), "fluid"), kernel.flat_name)
 
     def between(self, p: float) -> tuple[float, float]:
         """Return the bubble and the dew temperature [K] at p [Pa]. Raises UsageError where the table does not reach."""

@@ -25,7 +25,8 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.numerics.kernel import HEADER, Kernel, flatten
+from screwsim.numerics.kept_text import flat_module
+from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.roots import brentq
 
 Gas = TypeVar("Gas")
@@ -234,8 +235,7 @@ def _kernels(dry: Kernel, dry_entropy: Kernel, real: bool) -> Mapping[str, Kerne
 
 @lru_cache(maxsize=8)
 def _module(dry: Kernel, dry_entropy: Kernel, real: bool) -> Any:
-    flat = flatten(_kernels(dry, dry_entropy, real).values())
-    return load("\n\n".join([HEADER, *flat.values()]) + "\n", "fluid")
+    return load(flat_module(tuple(_kernels(dry, dry_entropy, real).values())), "fluid")
 
 
 def _caller(gas: MoistAir) -> Callable[..., Any]:

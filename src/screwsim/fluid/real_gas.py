@@ -30,7 +30,8 @@ from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
-from screwsim.numerics.kernel import HEADER, Kernel, flatten
+from screwsim.numerics.kept_text import flat_module
+from screwsim.numerics.kernel import Kernel
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
 LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as saturated
@@ -61,9 +62,8 @@ def border(fluid: str, two_phase: str) -> ModuleType:
     equilibrium = two_phases(fluid, two_phase)
     kernels = single if equilibrium is None else (*single, equilibrium.state, equilibrium.entropy)
     kernels += (known.vapour, known.liquid, known.temperature, known.pressure)
-    text = flatten((*kernels, margin_kernel(fluid)))
-    text |= flatten((isobar.density, isobar.at_pressure, limits.first_outside), slots)
-    return load("\n\n".join([HEADER, *text.values()]) + "\n", "fluid")
+    calling = (isobar.density, isobar.at_pressure, limits.first_outside)
+    return load(flat_module((*kernels, margin_kernel(fluid)), calling, slots), "fluid")
 
 
 @dataclass(frozen=True)

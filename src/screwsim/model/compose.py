@@ -6,7 +6,7 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,9 +19,7 @@ from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
 from screwsim.model.network import balances, places, steps
 from screwsim.model.network.cell import RESERVED, Cell
-from screwsim.model.network.chamber import chamber_texts
-from screwsim.model.network.chambers import chambers_texts, room
-from screwsim.model.network.moments import moment_text
+from screwsim.model.network.chambers import room
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
@@ -53,13 +51,12 @@ def compose(parts: Parts) -> Composition:
     cell, numbers, places_of_lines = Cell(network), writer.numbers, len(parts.plenums) + FIRST_OWN
     constants, structure = _constants(network, parts, stopped)
     constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES", "ALL_LINES")}
-    texts, kernels = chamber_texts(network.key())
-    texts = *writer.text, *texts, moment_text(network.key())
+    key, own, called = network.key(), tuple(writer.text), tuple(writer.kernels)
     held = places_of_lines * PLACE if parts.pulsations else 0
     items = tuple(constants.items()), tuple(structure.items())
     return Composition(
-        text=module_text(texts, (*writer.kernels, *kernels), *items, _read_with(network)),
-        together=_together(writer, network, constants, structure),
+        text=module_text(key, own, called, *items, _read_with(network)),
+        together=lambda: module_text(key, own, called, *items, together=True),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         breakpoints=breakpoints(parts, geometry.volume_law(), named, port.breakpoints if port is not None else ()),
@@ -199,18 +196,6 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         trace.port_oil: network.ported,
     }
     return tuple(each for each, wanted in asked.items() if wanted)
-
-
-def _together(writer: Writer, network: Network, constants: Any, structure: Any) -> Callable[[], str]:
-    """Return what writes the module of all chambers."""
-    own, called, items = tuple(writer.text), tuple(writer.kernels), (tuple(constants.items()), tuple(structure.items()))
-    key = network.key()
-
-    def text() -> str:
-        texts, kernels = chambers_texts(key)
-        return module_text((*own, *texts), (*called, *kernels), *items, together=True)
-
-    return text
 
 
 def _refuse(network: Network, opened: bool) -> None:

@@ -6,7 +6,11 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model import closing_ports, ledger, places, slices, surroundings, trace
+from screwsim.model.network.chamber import chamber_texts
+from screwsim.model.network.chambers import chambers_texts
+from screwsim.model.network.moments import moment_text
 from screwsim.numerics import history, rodas
+from screwsim.numerics.kept_text import kept_text
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
 # what the integrator calls of both drivers: by its slot (rodas.py)
@@ -36,6 +40,7 @@ OWN |= {"add_moment": "ledger__add_moment", "lines_at": "chamber__lines", "all_l
 
 @lru_cache(maxsize=64)
 def module_text(
+    key: tuple[Any, ...],
     own_functions: tuple[str, ...],
     kernels: tuple[Kernel, ...],
     named: tuple[tuple[str, Any], ...],
@@ -45,9 +50,30 @@ def module_text(
 ) -> str:
     """Return a flat module: constants, pasted kernels, the composition's functions, the driver.
 
-    That of one chamber holds all that a closed cycle is read with, `read_with` too; that of all chambers `together` the
-    driver alone.
+    `key` is that of the network, `own_functions` with `kernels` what was written of it already. The module of one
+    chamber holds all that a closed cycle is read with, `read_with` too; that of all chambers `together` the driver
+    alone. A text that was written before is read from the cache folder, where it is found by all that it is made of.
     """
+    *network, called = key
+    drivers = (rodas.integrate, *OF_A_PITCH, *KERNELS.values(), *ALL_KERNELS.values(), *READ_WITH)
+
+    def write() -> str:
+        texts, more = (chambers_texts if together else chamber_texts)(key)
+        moments = () if together else (moment_text(key),)
+        return _written((*own_functions, *texts, *moments), (*kernels, *more), named, structure, read_with, together)
+
+    made_of = (network, own_functions, named, structure, together)
+    return kept_text(("model", "numerics"), (*kernels, *dict(called).values(), *drivers, *read_with), made_of, write)
+
+
+def _written(
+    own_functions: tuple[str, ...],
+    kernels: tuple[Kernel, ...],
+    named: tuple[tuple[str, Any], ...],
+    structure: tuple[tuple[str, int], ...],
+    read_with: tuple[Kernel, ...],
+    together: bool,
+) -> str:
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
     asked, pasted = (ALL, ALL_KERNELS) if together else (ONE, KERNELS)

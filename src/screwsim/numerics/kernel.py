@@ -189,6 +189,28 @@ def _rename(tree: ast.Module, names: Mapping[str, str]) -> None:
             argument.annotation = None
 
 
+def spelled(kernels: Iterable[Kernel]) -> str:
+    """Return the digest of kernels and of all that they use: two that differ anywhere are flattened to other texts."""
+    found, seen = hashlib.sha256(), set[int]()
+    left = list(kernels)
+    for item in left:  # grows
+        found.update(f"{item.flat_name}\0{item.source}\0".encode())
+        if id(item) in seen:
+            continue
+        seen.add(id(item))
+        for used in item.function.__code__.co_names:
+            value = item.function.__globals__.get(used)
+            if isinstance(value, Kernel):
+                left.append(value)
+                spelling = value.flat_name
+            elif isinstance(value, Slot | Structure):
+                spelling = f"{type(value).__name__} {value.name}"
+            else:
+                spelling = str(constant_text(value))
+            found.update(f"{used} {spelling}\0".encode())
+    return found.hexdigest()
+
+
 def flatten(
     kernels: Iterable[Kernel],
     slots: Mapping[str, str] | None = None,

@@ -12,7 +12,7 @@ import importlib.util
 import site
 import sys
 import sysconfig
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.machinery import ModuleSpec
@@ -28,11 +28,21 @@ _noted: dict[str, tuple[Any, Mapping[str, str]]] = {}
 def of_package() -> str:
     """Return the digest of all sources of this package that can change a result."""
     root = Path(__file__).parents[1]
+    files = (file for file in root.rglob("*.py") if file.relative_to(root).parts[0] not in _SHOWS)
+    return _of_files(root, files)
+
+
+@cache
+def of_folders(*names: str) -> str:
+    """Return the digest of the sources in some folders of this package."""
+    root = Path(__file__).parents[1]
+    return _of_files(root, (file for name in names for file in (root / name).rglob("*.py")))
+
+
+def _of_files(root: Path, files: Iterable[Path]) -> str:
     found = hashlib.sha256()
-    for file in sorted(root.rglob("*.py")):
-        name = file.relative_to(root).as_posix()
-        if name.partition("/")[0] not in _SHOWS:
-            found.update(f"{name}\0{digest(file.read_bytes())}\0".encode())
+    for file in sorted(files):
+        found.update(f"{file.relative_to(root).as_posix()}\0{digest(file.read_bytes())}\0".encode())
     return found.hexdigest()[:_LETTERS]
 
 

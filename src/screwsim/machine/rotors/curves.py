@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -77,16 +78,22 @@ def _grid(rotors: Rotors, breakpoints: list[float]) -> tuple[Array, tuple[float,
 
     The number of intervals between breakpoints is even, so that every second angle has all of them, too.
     """
-    start, end = rotors.start, rotors.wrap
+    return _spaced(rotors.start, rotors.wrap, tuple(sorted(breakpoints)))
+
+
+@lru_cache(maxsize=32)  # several curves of a machine have the same
+def _spaced(start: float, end: float, breakpoints: tuple[float, ...]) -> tuple[Array, tuple[float, ...]]:
     inside = [start]
-    for at in sorted(breakpoints):
+    for at in breakpoints:
         if inside[-1] + TOGETHER < at < end - TOGETHER:
             inside.append(at)
-    parts = [
-        np.linspace(low, high, 2 * math.ceil(0.5 * (high - low) / STEP) + 1)[:-1]
-        for low, high in itertools.pairwise([*inside, end])
-    ]
-    return np.concatenate([*parts, [end]]), tuple(np.array(inside[1:]) - start)
+    parts = []
+    for low, high in itertools.pairwise([*inside, end]):
+        intervals = 2 * math.ceil(0.5 * (high - low) / STEP)
+        parts.append(np.arange(intervals) * ((high - low) / intervals) + low)
+    grid = np.concatenate([*parts, [end]])
+    grid.flags.writeable = False
+    return grid, tuple(np.array(inside[1:]) - start)
 
 
 def _curve(rotors: Rotors, breakpoints: list[float], unit: str, function) -> Curve:

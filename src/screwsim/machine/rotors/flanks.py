@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,6 +54,7 @@ def _over_radius(radii: Array, flank_radii: Array, angles: Array) -> Array:
     return np.interp(smooth(radii), np.maximum.accumulate(at[order]), angles[order])
 
 
+@lru_cache(maxsize=8)
 def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     """Return the flanks of male lobe 0."""
     x, y = chain.male()
@@ -65,6 +67,7 @@ def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     )
 
 
+@lru_cache(maxsize=8)
 def female_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     """Return the flanks of female groove 0: ahead the land that left the male groove, behind the one that follows."""
     x, y = chain.female(pair)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -22,6 +23,9 @@ from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_p
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import Profile, check_settings
+from screwsim.numerics.roots import brentq
+
+ANGLE = 1e-15  # [rad] to which an angle is found, but for its rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +86,8 @@ class Rotors:
         grid = np.linspace(self.start, self.wrap, 721)
         i = int(np.argmax(self.volume(grid)))
         low, high = grid[max(i - 1, 0)], grid[min(i + 1, 720)]
-        for _ in range(60):  # bisection of dV/dφ, which falls through zero
-            middle = 0.5 * (low + high)
-            rising = self.volume_slope(np.array([middle]))[0] > 0.0
-            low, high = (middle, high) if rising else (low, middle)
-        angle = 0.5 * (low + high)
-        return float(angle), float(self.volume(np.array([angle]))[0])
+        angle = _crossing(self.volume_slope, low, high)  # dV/dφ falls through zero
+        return angle, float(self.volume(np.array([angle]))[0])
 
     def discharge_angle(self, volume_ratio: float, name: str = "built_in_volume_ratio") -> float:
         """Return φ_dis [rad] at which the volume is the largest one over the built-in ratio.
@@ -99,15 +99,13 @@ class Rotors:
         wanted = self.largest[1] / volume_ratio
         i = int(np.searchsorted(-volume, -wanted))
         low, high = grid[max(i - 1, 0)], grid[min(i, len(grid) - 1)]
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.volume(np.array([middle]))[0] > wanted else (low, middle)
-        if self.wrap - high < math.radians(10.0):
+        found = _crossing(lambda phi: self.volume(phi) - wanted, low, high)
+        if self.wrap - found < math.radians(10.0):
             raise UsageError(
                 f"machine.{name}: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
                 "(choose a smaller ratio)"
             )
-        return float(0.5 * (low + high))
+        return found
 
     def coefficients(self) -> dict[str, tuple[float, str, str]]:
         """Return {name: (value, unit, meaning)} of the pair."""
@@ -127,6 +125,17 @@ class Rotors:
             "blow_hole_area": (self.blow_hole.area(self.h), "m^2", "at the high-pressure cusp"),
             "suction_blow_hole_area": (self.suction_blow_hole.area(self.h), "m^2", "at the suction cusp"),
         }
+
+
+def _crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
+    """Return where a function falls through zero; the end that is nearest to that where it does not."""
+
+    def at(phi: float) -> float:
+        return float(function(np.array([phi]))[0])
+
+    if at(high) > 0.0:
+        return float(high)
+    return brentq(at, low, high, ANGLE) if at(low) > 0.0 else float(low)
 
 
 def make_chain(pair: Pair, profile: Profile) -> Chain:
