@@ -22,12 +22,8 @@ from screwsim.results.stored import REMEDY, Odd, opened
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 # the first two come with traces, the next of their studies, two of scenes with tolerances, the last where asked for
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
-OWN = {
-    "cycle": "angle",
-    "knock_out": "effect",
-    "contributions": "contributor",
-    "derivatives": "number",
-}  # the coordinate of its own that a group has
+# the coordinate of its own that a group has
+OWN = {"cycle": "angle", "knock_out": "effect", "contributions": "contributor", "derivatives": "number"}
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
