@@ -63,7 +63,7 @@ class Geometry(MachineGeometry):
         """Return the mean speed at which the housing slides over tips or end faces, over the male tips' (M256)."""
         return wall_speeds(self.settings).get(effect, 0.0)
 
-    @property
+    @cached_property  # asked for some thousand times a cycle: of a profile's points each time reads the file
     def profile(self) -> Laid | None:
         """What the rotor profile gives by angle; None where the volume's law is another."""
         if self.settings.volume.law != "profile":
