@@ -39,20 +39,21 @@ MIB = 1024.0  # kB
 
 
 def resident() -> tuple[float, ...]:
-    """Return the resident memory of this process and of each of its children [MiB]; nothing where no /proc tells."""
-    try:
-        tasks = list(Path("/proc/self/task").iterdir())
-        numbers = [number for task in tasks for number in (task / "children").read_text().split()]
-    except OSError:
-        return ()
-    found = []
-    for number in ("self", *numbers):
+    """Return the resident memory of this process and of each that descends from it [MiB]; nothing without /proc."""
+    found, numbers = [], ["self"]
+    while numbers:
+        process = Path("/proc") / numbers.pop()
         try:
-            lines = Path(f"/proc/{number}/status").read_text().splitlines()
-        except OSError:  # it has just ended
+            lines = (process / "status").read_text().splitlines()
+            numbers += [child for task in (process / "task").iterdir() for child in _words(task / "children")]
+        except OSError:  # it has just ended, or this is no Linux
             continue
         found += [float(line.split()[1]) / MIB for line in lines if line.startswith("VmRSS:")]
     return tuple(found)
+
+
+def _words(file: Path) -> list[str]:
+    return file.read_text().split()
 
 
 class Lines(Progress):

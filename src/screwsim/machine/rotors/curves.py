@@ -7,7 +7,6 @@ chamber's; `behind` is the same table over the trailing chamber's angle, as the 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np

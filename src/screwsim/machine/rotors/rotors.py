@@ -23,6 +23,8 @@ from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import Profile, check_settings
 
+KEPT = 64  # rotors that a process keeps, with their curves: a study of profiles makes others again and again
+
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
@@ -161,13 +163,13 @@ def make_rotors(
     return rotors
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
     """Return the rotors; the same ones again for the same chain, with all that they have found of themselves."""
     return Rotors(pair, chain, length, wrap)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
     """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
     chain = make_chain(pair, profile)
