@@ -1,6 +1,7 @@
 """Optimisation: the known best of one aim, fronts of several, bounds, operating points, interruptions, failures."""
 
 import gc
+import threading
 import tracemalloc
 from dataclasses import replace
 from pathlib import Path
@@ -176,6 +177,15 @@ def test_workers_start_afresh_after_a_while(monkeypatch):
     monkeypatch.setattr(Crew, "leave", lambda crew: left.append(crew))
     found = run(asked, simulate=choosing, jobs=1)
     assert len(found.places) == 80 and len(left) == 4  # after 20, 40, 60, and in the end
+
+
+def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
+    before = threading.active_count()
+    with Crew(2, lambda work: None, lambda: None) as crew:
+        for _ in range(5):
+            assert crew.answers(abs, [-1, 2, -3]) == [1, 2, 3]
+            crew.leave()
+            assert threading.active_count() == before
 
 
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):

@@ -63,9 +63,13 @@ class Geometry(MachineGeometry):
         """Return the mean speed at which the housing slides over tips or end faces, over the male tips' (M256)."""
         return wall_speeds(self.settings).get(effect, 0.0)
 
-    @cached_property  # asked for some thousand times a cycle: of a profile's points each time reads the file
+    @property
     def profile(self) -> Laid | None:
         """What the rotor profile gives by angle; None where the volume's law is another."""
+        return self._profile
+
+    @cached_property  # asked for a thousand times a cycle
+    def _profile(self) -> Laid | None:
         if self.settings.volume.law != "profile":
             return None
         from screwsim.machine.profile_law import lay  # here: rotors take long to import, and closed forms need none
