@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from screwsim.outputs import Figures
-from screwsim.scene import with_values
+from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import descend
 from screwsim.study.calibration.fit import DIFFERENCES, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
@@ -84,6 +84,12 @@ class Calibration:
         if self.chi_squared is None or self.freedom < 1:
             return 1.0
         return max(1.0, float(np.sqrt(self.chi_squared / self.freedom)))
+
+    @property
+    def scene(self) -> Scene:
+        """The fitted machine: the scene of the fit with the values that were found."""
+        changed = self.fit.machine(self.values)
+        return replace(changed, text=scene_text(changed))
 
 
 def first_places(fit: Fit) -> Array:
