@@ -99,18 +99,15 @@ def crosses_itself(x: Array, y: Array, turn: float, points: int = 250) -> bool:
     p, q = p[:-1], q[:-1]
     d, own = q - p, len(p) // 2 + 1  # of this pitch, against both: the next against itself is the same
     low, high = np.minimum(p, q), np.maximum(p, q)
-    slack = 1e-9 * float(np.abs(p).max())
-    near = np.ones((own, len(p)), dtype=bool)
-    for axis in (0, 1):  # only of segments whose boxes meet is it asked where they cross
-        near &= low[:own, None, axis] <= high[None, :, axis] + slack
-        near &= high[:own, None, axis] >= low[None, :, axis] - slack
-    i, j = np.nonzero(near)
-    i, j = (each[np.abs(i - j) > 1] for each in (i, j))
-    a, of, by = p[j] - p[i], d[i], d[j]
-    cross = of[:, 0] * by[:, 1] - of[:, 1] * by[:, 0]
+    meet = (low[:own, None, 0] <= high[None, :, 0]) & (low[None, :, 0] <= high[:own, None, 0])
+    i, j = np.nonzero(meet & (low[:own, None, 1] <= high[None, :, 1]) & (low[None, :, 1] <= high[:own, None, 1]))
+    far = np.abs(i - j) > 1
+    i, j = i[far], j[far]  # of the steps whose boxes meet, those that are no neighbours
+    a, one, two = p[j] - p[i], d[i], d[j]
+    cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        s = (a[:, 0] * by[:, 1] - a[:, 1] * by[:, 0]) / cross
-        t = (a[:, 0] * of[:, 1] - a[:, 1] * of[:, 0]) / cross
+        s = (a[:, 0] * two[:, 1] - a[:, 1] * two[:, 0]) / cross
+        t = (a[:, 0] * one[:, 1] - a[:, 1] * one[:, 0]) / cross
     return bool(np.any((s > 1e-9) & (s < 1.0 - 1e-9) & (t > 1e-9) & (t < 1.0 - 1e-9)))
 
 

@@ -8,7 +8,6 @@ docs/reference/rotors.md. φ and ψ as in `leakage`; areas in m², lengths in m,
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +39,6 @@ class Uncovered:
         return self.scale * total
 
 
-@lru_cache(maxsize=8)
 def uncovered(pair: Pair, chain: Chain, cut: Sections) -> Uncovered:
     """Return the grooves of a pair for `axial_discharge` and `axial_suction`."""
     rough = Uncovered(pair.k, male_flanks(pair, chain), female_flanks(pair, chain), 1.0)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -23,9 +22,8 @@ from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_p
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import Profile, check_settings
-from screwsim.numerics.roots import brentq
 
-ANGLE = 1e-15  # [rad] to which an angle is found, but for its rounding
+KEPT = 64  # rotors that a process keeps, with their curves: a study of profiles makes others again and again
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +43,7 @@ class Rotors:
     @cached_property
     def sections(self) -> Sections:
         """Section area of a chamber over ψ."""
-        return sections(self.pair, self.chain)
+        return sections(self.pair, self.chain, self.blow_hole)
 
     @cached_property
     def blow_hole(self) -> Opening:
@@ -57,7 +55,7 @@ class Rotors:
         """The blow-hole at the suction cusp; its angles are those of the mirror, −ψ − 2π."""
         return opening(self.pair, mirrored(self.chain))
 
-    @property
+    @cached_property
     def start(self) -> float:
         """φ at which a chamber's life begins [rad]."""
         return float(self.sections.psi[0])
@@ -85,9 +83,13 @@ class Rotors:
         """φ of the largest volume [rad] and that volume [m³]."""
         grid = np.linspace(self.start, self.wrap, 721)
         i = int(np.argmax(self.volume(grid)))
-        low, high = grid[max(i - 1, 0)], grid[min(i + 1, 720)]
-        angle = _crossing(self.volume_slope, low, high)  # dV/dφ falls through zero
-        return angle, float(self.volume(np.array([angle]))[0])
+        low, high = float(grid[max(i - 1, 0)]), float(grid[min(i + 1, 720)])
+        for _ in range(60):  # bisection of dV/dφ, which falls through zero
+            middle = 0.5 * (low + high)
+            rising = self.sections.slope_of(middle, self.wrap, self.length) > 0.0
+            low, high = (middle, high) if rising else (low, middle)
+        angle = 0.5 * (low + high)
+        return float(angle), float(self.volume(np.array([angle]))[0])
 
     def discharge_angle(self, volume_ratio: float, name: str = "built_in_volume_ratio") -> float:
         """Return φ_dis [rad] at which the volume is the largest one over the built-in ratio.
@@ -96,16 +98,19 @@ class Rotors:
         """
         grid = np.linspace(self.largest[0], self.wrap, 2001)
         volume = self.volume(grid)
-        wanted = self.largest[1] / volume_ratio
+        wanted = float(self.largest[1] / volume_ratio)
         i = int(np.searchsorted(-volume, -wanted))
-        low, high = grid[max(i - 1, 0)], grid[min(i, len(grid) - 1)]
-        found = _crossing(lambda phi: self.volume(phi) - wanted, low, high)
-        if self.wrap - found < math.radians(10.0):
+        low, high = float(grid[max(i - 1, 0)]), float(grid[min(i, len(grid) - 1)])
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            above = self.sections.volume_of(middle, self.wrap, self.length) > wanted
+            low, high = (middle, high) if above else (low, middle)
+        if self.wrap - high < math.radians(10.0):
             raise UsageError(
                 f"machine.{name}: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
                 "(choose a smaller ratio)"
             )
-        return found
+        return float(0.5 * (low + high))
 
     def coefficients(self) -> dict[str, tuple[float, str, str]]:
         """Return {name: (value, unit, meaning)} of the pair."""
@@ -125,17 +130,6 @@ class Rotors:
             "blow_hole_area": (self.blow_hole.area(self.h), "m^2", "at the high-pressure cusp"),
             "suction_blow_hole_area": (self.suction_blow_hole.area(self.h), "m^2", "at the suction cusp"),
         }
-
-
-def _crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
-    """Return where a function falls through zero; the end that is nearest to that where it does not."""
-
-    def at(phi: float) -> float:
-        return float(function(np.array([phi]))[0])
-
-    if at(high) > 0.0:
-        return float(high)
-    return brentq(at, low, high, ANGLE) if at(low) > 0.0 else float(low)
 
 
 def make_chain(pair: Pair, profile: Profile) -> Chain:
@@ -169,13 +163,13 @@ def make_rotors(
     return rotors
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
     """Return the rotors; the same ones again for the same chain, with all that they have found of themselves."""
     return Rotors(pair, chain, length, wrap)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
     """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
     chain = make_chain(pair, profile)
