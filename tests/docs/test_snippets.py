@@ -30,12 +30,12 @@ ELSEWHERE = {
     ("docs/how-to/adding-an-effect.md", "python"): "test_adding_an_effect.py",
     ("docs/how-to/adding-an-effect.md", "yaml"): "test_adding_an_effect.py",
 }
-# commands that run long, by the words with which they begin: their options, files and scenes are read, and no more
+# commands that run long, by the words with which they begin: their options, files and scenes are read, and no more, but
+# where SCREWSIM_LONG_SNIPPETS is set, as in .ci/run
 LONG = (
     "screwsim accuracy",
     "screwsim calibrate",
     "screwsim datasheet configs/control/point.yaml --evap",  # as the one above it on its page
-    "screwsim explore",  # stays until it is interrupted
     "screwsim export fmu",
     "screwsim find best.yaml",
     "screwsim optimize",
@@ -47,6 +47,8 @@ LONG = (
     "screwsim sweep configs/r454b",
     "screwsim validate",
 )
+STAYS = "screwsim explore"  # until it is interrupted
+RUN_LONG = bool(os.environ.get("SCREWSIM_LONG_SNIPPETS"))
 # what no test starts, and why
 NOT_STARTED = {
     "python": "scripts of the repository are other tests' and take their time: the file is there and is Python",
@@ -149,7 +151,8 @@ class Page:
             assert words[0] != "scripts/" or script.is_file()
             return
         arguments, into = (words[1:-2], words[-1]) if words[-2] == ">" else (words[1:], None)
-        if any(said.startswith(begin) for begin in LONG) or self.promised & set(arguments):
+        long = said.startswith(STAYS) or (not RUN_LONG and said.startswith(LONG))
+        if long or self.promised & set(arguments):
             parameters = calls.check(arguments, self.promised)
             self.promised |= {str(parameters.get(name)) for name in ("output", "best")} - {"None"}
             return
