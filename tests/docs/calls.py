@@ -44,7 +44,7 @@ def is_synopsis(command: str) -> bool:
     """Tell whether words of a command stand for others."""
     command = command.partition("  #")[0]
     words = set(re.split(r"[\s\[\]]+", command))
-    return bool(words & (STANDS.keys() | NAMES.keys() | AS_THEY_ARE)) or "PATH" in command or command.endswith("…")
+    return bool(words & (STANDS.keys() | NAMES.keys() | AS_THEY_ARE)) or "PATH" in command or "…" in words
 
 
 def written_out(command: str) -> list[str]:
