@@ -52,7 +52,8 @@ def written_out(command: str) -> list[str]:
     found = ALTERNATIVES.search(command)
     if found:
         return [each for way in found.groups() for each in written_out(command.replace(found[0], way, 1))]
-    command = command.replace("]...", "]").replace("]…", "]").replace("--subject-to …", "").replace(" … ", " ").removesuffix("…")
+    command = command.replace("]...", "]").replace("]…", "]")
+    command = re.sub(r"(?:--[a-z-]+ )?…", "", command)  # an option whose value is left open, and more of the same
     command = command.replace("[=LOW..HIGH]", "=LOW..HIGH").replace("[", " ").replace("]", " ")
     words = shlex.split(command, comments=True)
     standing = STANDS | {name: by.get(words[1], name) for name, by in NAMES.items()}
