@@ -18,7 +18,7 @@ from screwsim.faults import UsageError
 from screwsim.figures import declared
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, leaf_of, scene_of, with_values
+from screwsim.scene import Scene, scene_of, with_values
 from screwsim.scene.fields import Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
