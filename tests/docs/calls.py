@@ -44,7 +44,7 @@ def is_synopsis(command: str) -> bool:
     """Tell whether words of a command stand for others."""
     command = command.partition("  #")[0]
     words = set(re.split(r"[\s\[\]]+", command))
-    return bool(words & (STANDS.keys() | NAMES.keys() | AS_THEY_ARE)) or "PATH" in command or command.endswith("…")
+    return bool(words & (STANDS.keys() | NAMES.keys() | AS_THEY_ARE)) or "PATH" in command or "…" in words
 
 
 def written_out(command: str) -> list[str]:
@@ -52,8 +52,8 @@ def written_out(command: str) -> list[str]:
     found = ALTERNATIVES.search(command)
     if found:
         return [each for way in found.groups() for each in written_out(command.replace(found[0], way, 1))]
-    command = command.replace("]...", "]").replace("]…", "]").replace("--subject-to …", "")
-    command = command.replace(" … ", " ").removesuffix("…")
+    command = command.replace("]...", "]").replace("]…", "]")
+    command = re.sub(r"(?:--[a-z-]+ )?…", "", command)  # an option whose value is left open, and more of the same
     command = command.replace("[=LOW..HIGH]", "=LOW..HIGH").replace("[", " ").replace("]", " ")
     words = shlex.split(command, comments=True)
     standing = STANDS | {name: by.get(words[1], name) for name, by in NAMES.items()}

@@ -36,9 +36,11 @@ LONG = (
     "screwsim accuracy",
     "screwsim calibrate",
     "screwsim datasheet configs/control/point.yaml --evap",  # as the one above it on its page
+    "screwsim diagnose",
     "screwsim export fmu",
     "screwsim find best.yaml",
     "screwsim optimize",
+    "screwsim plan",
     "screwsim rotors configs",
     "screwsim sensitivity configs/paper/point.yaml --set",  # indices of Sobol, from 1536 solutions
     "screwsim startup",
