@@ -7,6 +7,7 @@ import report_fakes
 from result_fakes import GRID, SCENE
 
 from screwsim.faults import UsageError
+from screwsim.report import style
 from screwsim.results import open_results
 from screwsim.results.read import count_statuses
 from screwsim.scene import loads
@@ -14,6 +15,12 @@ from screwsim.study.sweep import run_sweep
 
 SECRET = "what lies in another file"
 SHORT = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n  oil_supply.ratio: [0.5, 1, 2, 4]\n"
+
+
+@pytest.fixture(autouse=True)
+def pages_of_pixels(monkeypatch):
+    """Write figures as PNG, the form that is searched here, and not as PDF too, which takes as long again."""
+    monkeypatch.setattr(style, "_FORMATS", {"png": style._FORMATS["png"]})
 
 
 @pytest.fixture
