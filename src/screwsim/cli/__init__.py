@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from screwsim.cli import files, mistakes, points, process, seek, studies
+from screwsim.cli import files, measured, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
 from screwsim.cli.explore import explore
 from screwsim.cli.export import app as export_app
@@ -58,7 +58,8 @@ _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (explore, files.rotors, files.plot, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
-for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+_MEASURED = (measured.diagnose, measured.plan, studies.tolerance, studies.startup)
+for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 app.add_typer(export_app, name="export")
 

@@ -20,13 +20,10 @@ from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
-# the first two come with traces, the next of their studies, the last two of scenes with tolerances
-_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions")
-OWN = {
-    "cycle": "angle",
-    "knock_out": "effect",
-    "contributions": "contributor",
-}  # the coordinate of its own that a group has
+# the first two come with traces, the next of their studies, two of scenes with tolerances, the last where asked for
+_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
+# the coordinate of its own that a group has
+OWN = {"cycle": "angle", "knock_out": "effect", "contributions": "contributor", "derivatives": "number"}
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
@@ -41,6 +38,7 @@ class NoVariable(UsageError, KeyError):
 class Group(Mapping[str, np.ndarray]):
     """Variables of one group by name, arrays on the axes of the sweep; each is read once, when it is asked for.
 
+    Of those over a coordinate of the group's own (`OWN`) a pair picks one label: `["shaft_power", "operation.speed"]`.
     Texts come as str, numbers as stored: NaN is where there is none, `status` is an index of `outputs.STATUSES`.
     """
 
@@ -51,7 +49,9 @@ class Group(Mapping[str, np.ndarray]):
         self._path = path
         self._read: dict[str, np.ndarray] = {}
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str | tuple[str, str]) -> np.ndarray:
+        if isinstance(name, tuple):
+            return self._labelled(*name)
         if name not in self.about:
             has = ", ".join(self.about) or "nothing"
             raise NoVariable(f"{self._path}: {self.name} has no {name!r}; it has {has} ({REMEDY})")
@@ -59,6 +59,15 @@ class Group(Mapping[str, np.ndarray]):
             with opened(self._path) as file:
                 self._read[name] = _values(stored.member(file, self.name, dataset=False), name)
         return self._read[name]
+
+    def _labelled(self, name: str, label: str) -> np.ndarray:
+        """Return a variable at one label of the coordinate that the group has of its own: an input's, a number's."""
+        own = OWN.get(self.name)
+        labels = [] if own is None or own not in self.about else [str(each) for each in self[own]]
+        if label not in labels:
+            has = ", ".join(labels) or "no labels"
+            raise NoVariable(f"{self._path}: {self.name} has no {label!r}; it has {has} ({REMEDY})")
+        return self[name][..., labels.index(label)]
 
     def texts_at(self, name: str, cases: np.ndarray) -> list[str]:
         """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
@@ -104,6 +113,7 @@ class Results(Brief):
     optimum: Group  # over the first axis; empty unless an optimisation wrote the file
     uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
     contributions: Group  # over `contributor`: what one standard uncertainty of each input changes
+    derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless asked for
 
     @property
     def scene_yaml(self) -> str:

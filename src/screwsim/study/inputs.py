@@ -71,3 +71,12 @@ def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
     if kind is None:
         return (float(value), "") if isinstance(value, int | float) else (value, "")
     return to_customary(kind, float(value)), customary_unit(kind)
+
+
+def unit_of_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
+    """Return how many of a unit are one SI unit, for changes of a path's value [SI], and that unit; '' of numbers."""
+    kind = leaf_of(scene, path).dimension
+    unit = "" if kind is None else "K" if kind.name == "temperature" else customary_unit(kind)
+    if unit == "mm" and abs(value) < 1e-3:
+        return 1e6, "um"
+    return (1.0 if kind is None or unit == "K" else to_customary(kind, 1.0)), unit

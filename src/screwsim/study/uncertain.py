@@ -120,7 +120,7 @@ def uncertainty(
     *,
     result: Result | None = None,
     jobs: int | None = 1,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Uncertainty:
     """Return what the tolerances of a scene's inputs make of its figures; raise UsageError where it has none."""
     scene = scene_of(scene)
@@ -162,7 +162,7 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     if not scene.uncertain:
         return replace(result, uncertainty=told)
     try:
-        found = uncertainty(scene, result=result)
+        found = uncertainty(scene, result=result, progress=False)
     except UsageError as error:  # of a case of a sweep whose axis makes an input follow from others
         return replace(result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty by the inputs: {error}"))
     lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import with_values
+from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import descend
 from screwsim.study.calibration.fit import DIFFERENCES, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
@@ -86,6 +86,12 @@ class Calibration(Brief):
         if self.chi_squared is None or self.freedom < 1:
             return 1.0
         return max(1.0, float(np.sqrt(self.chi_squared / self.freedom)))
+
+    @property
+    def scene(self) -> Scene:
+        """The fitted machine: the scene of the fit with the values that were found."""
+        changed = self.fit.machine(self.values)
+        return replace(changed, text=scene_text(changed))
 
     def _about(self) -> About:
         scene, known = self.fit.scene, self.certainty

@@ -27,7 +27,7 @@ from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
 from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.progress import Progress, Silent, for_program
+from screwsim.study.progress import Progress, Silent, shown
 from screwsim.study.search import Top
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
@@ -126,9 +126,9 @@ def optimize(
         found.values_at(found.front[0]), found.aims[found.front]
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a bar or
-    a line on stderr, None: that only where a notebook shows it. What is asked is as in `question`. With an `output` all
-    evaluations are kept in HDF5, and those of an interrupted run of the same question are not repeated (unless
-    `restart`).
+    a line on stderr, None: a bar where a notebook shows it, False: nothing. What is asked is as in `question`. With an
+    `output` all evaluations are kept in HDF5, and those of an interrupted run of the same question are not repeated
+    (unless `restart`).
     """
     scene = scene_of(scene)
     base = replace(scene, sweep={}, joints=(), text="")
@@ -136,8 +136,8 @@ def optimize(
     spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
     more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize, minimize, **more)
-    shown = progress if isinstance(progress, Progress) else for_program("optimize", progress)
-    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=shown)
+    bar = shown("optimize", progress)
+    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=bar)
 
 
 def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
