@@ -25,7 +25,7 @@ RESULT = Result("ok", performance=Figures(shaft_power=50e3, gas_mass_flow=0.5))
 SLOPES = Sensitivities(
     RESULT,
     {"operation.speed": 100.0, RATIO: 2.0},
-    {"shaft_power": {"operation.speed": 400.0, RATIO: 12500.0}, "gas_mass_flow": {"operation.speed": 5e-3}},
+    derivatives={"shaft_power": {"operation.speed": 400.0, RATIO: 12500.0}, "gas_mass_flow": {"operation.speed": 5e-3}},
 )
 
 
