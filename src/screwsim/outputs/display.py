@@ -9,7 +9,8 @@ from typing import NamedTuple
 from screwsim.outputs.customary import ZERO_CELSIUS, digits, scale
 
 MOST_LETTERS = 100  # of a meaning, and of a cell, in text
-MOST_ROWS, MOST_HTML_ROWS = 8, 60  # of a table of what was found
+MOST_ROWS, MOST_HTML_ROWS = 10, 60  # of a table of what was found
+MOST_COLUMNS, MOST_HTML_COLUMNS = 5, 12
 
 
 class Shown(NamedTuple):
@@ -70,17 +71,23 @@ class Brief:
 
     def __repr__(self) -> str:
         heading, notes, columns, rows = self._about()
-        cells = [[_short(cell) for cell in row] for row in (columns, *rows[:MOST_ROWS])] if rows else []
+        kept = (columns, *rows[:MOST_ROWS]) if rows else ()
+        cells = [[_short(cell) for cell in row[:MOST_COLUMNS]] for row in kept]
         widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
         lines = ["  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip() for row in cells]
-        more = [f"… {len(rows) - MOST_ROWS} more"] if len(rows) > MOST_ROWS else []
+        more = _left_out(len(rows) - MOST_ROWS, len(columns) - MOST_COLUMNS)
         return "\n".join([heading, *map(_short, notes), *lines, *more])
 
     def _repr_html_(self) -> str:
         heading, notes, columns, rows = self._about()
-        shown = [[escape(cell) for cell in row] for row in rows[:MOST_HTML_ROWS]]
-        more = [f"the first {MOST_HTML_ROWS} of {len(rows)}"] if len(rows) > MOST_HTML_ROWS else []
-        return _html(heading, [*notes, *more], columns, shown)
+        shown = [[escape(cell) for cell in row[:MOST_HTML_COLUMNS]] for row in rows[:MOST_HTML_ROWS]]
+        more = _left_out(len(rows) - MOST_HTML_ROWS, len(columns) - MOST_HTML_COLUMNS)
+        return _html(heading, [*notes, *more], columns[:MOST_HTML_COLUMNS], shown)
+
+
+def _left_out(rows: int, columns: int) -> list[str]:
+    words = [f"{count} more {what}" for count, what in ((rows, "rows"), (columns, "columns")) if count > 0]
+    return [f"… {' and '.join(words)}"] if words else []
 
 
 def _short(text: str) -> str:

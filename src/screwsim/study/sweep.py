@@ -32,6 +32,7 @@ from screwsim.study.limit import CASE_LIMIT, check_limit
 from screwsim.study.progress import Progress, shown
 from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
+from screwsim.version import release
 
 CHUNK_CASES = 1024  # at most in one chunk,
 CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
@@ -311,7 +312,8 @@ def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool
     if isinstance(identity, dict):
         what = differences(identity, parts.identity["identity"])
     else:  # of a time when nothing of this was noted
-        what = f"of a screwsim {stored.get('version', '')} that did not note what code and files they are of"
+        version = release(str(stored.get("version", "")))
+        what = f"of a screwsim {version} that did not note what code and files they are of"
     if what:
         remedy = "choose another -o to keep them (--restart computes them again)"
         raise UsageError(f"{where}: holds results of this scene, but {what}; {remedy}")

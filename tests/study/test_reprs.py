@@ -1,0 +1,128 @@
+"""What is large says in a few lines what it is, and shows a table in notebooks, of its own values."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from fit_fakes import plane, write_fit
+from result_fakes import GRID, SCENE, fake_simulate
+from seek_fakes import figures_of
+from study_fakes import parabola
+
+from screwsim.outputs import Figures, Result
+from screwsim.outputs.display import MOST_COLUMNS, MOST_HTML_ROWS, MOST_ROWS, About, Brief
+from screwsim.results import open_results
+from screwsim.scene import loads
+from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.local import Sensitivities
+from screwsim.study.optimize import optimize
+from screwsim.study.seek import find
+from screwsim.study.sweep import run_sweep
+from screwsim.study.uncertain import Spread, Uncertainty
+
+RATIO = "oil_supply.ratio"
+RESULT = Result("ok", performance=Figures(shaft_power=50e3, gas_mass_flow=0.5))
+SLOPES = Sensitivities(
+    RESULT,
+    {"operation.speed": 100.0, RATIO: 2.0},
+    derivatives={"shaft_power": {"operation.speed": 400.0, RATIO: 12500.0}, "gas_mass_flow": {"operation.speed": 5e-3}},
+)
+
+
+class Tags(HTMLParser):
+    """Counts tags, and fails where one is not closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open, self.rows, self.text = [], 0, ""
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+        self.rows += tag == "tr"
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data + "\n"
+
+
+def lines_of(thing) -> list[str]:
+    lines = repr(thing).splitlines()
+    assert len(lines) <= MOST_ROWS + 6 and max(map(len, lines)) < 400
+    page = thing._repr_html_()
+    assert lines[0] in Tags(page).text and len(page) < 60_000
+    return lines
+
+
+def test_a_scene_tells_its_sections_and_effects():
+    scene = loads(SCENE + GRID)
+    first, _, *rows = lines_of(replace(scene, title="a <b> & c"))
+    assert first == "Scene: a <b> & c"
+    told = {row.split()[0]: row for row in rows}
+    assert "speed: " in told["operation"] and all(name in told["effects"] for name in list(scene.effects)[:1])
+    assert Tags(scene._repr_html_()).rows == 1 + len(told)
+
+
+def test_a_file_of_results_tells_axes_outcomes_and_ranges(tmp_path):
+    scene = loads(SCENE + GRID)
+    run_sweep(scene, tmp_path / "x.h5", jobs=1, simulate=fake_simulate)
+    results = open_results(tmp_path / "x.h5")
+    first, *rows = lines_of(results)
+    for axis in results.axis_list:
+        assert f"{axis.path} ({len(axis.values)})" in first
+    assert any(row.startswith(results.figures[0]) for row in rows)
+    assert Tags(results._repr_html_()).rows == 1 + len(results.figures)
+
+
+def test_an_optimum_tells_its_aim_and_its_values():
+    found = optimize(loads(SCENE), [f"{RATIO}=0.1..10"], ["isothermal_efficiency"], simulate=parabola, jobs=1)
+    first, counts, head, row = lines_of(found)
+    assert first == "Optimum: ok, greatest isothermal_efficiency" and f"{len(found.places)} evaluations" in counts
+    assert head.split() == ["isothermal_efficiency", RATIO]
+    assert float(row.split()[-1]) == pytest.approx(found.values[RATIO], rel=1e-4)
+
+
+def test_what_was_found_tells_the_goal_and_the_value():
+    def rising(scene):
+        return figures_of(scene, gas_mass_flow=0.1 * scene.oil_supply.ratio)
+
+    found = find(loads(SCENE), [f"{RATIO}=0.5..4"], ["gas_mass_flow=0.3 kg/s"], simulate=rising)
+    first, *rows = lines_of(found)
+    assert first == "Found: ok, for gas_mass_flow = 0.3 kg/s"
+    assert ["value", RATIO, "3"] in [row.split() for row in rows]
+
+
+def test_a_calibration_tells_parameters_and_how_sure_they_are(tmp_path):
+    found = calibrate(read_fit(write_fit(tmp_path)), jobs=1, simulate=plane)
+    first, *rows = lines_of(found)
+    assert first.startswith("Calibration: ok; chi² ") and f"{len(found.fit.points)} points" in first
+    for path in found.values:
+        assert any(row.startswith(path) for row in rows)
+
+
+def test_sensitivities_tell_the_largest_first_in_percent_per_percent():
+    first, note, head, one, other = lines_of(SLOPES)
+    assert first == "Sensitivities: 2 figures by 2 numbers of the scene" and note.startswith("percent per percent")
+    assert head.split() == ["number", "shaft_power", "gas_mass_flow"]
+    assert (one.split(), other.split()) == (["operation.speed", "0.8", "1"], [RATIO, "0.5", "–"])
+
+
+def test_an_uncertainty_tells_figures_with_their_intervals():
+    found = Uncertainty({"shaft_power": Spread(500.0, ())}, SLOPES, ((RATIO,),))
+    first, _, row = lines_of(found)
+    assert first == "Uncertainty of 1 figures by 1 inputs"
+    assert row.split() == ["shaft_power", "50", "kW", "2", "%"]
+
+
+def test_what_is_left_out_is_counted():
+    class Large(Brief):
+        def _about(self):
+            return About("Large", (), [f"c{i}" for i in range(30)], [["1"] * 30 for _ in range(100)])
+
+    lines = lines_of(Large())
+    assert lines[-1] == f"… {100 - MOST_ROWS} more rows and {30 - MOST_COLUMNS} more columns"
+    page = Tags(Large()._repr_html_())
+    assert page.rows == 1 + MOST_HTML_ROWS and f"{100 - MOST_HTML_ROWS} more rows and" in page.text
