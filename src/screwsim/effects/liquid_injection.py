@@ -2,8 +2,8 @@
 
 What: flow of liquid (M12 with the liquid's stiffness, which is √(2 ρ Δp); M100) from the condenser's liquid line into
 the chamber; its enthalpy mixes with the chamber's gas in equilibrium at once (M103). The liquid has the condenser's
-enthalpy, and its pressure less the loss of the line. With `discharge_temperature` a thermostatic valve opens so far that
-the discharge comes to that temperature (M391).
+enthalpy, and its pressure less the loss of the line. With `discharge_temperature` a thermostatic valve opens so far
+that the discharge comes to that temperature (M391).
 Source: ours; orifice coefficient 0.61 of a sharp edge: textbook.
 Assumptions: the liquid does not flash inside the bore; in the chamber it evaporates without delay. With gas.two_phase:
 refuse the chamber has to stay dry, else the result is `failed` with the angle; equilibrium follows it wet. Valve and
