@@ -1,22 +1,20 @@
-"""Does a front beat random samples, and how fast are many evaluations of rotor profiles?
+"""Does a front beat random samples?
 
     benchmarks/optimize_front.py [--evaluations 1000] [--samples 10000]     writes optimize_front.json beside this file
-    benchmarks/optimize_front.py --profiles 2000                            the rate and memory of a profile problem
 
-The first sets `screwsim optimize` (two aims: highest isothermal efficiency, highest net gas flow, of the paper's
+It sets `screwsim optimize` (two aims: highest isothermal efficiency, highest net gas flow, of the paper's
 machine over oil ratio, speed, opening and area of the discharge port, oil temperature) against random samples from the
 same ranges, ten times as many. A sample is beaten where a member of the front is at least as good in both aims, but for
-the estimated numerical errors of both. The second varies a rack profile, whose tables are made anew each time.
+the estimated numerical errors of both. `profile_optimize.py` is of many evaluations
+of rotor profiles.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import resource
 import time
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -37,14 +35,6 @@ VARY = {
     "oil_supply.temperature": (275.0, 330.0),
 }
 AIMS = ("isothermal_efficiency", "gas_mass_flow")
-PROFILES = (
-    "machine.profile.flank_radius=33 mm..37 mm",
-    "machine.profile.pressure_angle=32 deg..38 deg",
-    "machine.profile.root_radius=4 mm..5.6 mm",
-    "machine.profile.female_tip_radius=4 mm..5.6 mm",
-    "machine.profile.wrap_angle=280 deg..310 deg",
-    "machine.built_in_volume_ratio=2.2..4",
-)
 BATCH = 500  # random samples solved in one go
 
 
@@ -103,43 +93,13 @@ def volume(points: np.ndarray, low: np.ndarray) -> float:
     return total
 
 
-def profiles(count: int, jobs: int) -> None:
-    """Print the rate and the memory of evaluations of a profile problem, written to a file as a real one is."""
-    scene = screwsim.load(CONFIGS / "r134a" / "compact.yaml")
-    asked = question(scene, _ranges(scene), ["cop", "cooling_capacity"], evaluations=count)
-    with TemporaryDirectory() as folder:
-        began = time.perf_counter()
-        found = run(asked, Path(folder) / "out.h5", jobs=jobs)
-        seconds = time.perf_counter() - began
-        size = (Path(folder) / "out.h5").stat().st_size
-    usage = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"{len(found.places)} evaluations, {found.failed} failed, front of {len(found.front)}")
-    print(f"{count / seconds:.2f} a second on {jobs} workers; {100000 * seconds / count / 3600:.1f} h for 1e5")
-    print(f"processor time {1e3 * sum(each.ru_utime + each.ru_stime for each in usage) / count:.0f} ms an evaluation")
-    largest = (each.ru_maxrss / 1024 for each in usage)
-    print("memory at most {:.0f} MiB here, {:.0f} MiB in the largest worker".format(*largest))
-    print(f"file {size / count:.0f} bytes an evaluation")
-    for reason, times in list(found.reasons.items())[:5]:
-        print(f"  {times}: {reason}")
-
-
-def _ranges(scene: screwsim.Scene) -> dict[str, tuple[float, float]]:
-    from screwsim.study.optimize import spans_of
-
-    return spans_of(scene, PROFILES)
-
-
 def main() -> None:
     """Measure, and print what was found."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--evaluations", type=int, default=1000)
     parser.add_argument("--samples", type=int, default=10_000)
-    parser.add_argument("--profiles", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=cores())
     asked = parser.parse_args()
-    if asked.profiles:
-        profiles(asked.profiles, asked.jobs)
-        return
     found = front(asked.evaluations, asked.samples, asked.jobs)
     text = json.dumps(found, indent=1)
     (HERE / "optimize_front.json").write_text(text + "\n")

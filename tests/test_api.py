@@ -202,3 +202,65 @@ def test_balances_errors_and_ledger_say_their_units(result):
 def test_a_slip_in_a_figures_name_is_told(result):
     with pytest.raises(AttributeError, match="did you mean 'shaft_power'"):
         _ = result.performance.shaft_pwer
+
+
+def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
+    def unwanted(*_, **__):
+        raise AssertionError("derivatives were found that nobody asked for")
+
+    monkeypatch.setattr("screwsim.study.local.sensitivities", unwanted)
+    result = screwsim.simulate(GIVEN)
+    assert repr(result) and result.as_json()
+    assert pickle.loads(pickle.dumps(result)).performance == result.performance
+    with pytest.raises(AssertionError, match="nobody asked"):
+        result.derivatives["shaft_power", "operation.speed"]
+
+
+def test_derivatives_of_a_result_are_the_sensitivities_of_its_scene_with_units(result):
+    found, derivatives = screwsim.sensitivities(GIVEN), result.derivatives
+    for figure, slopes in found.derivatives.items():
+        for path, slope in slopes.items():
+            assert derivatives[figure, path] == pytest.approx(slope, rel=1e-6, abs=1e-12)
+    assert derivatives["shaft_power", "tip_leakage.gap"] == derivatives["shaft_power", "effects.tip_leakage.gap"]
+    assert derivatives.units("shaft_power", "tip_leakage.gap") == "W/m"
+    assert derivatives.units("gas_mass_flow", "operation.discharge.pressure") == "(kg/s)/Pa"
+    assert derivatives.relative("displacement_flow", "operation.speed") == pytest.approx(1.0, rel=1e-6)
+    frame = derivatives.to_pandas()
+    assert frame.loc["shaft_power", "operation.speed"] == derivatives["shaft_power", "operation.speed"]
+    assert frame.attrs["path_units"]["operation.speed"] == "rad/s" and frame.attrs["figure_units"]["shaft_power"] == "W"
+    assert f"{len(frame)} figures by {len(frame.columns)} numbers" in repr(derivatives)
+    assert pickle.loads(pickle.dumps(result)).derivatives == derivatives
+
+
+@pytest.mark.parametrize(
+    ("key", "says"),
+    [
+        (("shaft_powr", "operation.speed"), "did you mean 'shaft_power'?"),
+        (("shaft_power", "operation.sped"), "did you mean 'operation.speed'?"),
+        (("shaft_power", "flow_coefficient"), "(write the whole path)"),
+        (("shaft_power", "machine.male_lobes"), "a whole number"),
+        ("shaft_power", "is no figure with a path"),
+    ],
+)
+def test_a_derivative_that_is_not_there_says_what_is(result, key, says):
+    with pytest.raises(KeyError) as error:
+        result.derivatives[key]
+    assert says in str(error.value)
+
+
+def test_a_result_that_does_not_know_its_scene_says_so():
+    with pytest.raises(KeyError, match="does not know its scene"):
+        Result("ok").derivatives["shaft_power", "operation.speed"]
+    assert "none" in repr(Result("ok").derivatives)
+
+
+def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
+    def solved(scene, values, points, number):
+        path, by = points[number]
+        return Result("ok", performance=Figures(shaft_power=3.0 * (values[path] + by)))
+
+    monkeypatch.setattr("screwsim.study.local._solved", solved)
+    scene = screwsim.load(Path(__file__).parents[1] / "configs" / "slider_crank" / "air.yaml")
+    found = screwsim.sensitivities(scene, result=made(scene))
+    assert set(found.method.values()) == {"differences"} and "operation.ambient_pressure" in found.values
+    assert list(found.derivatives["shaft_power"].values()) == pytest.approx([3.0] * len(found.values))

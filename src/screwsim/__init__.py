@@ -10,25 +10,28 @@ from __future__ import annotations
 
 import importlib
 import sys
+import time
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, datasheet, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map, plan
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
-    from screwsim.simulate import simulate
     from screwsim.study.local import sensitivities
     from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
+    from screwsim.study.point import simulate
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
     from screwsim.study.uncertain import uncertainty
 
-__version__ = "0.1.0"
+    __version__: str
+
+BEGAN = time.time()  # [s] before any other file of the package was read
 
 __all__ = [
     "Result",
@@ -38,6 +41,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "datasheet",
+    "diagnose",
     "evaluate_map",
     "find",
     "load",
@@ -46,6 +50,7 @@ __all__ = [
     "optimize",
     "optimum",
     "performance_map",
+    "plan",
     "plot",
     "run_sweep",
     "schema",
@@ -62,6 +67,7 @@ _HOMES = {
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
     "datasheet": "screwsim.api",
+    "diagnose": "screwsim.api",
     "evaluate_map": "screwsim.study.map_points",
     "find": "screwsim.study.seek",
     "load": "screwsim.scene",
@@ -70,10 +76,11 @@ _HOMES = {
     "optimize": "screwsim.study.optimize",
     "optimum": "screwsim.api",
     "performance_map": "screwsim.api",
+    "plan": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
     "sensitivities": "screwsim.study.local",
-    "simulate": "screwsim.simulate",
+    "simulate": "screwsim.study.point",
     "sweep": "screwsim.study.sweep",
     "uncertainty": "screwsim.study.uncertain",
 }
@@ -83,6 +90,8 @@ def __getattr__(name: str) -> Any:
     """Return a public name from the module that defines it."""
     if name == "plot":
         return importlib.import_module("screwsim.plot")
+    if name == "__version__":  # in a checkout git tells it, which is asked only where the version is wanted
+        return importlib.import_module("screwsim.version").version()
     if name not in _HOMES:
         raise AttributeError(f"module 'screwsim' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOMES[name]), name)
@@ -98,15 +107,15 @@ def __dir__() -> list[str]:
 class _Package(ModuleType):
     """This package, in which `simulate` stays the function.
 
-    Importing the module `screwsim.simulate` binds the package's attribute of that name to the module. The
-    function is what users call; the module is reached with `from screwsim.simulate import …`.
+    Importing the module `screwsim.simulate` would bind the package's attribute of that name to the module. The
+    function is what users call, found when it is first asked for; the module is reached with
+    `from screwsim.simulate import …`.
     """
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute; in place of the module `simulate`, its function."""
-        if name == "simulate" and isinstance(value, ModuleType):
-            value = value.simulate
-        super().__setattr__(name, value)
+        """Set an attribute, but that of the module `simulate`."""
+        if name != "simulate" or not isinstance(value, ModuleType):
+            super().__setattr__(name, value)
 
 
 sys.modules[__name__].__class__ = _Package

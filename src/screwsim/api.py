@@ -18,7 +18,11 @@ from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
 from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.diagnosis import UNCHANGED, Diagnosis
+from screwsim.study.calibration.diagnosis import diagnose as _diagnose
 from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.plan import COUNT, LEVELS, Plan, candidates_of
+from screwsim.study.calibration.plan import plan as _plan
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import Sheet, sheet_of
 from screwsim.study.progress import for_program
@@ -44,7 +48,7 @@ def optimum(
         best, = screwsim.optimum("point.yaml", "oil_supply.ratio", low=0.5, high=4)
 
     `low` and `high` are numbers or texts with a unit; without them the range is that of the scene's axis. Without a
-    figure the efficiency is sought, as the command does. `progress` None: only where a notebook shows it.
+    figure the efficiency is sought, as the command does. `progress` None: a bar where a notebook shows it.
     """
     at = scene_of(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
@@ -96,6 +100,62 @@ def calibrate(
     return _calibrate(asked, jobs=jobs, progress=for_program("calibrate", progress))
 
 
+def diagnose(
+    fit: Fit | str | os.PathLike[str],
+    *,
+    scene: str | os.PathLike[str] | None = None,
+    data: str | os.PathLike[str] | None = None,
+    unchanged: float = UNCHANGED,
+    jobs: int | None = None,
+    progress: bool | None = None,
+) -> Diagnosis:
+    """Return which one parameter of a fit's machine has changed, with probabilities (`screwsim diagnose`).
+
+    `scene` and `data` are files in place of those that a fit's file names; `unchanged` is how probable it is
+    beforehand that nothing changed.
+    """
+    asked = _fit_of(fit, scene, data)
+    return _diagnose(asked, unchanged=unchanged, jobs=jobs, progress=for_program("diagnose", progress))
+
+
+def plan(
+    fit: Fit | str | os.PathLike[str],
+    *,
+    candidates: str | os.PathLike[str] | None = None,
+    ranges: Mapping[str, tuple[str | float, str | float]] | None = None,
+    levels: int = LEVELS,
+    count: int = COUNT,
+    scene: str | os.PathLike[str] | None = None,
+    data: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool | None = None,
+) -> Plan:
+    """Return which candidates to measure next, those that would tell most first (`screwsim plan`).
+
+        screwsim.plan("x.fit.yaml", ranges={"operation.speed": ("1000 rpm", "4000 rpm")}, count=2)
+
+    Candidates are those of a CSV file, or all combinations of `levels` values of each of the ranges.
+    """
+    asked = _fit_of(fit, scene, data)
+    texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
+    points = candidates_of(asked, candidates, texts, levels)
+    return _plan(asked, points, count=count, jobs=jobs, progress=for_program("plan", progress))
+
+
+def _fit_of(
+    fit: Fit | str | os.PathLike[str],
+    scene: str | os.PathLike[str] | None = None,
+    data: str | os.PathLike[str] | None = None,
+) -> Fit:
+    if not isinstance(fit, Fit | str | os.PathLike):
+        raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
+    if isinstance(fit, Fit):
+        if scene is not None or data is not None:
+            raise UsageError("scene and data replace files of a fit's file (pass its path, not a Fit)")
+        return fit
+    return read_fit(fit, scene=scene, data=data, fixed=False)
+
+
 def results_of(given: Any) -> Results:
     """Return the results that are meant by a path or by results themselves; raise UsageError with what to pass."""
     if isinstance(given, Results):
@@ -106,4 +166,4 @@ def results_of(given: Any) -> Results:
     raise UsageError(f"{what} is no file of results (pass the path of one, written by screwsim.run_sweep)")
 
 
-__all__ = ["calibrate", "optimum", "performance_map", "results_of", "run_sweep"]
+__all__ = ["calibrate", "diagnose", "optimum", "performance_map", "plan", "results_of", "run_sweep"]

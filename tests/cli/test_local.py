@@ -4,6 +4,9 @@ import json
 
 import pytest
 
+from screwsim.faults import UsageError
+from screwsim.results import open_results
+
 
 def test_local_sensitivities_are_one_document_with_the_method_of_each_number(folder, command):
     answer = command("sensitivity", "oiled.yaml", "--local", "oil_supply.ratio", "operation.speed", "--json")
@@ -28,6 +31,24 @@ def test_local_sensitivities_are_written_a_row_a_figure_and_number(folder, comma
     head, row = (folder / "s.csv").read_text(encoding="utf-8").splitlines()
     assert head == "figure,path,value,number,derivative,relative,method"
     assert row.startswith("shaft_power,operation.speed,")
+
+
+def test_local_sensitivities_are_stored_with_the_results_of_the_point(folder, command):
+    answer = command(
+        "sensitivity", "oiled.yaml", "--local", "operation.speed", "oil_supply.ratio", "-o", "s.h5", "--json"
+    )
+    assert answer.code == 0
+    document, data = json.loads(answer.out), open_results(folder / "s.h5")
+    assert data.derivatives["number"].tolist() == ["operation.speed", "oil_supply.ratio"]
+    for figure, slopes in document["derivatives"].items():
+        assert data.performance[figure] == document["performance"][figure]
+        for path, slope in slopes.items():
+            assert data.derivatives[figure, path] == slope
+    units = dict(zip(data.derivatives["number"], data.derivatives["number_units"], strict=True))
+    assert units == {"operation.speed": "rad/s", "oil_supply.ratio": "1"}
+    assert data.derivatives["number_exact"].tolist() == [1, 1]
+    with pytest.raises(UsageError, match="derivatives has no 'gas'"):
+        data.derivatives["shaft_power", "gas"]
 
 
 @pytest.mark.parametrize(

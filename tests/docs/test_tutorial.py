@@ -2,63 +2,17 @@
 
 import re
 import shlex
+import textwrap
 from pathlib import Path
 
 import pytest
+from shown import alike, commands, lines, missing
 
 from screwsim import cli
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "start" / "tutorial.md").read_text(encoding="utf-8")
 PIECES = re.compile(r"^```(?P<language>\w+)\n(?P<text>.*?)^```$|(?P<shell>(?:^    [^\n]*\n|^\n(?=    ))+)", re.M | re.S)
-ESTIMATE = re.compile(r"\d\.\de[+-]\d\d")  # of an error: two solvers that are as good differ in it
-
-
-def commands(shell: str) -> list[tuple[str, list[str]]]:
-    """Return the commands of a block, each with the lines shown under it."""
-    found: list[tuple[str, list[str]]] = []
-    for line in (line.removeprefix("    ").rstrip() for line in shell.splitlines()):
-        if line.startswith("$ "):
-            found.append((line[2:], []))
-        elif line and found:
-            found[-1][1].append(line)
-    return found
-
-
-def alike(shown: str, printed: str) -> bool:
-    """Tell whether a line is the shown one, numbers within the accuracy; times and estimates are only to be there."""
-    ours, theirs = shown.split(), printed.split()
-    return len(ours) == len(theirs) and all(
-        _same(a, b, later) for a, b, later in zip(ours, theirs, [*ours[1:], ""], strict=True)
-    )
-
-
-def _same(shown: str, printed: str, later: str) -> bool:
-    if ESTIMATE.fullmatch(shown):
-        return ESTIMATE.fullmatch(printed) is not None
-    try:
-        return later == "s" or float(printed) == pytest.approx(float(shown.strip("[]")), rel=1e-3)
-    except ValueError:
-        return shown == printed
-
-
-def missing(shown: list[str], printed: list[str]) -> str | None:
-    """Return the first line of the page that is not printed in its place; anything may stand for `...`."""
-    place, anywhere = 0, False
-    for line in shown:
-        if line == "...":
-            anywhere = True
-            continue
-        while anywhere and place < len(printed) and not alike(line, printed[place]):
-            place += 1
-        if place == len(printed) or not alike(line, printed[place]):
-            return line
-        place, anywhere = place + 1, False
-    return None if anywhere or place == len(printed) else f"{printed[place]!r}, which is not on the page"
-
-
-def lines(text: str) -> list[str]:
-    return [line.rstrip() for line in text.splitlines() if line.strip()]
 
 
 def run_python(text: str, capsys) -> None:
@@ -82,8 +36,8 @@ def test_the_page_runs_from_its_first_line_to_its_last(tmp_path, monkeypatch, ca
             (tmp_path / name).write_text(piece["text"], encoding="utf-8")
         elif piece["language"] == "python":
             run_python(piece["text"], capsys)
-        else:
-            for command, shown in commands(piece["shell"]):
+        elif "$ " in piece["shell"]:
+            for command, shown in commands(textwrap.dedent(piece["shell"])):
                 program, *arguments = shlex.split(command)
                 assert program == "screwsim"
                 code = cli.exit_code(arguments)

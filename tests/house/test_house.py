@@ -11,6 +11,7 @@ import pytest
 
 import screwsim
 from screwsim import outputs
+from screwsim.version import version_of
 
 ROOT = Path(__file__).parents[2]
 NO_SCENES = (".fit.yaml", ".stages.yaml")
@@ -55,8 +56,10 @@ def test_files_of_tests_that_are_to_come_first_are_there():
 def test_version_has_one_source():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     assert project["project"]["dynamic"] == ["version"]
-    assert project["tool"]["hatch"]["version"]["path"] == "src/screwsim/__init__.py"
-    assert f"\nversion: {screwsim.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+    assert project["tool"]["hatch"]["version"]["path"] == "src/screwsim/version.py"
+    assert screwsim.__version__ == version_of(ROOT)
+    heading = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), flags=re.MULTILINE)
+    assert heading and f"\nversion: {heading[1]}\n" in (ROOT / "CITATION.cff").read_text()
 
 
 def test_every_dependency_is_pinned():

@@ -1,6 +1,8 @@
 """Curves of a rotor profile on the scene's angle axis: idle ends, whole pitches, areas that are the geometry's."""
 
+import gc
 import math
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +13,11 @@ from screwsim.build import build_parts
 from screwsim.effects.base import FlowPath
 from screwsim.faults import UsageError
 from screwsim.machine import profile_law, table_law
-from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_law import Laid, lay
 from screwsim.machine.profile_tables import BEND, KINK
+from screwsim.machine.rotors.flanks import FEW, Flanks
+from screwsim.machine.rotors.pair import Chain
+from screwsim.machine.rotors.rotors import KEPT, Rotors
 from screwsim.numerics.spline import pack_curve
 from screwsim.scene import load
 
@@ -174,3 +179,15 @@ def test_a_given_blow_hole_scales_the_profile_s():
 def test_without_a_ratio_there_is_one_line():
     with pytest.raises(UsageError, match=r"^machine.built_in_volume_ratio: is missing"):
         lay(replace(SCENES["b"].machine, built_in_volume_ratio=None))
+
+
+def test_of_many_profiles_no_more_are_kept_than_is_stated():
+    machine, kinds = SCENES["b"].machine, (Laid, Rotors, Chain, Flanks)
+    for i in range(KEPT + 10):
+        radius = machine.profile.flank_radius + 1e-6 * (i + 1)
+        lay(replace(machine, profile=replace(machine.profile, flank_radius=radius)))
+    gc.collect()
+    alive = Counter(type(each) for each in gc.get_objects() if type(each) in kinds)
+    assert alive[Laid] == KEPT and KEPT <= alive[Rotors] <= KEPT + len(SCENES)  # those of other tests' scenes
+    assert alive[Chain] <= alive[Rotors] + FEW
+    assert alive[Flanks] <= 2 * (KEPT + FEW)  # male and female, of ports and of what asks for them in turn

@@ -31,11 +31,12 @@ def test_shipped_fit_is_read(path):
 
 def test_the_data_are_those_of_the_script():
     module = example()
-    stored = [line.split(",") for line in module.POINTS.read_text(encoding="utf-8").splitlines()]
-    made = [line.split(",") for line in module.text().splitlines()]
-    for one, other in zip(stored[2:], made[2:], strict=True):
-        # figures are written to five digits, solved to 1e-5
-        assert [float(cell) for cell in one[2:]] == pytest.approx([float(cell) for cell in other[2:]], rel=1e-4)
+    for file, text in ((module.POINTS, module.text()), (module.LATER, module.text(module.GROWN, None))):
+        stored = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
+        made = [line.split(",") for line in text.splitlines()]
+        for one, other in zip(stored[2:], made[2:], strict=True):
+            # figures are written to five digits, solved to 1e-5
+            assert [float(cell) for cell in one[2:]] == pytest.approx([float(cell) for cell in other[2:]], rel=1e-4)
 
 
 def test_a_known_machine_is_found_within_its_standard_errors():

@@ -3,9 +3,10 @@
 import re
 
 import pytest
-from fit_fakes import FIT, POINTS, write_fit
+from fit_fakes import FIT, POINTS, SCENE, write_fit
 from ruamel.yaml import YAML
 
+import screwsim
 from screwsim.faults import SceneError
 from screwsim.outputs import PERFORMANCE
 from screwsim.study.calibration import read_fit
@@ -149,3 +150,44 @@ def test_an_empty_cell_is_not_measured(tmp_path):
 def test_every_figure_has_units_in_which_it_can_be_measured():
     assert {about.units for about in PERFORMANCE.values()} <= set(UNITS)
     assert UNITS["m3 s-1"]["m^3/h"] * 3600.0 == pytest.approx(1.0, rel=1e-12)
+
+
+GAUGE = """\
+name,operation.discharge.pressure [barg],discharge_pressure [psig],discharge_pressure_uncertainty [psi],\
+discharge_temperature [degF],discharge_temperature_uncertainty [K],oil_line_pressure_loss [bar],\
+oil_line_pressure_loss_uncertainty [hPa]
+a,9,130,1,176,0.5,0.3,10
+b,10 ,145,1,212,0.5,0.3,10
+c,11,160,1,230,0.5,0.3,10
+"""
+
+
+def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(tmp_path):
+    scene = screwsim.loads(SCENE).with_({"operation.ambient_pressure": "0.9 bar"}).text
+    first = read_fit(write_fit(tmp_path, FIT, GAUGE, scene)).points[0]
+    assert first.values["operation.discharge.pressure"] == pytest.approx(9.9e5)
+    pressure = first.measured["discharge_pressure"]
+    assert pressure.value == pytest.approx(0.9e5 + 130 * 6894.757, rel=1e-6)
+    assert pressure.uncertainty == pytest.approx(6894.757, rel=1e-6)
+    assert first.measured["discharge_temperature"].value == pytest.approx(353.15)
+    assert first.measured["oil_line_pressure_loss"] == pytest.approx((0.3e5, 1e3))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        (
+            "_uncertainty [psi]",
+            "_uncertainty [psig]",
+            "points.csv:1:68: discharge_pressure_uncertainty: unit 'psig' has a zero of its",
+        ),
+        ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has a zero of its own, and this is an uncertainty"),
+        ("loss [bar]", "loss [barg]", "unit 'barg' has a zero of its own, and this is a difference (write [Pa])"),
+        ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is none of its units"),
+        ("a,9,130", 'a,9,"130,5"', "discharge_pressure: '130,5' has a decimal comma"),
+        ("145,1,", "145,-1,", "points.csv:3:11: discharge_pressure: -1 is out of range"),
+    ],
+)
+def test_a_unit_that_cannot_be_is_told_at_its_place(tmp_path, old, new, line):
+    found = faults(tmp_path, points=GAUGE.replace(old, new))
+    assert len(found) == 1 and line in found[0], found

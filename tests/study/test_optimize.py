@@ -1,5 +1,8 @@
 """Optimisation: the known best of one aim, fronts of several, bounds, operating points, interruptions, failures."""
 
+import gc
+import threading
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,20 +14,26 @@ from study_fakes import gappy, parabola, two_tops
 
 import screwsim
 from screwsim.faults import UsageError
+from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
 from screwsim.study.crew import Crew
 from screwsim.study.optimize import optimize, question, run
 from screwsim.study.optimize.evaluate import mean
 from screwsim.study.optimize.points import as_csv, read_points
-from screwsim.study.optimize.record import neighbours
+from screwsim.study.optimize.record import Record, neighbours
 from screwsim.study.optimize.solve import front_of
 from screwsim.study.optimize.standards import HOURS, energy_shares, standards
+from screwsim.study.optimize.store import kept
 from screwsim.study.optimum import optimum
 from screwsim.study.optimum import question as of_optimum
+from screwsim.study.shards import MOST_SMALL
 
 RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
 FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
+
+
+EVALUATIONS = 12_000  # of a long run
 
 
 def scene(extra: str = ""):
@@ -168,6 +177,46 @@ def test_workers_start_afresh_after_a_while(monkeypatch):
     monkeypatch.setattr(Crew, "leave", lambda crew: left.append(crew))
     found = run(asked, simulate=choosing, jobs=1)
     assert len(found.places) == 80 and len(left) == 4  # after 20, 40, 60, and in the end
+
+
+def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
+    before = threading.active_count()
+    with Crew(2, lambda work: None, lambda: None) as crew:
+        for _ in range(5):
+            assert crew.answers(abs, [-1, 2, -3]) == [1, 2, 3]
+            crew.leave()
+            assert threading.active_count() == before
+
+
+def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
+    monkeypatch.setattr("screwsim.study.shards.AT_HAND", 100_000)
+    asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=EVALUATIONS)
+    batch, generator, sizes = 60, np.random.default_rng(1), []
+    tracemalloc.start()
+    try:
+        with kept(tmp_path / "long.h5", asked, restart=False) as parts:
+            record = Record(asked, Canned(), parts)
+            while len(record) < EVALUATIONS:
+                record.evaluate(generator.random((batch, 2)))
+                if len(record) in (EVALUATIONS // 2, EVALUATIONS):
+                    gc.collect()
+                    sizes.append(tracemalloc.get_traced_memory()[0])
+    finally:
+        tracemalloc.stop()
+    numbers = 8 * (len(asked.spans) + 2 * len(asked.aims))
+    assert numbers <= (sizes[1] - sizes[0]) / (EVALUATIONS // 2) < 2 * numbers
+    assert len(list((tmp_path / "long.h5.parts").glob("*.npz"))) <= MOST_SMALL
+
+
+class Canned(Crew):
+    """Answer every evaluation with one result, at once."""
+
+    def __init__(self) -> None:
+        super().__init__(1, lambda work: None, lambda: None)
+        self._table = table_of([choosing(with_values(scene(), {"oil_supply.ratio": 1.5}))], keep_cycle=False)
+
+    def answers(self, task, payloads):
+        return [self._table.rows(np.zeros(len(work.places), int)) for work in payloads]
 
 
 def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):

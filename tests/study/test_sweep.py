@@ -205,6 +205,22 @@ def test_results_of_another_version_are_refused_until_a_restart(reference, tmp_p
     assert run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate).reused == 0
 
 
+def test_results_of_another_commit_towards_a_release_resume_while_the_sources_are_the_same(tmp_path, monkeypatch):
+    output = tmp_path / "out.h5"
+    monkeypatch.setattr("screwsim.__version__", "9.8.0.dev5+g1a2b3c4d")
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=StopAfter(4))
+    there = held(output)
+    monkeypatch.setattr("screwsim.__version__", "9.8.0.dev7+g5e6f7a8b.dirty")
+    assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused == there > 0
+    assert open_results(output).attributes["screwsim_version"] == "9.8.0.dev7+g5e6f7a8b.dirty"
+    monkeypatch.setattr("screwsim.__version__", "9.8.0")  # released of these sources
+    assert run_sweep(grid_scene(), output, jobs=1, simulate=forbidden).reused > there
+    monkeypatch.setattr("screwsim.numerics.sources.of_package", lambda: "others")  # of the same version
+    with pytest.raises(UsageError, match=r"but of other sources of screwsim 9\.8\.0; "):
+        run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
+
+
 @pytest.mark.parametrize("kept", [0.0, 0.5, 0.95])
 def test_a_part_that_was_cut_short_is_computed_again(kept, reference, tmp_path):
     output = tmp_path / "out.h5"

@@ -15,8 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from screwsim import __version__
-from screwsim.cli import files, mistakes, points, process, seek, studies
+from screwsim.cli import files, measured, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
 from screwsim.cli.explore import explore
 from screwsim.cli.export import app as export_app
@@ -24,6 +23,7 @@ from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
 from screwsim.screen import say
+from screwsim.version import version
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a disk says that takes no more
 
@@ -42,7 +42,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        say(f"screwsim {__version__}")
+        say(f"screwsim {version()}")
         raise typer.Exit
 
 
@@ -58,7 +58,8 @@ _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (explore, files.rotors, files.plot, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
-for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+_MEASURED = (measured.diagnose, measured.plan, studies.tolerance, studies.startup)
+for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 app.add_typer(export_app, name="export")
 

@@ -186,7 +186,7 @@ def _local(
     names = [figure_of(scene, name) for name in figures]
     found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
     if output is not None and found.derivatives:
-        write_local(output, found)
+        write_local(output, scene, found)
     show(as_json, local_document, partial(print_local, chosen=names), scene, found)
     return OK if found.result.status == "ok" else NOT_ALL_OK
 

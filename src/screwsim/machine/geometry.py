@@ -66,6 +66,10 @@ class Geometry(MachineGeometry):
     @property
     def profile(self) -> Laid | None:
         """What the rotor profile gives by angle; None where the volume's law is another."""
+        return self._profile
+
+    @cached_property  # asked for a thousand times a cycle
+    def _profile(self) -> Laid | None:
         if self.settings.volume.law != "profile":
             return None
         from screwsim.machine.profile_law import lay  # here: rotors take long to import, and closed forms need none

@@ -18,7 +18,7 @@ import numpy as np
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.profile_tables import Table, area_table, volume_table
 from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, closed_in, make_curves
-from screwsim.machine.rotors.rotors import Rotors, make_rotors
+from screwsim.machine.rotors.rotors import KEPT, Rotors, make_rotors
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.machine.settings import TwinScrew
 from screwsim.numerics.spline import LEAST
@@ -92,7 +92,7 @@ def lay(machine: TwinScrew) -> Laid:
     return _laid(make_rotors(profile, *sizes), ratio, machine.axial_volume_ratio, machine.slide_valve)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideValve | None) -> Laid:
     curves, pitch = make_curves(rotors, ratio, axial_ratio, slide), rotors.pair.pitch
     before = math.ceil(curves.suction_closes / pitch - 1e-9)

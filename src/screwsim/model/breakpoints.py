@@ -25,28 +25,29 @@ STATED = math.radians(0.5)  # from a stated breakpoint, within which no other is
 def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry, paths = parts.geometry, [path for _, path in named]
+    pitch, life = geometry.pitch, geometry.life
     own = {geometry.injection_angle, *law.breakpoints, *more}
     for path in paths:
         own.update(path.breakpoints)
     shifts = {0}
     for path in paths:
         shifts |= {path.offset, -path.offset}
-    found = [at + shift * geometry.pitch for at in own for shift in shifts]
+    found = [at + shift * pitch for at in own for shift in shifts]
     found += law.own_breakpoints
     for path in paths:
-        found += [at + shift * geometry.pitch for at in path.own_breakpoints for shift in {0, path.offset}]
+        found += [at + shift * pitch for at in path.own_breakpoints for shift in {0, path.offset}]
     symbols = symbols_of(parts)
     for name, path in named:
-        unstated = _unstated(name, path, symbols, geometry.life)
-        found += [at + shift * geometry.pitch for at in unstated for shift in {0, path.offset}]
+        unstated = _unstated(name, path, symbols, life)
+        found += [at + shift * pitch for at in unstated for shift in {0, path.offset}]
     # where a neighbour is born or ends
-    found += [shift * geometry.pitch + edge for shift in shifts for edge in (0.0, geometry.life)]
-    inside = sorted({0.0, geometry.life, *(at for at in found if 0.0 < at < geometry.life)})
+    found += [shift * pitch + edge for shift in shifts for edge in (0.0, life)]
+    inside = sorted({0.0, life, *(at for at in found if 0.0 < at < life)})
     kept = [inside[0]]
     for at in inside[1:]:
         if at - kept[-1] > 1e-7:
             kept.append(at)
-    kept[-1] = geometry.life
+    kept[-1] = life
     return np.array(kept)
 
 

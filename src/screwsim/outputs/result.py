@@ -10,6 +10,7 @@ import numpy as np
 
 from screwsim.outputs import tables
 from screwsim.outputs.declared import Variable
+from screwsim.outputs.derivatives import Derivatives
 from screwsim.outputs.display import table_html, table_text
 from screwsim.outputs.figures import Balance, Error, Figures, Ledger, Numerics, shown
 from screwsim.outputs.variables import cycle_variable
@@ -25,6 +26,7 @@ class Result:
       entropy with their bound; `numerics` what the solution took.
     - `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
     - `ledger` is where the shaft power goes; empty without the cycle. `effects` and `states` name what was simulated.
+    - `derivatives` of the figures by the numbers of the scene are found when they are asked for.
     """
 
     status: str
@@ -41,6 +43,7 @@ class Result:
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
     knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
     uncertainty: Mapping[str, Any] = field(default_factory=dict)  # of the inputs, where the scene gives tolerances
+    derivatives: Derivatives = field(default_factory=Derivatives, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Let what is not performance say its units, too."""

@@ -138,9 +138,7 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
 
 def short_names(found: Calibration) -> list[str]:
     """Return the last words of the parameters' paths, as many as tell them apart."""
-    paths = [each.path.split(".") for each in found.fit.parameters]
-    ends = [path[-1] for path in paths]
-    return [".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for path in paths]
+    return found.fit.short_names()
 
 
 def _number(found: Calibration, path: str, value: float) -> str:

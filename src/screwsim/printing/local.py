@@ -11,11 +11,11 @@ from screwsim.figures import declared
 from screwsim.outputs import EFFICIENCY
 from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
-from screwsim.scene.units import customary_unit, to_customary
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_value, usual_efficiency
+from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
 from screwsim.study.local import DIFFERENCES, Sensitivities
 
 SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, where none is chosen
@@ -96,10 +96,7 @@ def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
 def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
     """Return a round change [SI] of about a twentieth of a number, and how it is written."""
     kind = leaf_of(scene, path).dimension
-    unit = "" if kind is None else "K" if kind.name == "temperature" else customary_unit(kind)
-    per = 1.0 if kind is None or unit == "K" else to_customary(kind, 1.0)
-    if unit == "mm" and abs(value) < 1e-3:
-        unit, per = "um", 1e6
+    per, unit = unit_of_change(scene, path, value)
     if kind is not None and kind.name in ("temperature", "angle"):
         return 1.0 / per, f"1 {unit}"
     about = abs(value * per) / 20.0 or 1.0
@@ -124,8 +121,11 @@ def _percent(value: float | None) -> str:
     return "" if value is None else "0" if abs(value) < NONE else f"{value:+.3g}"
 
 
-def write_local(path: Path, found: Sensitivities) -> None:
-    """Write a row a figure and number: CSV or HDF5."""
+def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
+    """Write a row a figure and number as CSV; as HDF5 the results of the point, with a group of derivatives."""
+    if path.suffix.lower() != ".csv":
+        save(path, scene, found.result, "sensitivity --local", found)
+        return
     rows = [(figure, number, slope) for figure, slopes in found.derivatives.items() for number, slope in slopes.items()]
     performance = found.result.performance
     columns = {

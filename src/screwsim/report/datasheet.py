@@ -9,8 +9,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from screwsim import __version__
 from screwsim.results.atomic import make_folder, write_text
+from screwsim.version import version
 
 WIDE, HIGH = 640.0, 300.0  # of a drawing
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # its margins
@@ -37,7 +37,7 @@ def page(sheet: Any) -> str:
     source = resources.files("screwsim.report")
     lines = (f'<tr><th scope="row">{escape(name)}</th><td>{escape(text)}</td></tr>' for name, text in sheet.lines)
     parts = {
-        "VERSION": escape(__version__),
+        "VERSION": escape(version()),
         "TITLE": escape(sheet.title or sheet.heading),
         "HEADING": escape(sheet.heading),
         "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from screwsim import __version__
 from screwsim.report.datasheet import WORDS
 from screwsim.report.style import COLOURS, DASHES, GREY, journal, new_figure, plain_ticks
 from screwsim.results.atomic import replacing
+from screwsim.version import version
 
 WIDE, HIGH = 210.0, 297.0  # [mm] of a page
 EDGE, GUTTER = 16.0, 10.0
@@ -40,7 +40,7 @@ class Paper:
             figure.set_layout_engine("none")
             self.pages.append(figure)
             self.at = EDGE
-            foot = f"{self.title}  ·  screwsim {__version__}  ·  page {len(self.pages)}"
+            foot = f"{self.title}  ·  screwsim {version()}  ·  page {len(self.pages)}"
             self.text(EDGE, HIGH - 0.5 * EDGE, foot, size=6.5, color=GREY)
 
     def text(self, x: float, y: float, words: str, size: float = SIZE, **look: Any) -> None:

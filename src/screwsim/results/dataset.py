@@ -12,7 +12,7 @@ from screwsim.outputs.tables import library
 from screwsim.results.read import OWN, Group, Results
 from screwsim.results.schema import Axis
 
-_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum", "contributions")
+_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum", "contributions", "derivatives")
 _UNCERTAIN = "_u"  # behind the name of a figure: its standard uncertainty by the inputs
 
 

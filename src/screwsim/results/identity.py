@@ -17,6 +17,7 @@ from typing import Any
 from screwsim.figures import known
 from screwsim.numerics import sources
 from screwsim.numerics.trial import own_module
+from screwsim.version import release
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
@@ -26,8 +27,12 @@ _TOLD = 3  # differences that are told
 
 
 def code_identity(own: Iterable[str]) -> dict[str, str]:
-    """Return what this process computes with: this package, libraries, the modules of the user's own."""
-    found = {"screwsim": version(), _SOURCES: sources.of_package()}
+    """Return what this process computes with: this package, libraries, the modules of the user's own.
+
+    Of this package the release that it belongs to, and its sources: a version between tags changes with each commit, of
+    a page of the documentation too, and would refuse what is as good as new.
+    """
+    found = {"screwsim": release(version()), _SOURCES: sources.of_package()}
     found |= {name: _library(name) for name in LIBRARIES}
     for name in own:
         own_module(name)  # imports it, where a worker has not

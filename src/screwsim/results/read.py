@@ -12,20 +12,18 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.figures import declaration, unpacked
-from screwsim.outputs import ITSELF, KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
+from screwsim.outputs import EFFICIENCY, ITSELF, KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
+from screwsim.outputs.display import About, Brief, Shown, value_text
 from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
-# the first two come with traces, the next of their studies, the last two of scenes with tolerances
-_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions")
-OWN = {
-    "cycle": "angle",
-    "knock_out": "effect",
-    "contributions": "contributor",
-}  # the coordinate of its own that a group has
+# the first two come with traces, the next of their studies, two of scenes with tolerances, the last where asked for
+_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
+# the coordinate of its own that a group has
+OWN = {"cycle": "angle", "knock_out": "effect", "contributions": "contributor", "derivatives": "number"}
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
@@ -40,6 +38,7 @@ class NoVariable(UsageError, KeyError):
 class Group(Mapping[str, np.ndarray]):
     """Variables of one group by name, arrays on the axes of the sweep; each is read once, when it is asked for.
 
+    Of those over a coordinate of the group's own (`OWN`) a pair picks one label: `["shaft_power", "operation.speed"]`.
     Texts come as str, numbers as stored: NaN is where there is none, `status` is an index of `outputs.STATUSES`.
     """
 
@@ -50,7 +49,9 @@ class Group(Mapping[str, np.ndarray]):
         self._path = path
         self._read: dict[str, np.ndarray] = {}
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str | tuple[str, str]) -> np.ndarray:
+        if isinstance(name, tuple):
+            return self._labelled(*name)
         if name not in self.about:
             has = ", ".join(self.about) or "nothing"
             raise NoVariable(f"{self._path}: {self.name} has no {name!r}; it has {has} ({REMEDY})")
@@ -58,6 +59,15 @@ class Group(Mapping[str, np.ndarray]):
             with opened(self._path) as file:
                 self._read[name] = _values(stored.member(file, self.name, dataset=False), name)
         return self._read[name]
+
+    def _labelled(self, name: str, label: str) -> np.ndarray:
+        """Return a variable at one label of the coordinate that the group has of its own: an input's, a number's."""
+        own = OWN.get(self.name)
+        labels = [] if own is None or own not in self.about else [str(each) for each in self[own]]
+        if label not in labels:
+            has = ", ".join(labels) or "no labels"
+            raise NoVariable(f"{self._path}: {self.name} has no {label!r}; it has {has} ({REMEDY})")
+        return self[name][..., labels.index(label)]
 
     def texts_at(self, name: str, cases: np.ndarray) -> list[str]:
         """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
@@ -85,8 +95,8 @@ class Group(Mapping[str, np.ndarray]):
             return stored.values(stored.member(stored.member(file, self.name, dataset=False), name), index)
 
 
-@dataclass(frozen=True)
-class Results:
+@dataclass(frozen=True, repr=False)
+class Results(Brief):
     """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping a group."""
 
     path: Path
@@ -103,6 +113,7 @@ class Results:
     optimum: Group  # over the first axis; empty unless an optimisation wrote the file
     uncertainty: Group  # standard uncertainty of each figure by the inputs; empty unless the scene gives tolerances
     contributions: Group  # over `contributor`: what one standard uncertainty of each input changes
+    derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless asked for
 
     @property
     def scene_yaml(self) -> str:
@@ -172,11 +183,20 @@ class Results:
 
         return frame(self, group)
 
-    def __repr__(self) -> str:
+    def _about(self) -> About:
         axes = " × ".join(f"{axis.path} ({len(axis.values)})" for axis in self.axis_list) or "one run"
         words, counts = np.unique(self.status, return_counts=True)
         ended = ", ".join(f"{count} {word}" for word, count in zip(words, counts, strict=True))
-        return f"Results of {self.path}: {axes}; {ended}; figures: {', '.join(self.figures)}"
+        rows = [self._range(name) for name in self.figures]
+        return About(f"Results of {self.path}: {axes}; {ended}", (), ("figure", "least", "most", "meaning"), rows)
+
+    def _range(self, name: str) -> tuple[str, str, str, str]:
+        about, values = self.figure(name), self.performance[name]
+        least, most = (
+            value_text(Shown(name, float(end), about.units, about.long_name, about.shown, about.scale == EFFICIENCY))
+            for end in (np.nanmin(values), np.nanmax(values))
+        )
+        return name, least, most, about.long_name
 
 
 def open_results(path: str | Path) -> Results:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,13 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.outputs.derivatives import Slopes
 from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.knock_out import write_knock_out
 from screwsim.results.netcdf import Layout, Selection, chunks_of
 from screwsim.results.schema import Axis, axes_of
+from screwsim.results.slopes import write_slopes
 from screwsim.results.table import InMemory, Table, Tables, regrouped, table_of
 from screwsim.results.variables import Column, Names, Plan, names_of
 from screwsim.scene.types import Scene
@@ -27,16 +30,24 @@ _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
 _NO_CACHE: dict[str, Any] = {"rdcc_nbytes": 0}
 
 
-def save(path: str | Path, scene: Scene, results: Result | Sequence[Result], command: str = "run") -> None:
+def save(
+    path: str | Path,
+    scene: Scene,
+    results: Result | Sequence[Result],
+    command: str = "run",
+    derivatives: Slopes | None = None,
+) -> None:
     """Write one result, or those of all cases of the scene's sweep (last axis fastest), to an HDF5 file.
 
-    Of one result the knock-out is written, too, where there is one.
+    Of one result the knock-out is written, too, where there is one, and derivatives that are given.
     The cycle is kept for one result, and for a sweep when the scene says `output.keep: cycle`. An existing file
     is replaced. Raise UsageError in one line when the system refuses; the old file stays then.
     """
     if isinstance(results, Result):
         one = InMemory(table_of([results], keep_cycle=True))
-        write_tables(Path(path), scene, (), one, command, results.knock_out)
+        beside = partial(write_slopes, found=derivatives, performance=results.performance) if derivatives else None
+        with Draft(Path(path), scene, (), command) as draft:
+            draft.complete(one, results.knock_out, beside)
     else:
         table = table_of(results, keep_cycle=scene.output.keep == "cycle")
         write_tables(Path(path), scene, axes_of(scene), InMemory(table), command)

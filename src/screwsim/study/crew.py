@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from typing import Any
 
-from screwsim.study.workers import TICK, Guard, LocalPool, stop, submit, worker_died
+from screwsim.study.workers import GRACE, TICK, Guard, LocalPool, stop, submit, worker_died
 
 
 class Crew:
@@ -32,7 +32,10 @@ class Crew:
     def leave(self) -> None:
         """Let the workers go, and what they keep in memory with them; the next batch starts others."""
         if self._executor is not None:
+            thread = getattr(self._executor, "_executor_manager_thread", None)
             stop(self._executor)
+            if thread is not None:
+                thread.join(GRACE)  # beside it the next workers would not be forked (`workers.start_method`)
             self._executor = None
 
     def answers(self, task: Callable[[Any], Any], payloads: Sequence[Any]) -> list[Any]:

@@ -6,6 +6,9 @@ import re
 from typing import Any
 
 from screwsim.faults import UsageError
+from screwsim.figures import declared
+from screwsim.outputs import shown_of
+from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
 from screwsim.scene.units import NUMBER, customary_unit, to_customary
 
@@ -51,6 +54,11 @@ def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
         raise UsageError(f"{where}: {faults[0]}")
 
 
+def shown_figure(name: str, value: float) -> str:
+    """Return a value [SI] of a figure in the unit in which people write it."""
+    return value_text(shown_of(declared(name), value))
+
+
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
     """Return a value [SI] of a path with its customary unit."""
     number, unit = in_customary(scene, path, value)
@@ -63,3 +71,12 @@ def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
     if kind is None:
         return (float(value), "") if isinstance(value, int | float) else (value, "")
     return to_customary(kind, float(value)), customary_unit(kind)
+
+
+def unit_of_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
+    """Return how many of a unit are one SI unit, for changes of a path's value [SI], and that unit; '' of numbers."""
+    kind = leaf_of(scene, path).dimension
+    unit = "" if kind is None else "K" if kind.name == "temperature" else customary_unit(kind)
+    if unit == "mm" and abs(value) < 1e-3:
+        return 1e6, "um"
+    return (1.0 if kind is None or unit == "K" else to_customary(kind, 1.0)), unit

@@ -17,7 +17,8 @@ from screwsim.derivatives.solving import found
 from screwsim.faults import UsageError
 from screwsim.figures import declared
 from screwsim.outputs import Result
-from screwsim.scene import Scene, leaf_of, scene_of, with_values
+from screwsim.outputs.display import About, Brief
+from screwsim.scene import Scene, scene_of, with_values
 from screwsim.scene.fields import Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
@@ -25,7 +26,7 @@ from screwsim.study.each import each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import STEPS, check_continuous
 from screwsim.study.optimum import closed
-from screwsim.study.progress import Progress
+from screwsim.study.progress import Progress, shown
 from screwsim.study.workers import DIED
 
 EXACT, DIFFERENCES = "exact", "differences"
@@ -35,17 +36,18 @@ APART = ("numerics.", "output.")  # numbers of no machine
 KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 
 
-@dataclass(frozen=True)
-class Sensitivities:
+@dataclass(frozen=True, repr=False)
+class Sensitivities(Brief):
     """Derivatives of figures by numbers of a scene, at the point that it states.
 
     `derivatives` are those of each figure by the number at each path, SI units of one over those of the other; `values`
-    the numbers [SI], `method` how each one's were found, 'exact' or 'differences' (then `why` says why), `left_out`
-    which paths have none, and why. `result` is the point itself.
+    the numbers [SI], `units` their SI units, `method` how each one's were found, 'exact' or 'differences' (then `why`
+    says why), `left_out` which paths have none, and why. `result` is the point itself.
     """
 
     result: Result
     values: Mapping[str, float] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
     derivatives: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     method: Mapping[str, str] = field(default_factory=dict)
     why: Mapping[str, str] = field(default_factory=dict)
@@ -58,10 +60,27 @@ class Sensitivities:
             return None
         return slope * self.values[path] / value
 
+    def _about(self) -> About:
+        figures = list(self.derivatives)
+        heading = f"Sensitivities: {len(figures)} figures by {len(self.values)} numbers of the scene"
+        if not self.values:
+            return About(heading, [self.result.told])
+        slopes = {path: [self.relative(name, path) for name in figures] for path in self.values}
+        paths = sorted(
+            slopes, key=lambda path: -max((abs(each) for each in slopes[path] if each is not None), default=0)
+        )
+        rows = [[path, *("–" if each is None else f"{each:.3g}" for each in slopes[path])] for path in paths]
+        notes = ["percent per percent; derivatives [SI] are in .derivatives"]
+        return About(heading, notes, ["number", *figures], rows)
+
+
+def _leaves(scene: Scene) -> dict[str, Leaf]:
+    return leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()}, scene.machine.kind)
+
 
 def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
     """Return the numbers [SI] of a scene by path, and why other inputs of it cannot be moved a little."""
-    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()}, scene.machine.kind)
+    leaves = _leaves(scene)
     values: dict[str, float] = {}
     left_out: dict[str, str] = {}
     for path, leaf in leaves.items():
@@ -85,7 +104,7 @@ def sensitivities(
     figures: Sequence[str] | None = None,
     *,
     jobs: int | None = 1,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     result: Result | None = None,
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
@@ -96,7 +115,7 @@ def sensitivities(
     every, left_out = numeric_paths(scene)
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
     values = every if paths is None or not paths else _asked(scene, paths, every)
-    result = simulate(scene, trace=False) if result is None else result
+    result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
     if result.status != "ok":
         return Sensitivities(result)
     exact = found(scene, values)
@@ -109,11 +128,16 @@ def sensitivities(
     return Sensitivities(
         result,
         {path: value for path, value in values.items() if path in by_path},
+        {path: _unit(leaves[path]) for path in values if path in by_path},
         {name: {path: by_path[path][name] for path in values if name in by_path.get(path, {})} for name in asked},
         {path: DIFFERENCES if path in others else EXACT for path in values if path in by_path},
         {path: why for path, why in others.items() if path in by_path},
         ({} if paths else left_out) | failed,
     )
+
+
+def _unit(leaf: Leaf) -> str:
+    return "1" if leaf.dimension is None else leaf.dimension.si
 
 
 def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
@@ -128,7 +152,7 @@ def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> di
 
 
 def _differences(
-    scene: Scene, values: Mapping[str, float], jobs: int | None, progress: Progress | None
+    scene: Scene, values: Mapping[str, float], jobs: int | None, progress: Progress | bool | None
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the derivatives of figures by path as differences of closed cycles, and why some have none."""
     if not values:
@@ -136,14 +160,15 @@ def _differences(
     numerics = scene.numerics
     finer = min(ACCURACY, numerics.accuracy) if numerics.rtol is None else numerics.accuracy
     scene = replace(scene, numerics=replace(numerics, accuracy=finer, error="none"))
-    points = [(path, by) for path, value in values.items() for by in _sides(leaf_of(scene, path), value)]
+    leaves = _leaves(scene)
+    points = [(path, by) for path, value in values.items() for by in _sides(leaves[path], value)]
     results = each(
         partial(_solved, scene, values, points),
         len(points),
         died=lambda number: Result("failed", DIED),
         jobs=jobs,
         failed=lambda result: result.status != "ok",
-        progress=progress,
+        progress=shown("sensitivities", progress),
     )
     slopes: dict[str, dict[str, float]] = {}
     failed: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Progress of a sweep: what is told, and a bar for terminals."""
+"""Progress of a study: what is told, a bar for terminals, lines for what is none; `notebook` has that of notebooks."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class Bar(Progress):
         self._failed += failed
         self._new += cases
         elapsed = self._bar.tasks[0].elapsed or 0.0
-        rate = f"{_digits(self._new / elapsed)} points/s" if elapsed else ""
+        rate = f"{digits(self._new / elapsed)} points/s" if elapsed else ""
         failures = f"{self._failed} not ok" if self._failed else ""
         self._bar.update(self._task, advance=cases, rate=rate, failures=failures, refresh=True)
 
@@ -131,7 +131,7 @@ class Steps(Progress):
 
 
 class Line(Progress):
-    """One line on stderr that is written over, at most twice a second: for notebooks, which know no bars."""
+    """One line on stderr that is written over, at most twice a second: for what is neither terminal nor notebook."""
 
     def __init__(self, title: str, every: float = 0.5) -> None:
         self._title = title
@@ -166,16 +166,24 @@ def in_notebook() -> bool:
 
 
 def for_program(title: str, wanted: bool | None = None) -> Progress:
-    """Return what a program's call tells: a bar in a terminal or a line where it is wanted, in a notebook by itself."""
-    if wanted is None:
-        return Surviving(Line(title)) if in_notebook() else Silent()
+    """Return what a program's call tells: in a notebook a bar by itself; if wanted, one in a terminal, else a line."""
+    if wanted is not False and in_notebook():
+        from screwsim.study.notebook import NotebookBar
+
+        return Surviving(NotebookBar(title))
     if not wanted:
         return Silent()
     found = for_terminal(title)
     return found if isinstance(found, Surviving) else Surviving(Line(title))
 
 
-def _digits(rate: float) -> str:
+def shown(title: str, asked: Progress | bool | None) -> Progress:
+    """Return a progress as it is given, or what `for_program` makes of what is wanted."""
+    return for_program(title, asked) if asked is None or isinstance(asked, bool) else asked
+
+
+def digits(rate: float) -> str:
+    """Return a rate with the digits that are of use."""
     return f"{rate:.0f}" if rate >= 10.0 else f"{rate:.2g}"
 
 

@@ -29,7 +29,7 @@ from screwsim.study.blocks import blocks_of
 from screwsim.study.cases import Block, Job, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, check_limit
-from screwsim.study.progress import Progress, Silent, for_program
+from screwsim.study.progress import Progress, shown
 from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 
@@ -67,7 +67,7 @@ def run_sweep(
     simulate: Simulate | None = None,
     simulate_many: SimulateMany | None = None,
     warm_up: WarmUp | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> SweepSummary:
     """Simulate every case of the scene's grid and write them to `output` (HDF5).
 
@@ -76,8 +76,9 @@ def run_sweep(
     and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
     lies in `output.parts` and is not computed again, unless `restart`. With `batch` the blocks of a worker are
     simulated side by side, in the lanes of its core (docs/how-to/sweeps.md). What simulates one scene, or consecutive
-    ones each from the one before it, and what warms up, default to those of `screwsim.simulate`. Raise UsageError when
-    the file or its parts belong to another scene, or cannot be written, or when the scheduler cannot be reached.
+    ones each from the one before it, and what warms up, default to those of `screwsim.simulate`; `progress` is as of
+    `sweep`. Raise UsageError when the file or its parts belong to another scene, or cannot be written, or when the
+    scheduler cannot be reached.
     """
     began = time.perf_counter()
     check_limit(case_limit)
@@ -93,7 +94,7 @@ def run_sweep(
     try:
         many, warm = _simulator(scene, simulate, simulate_many, warm_up)
         with Draft(output, scene, axes_of(scene), "sweep", parts.folder) as draft:
-            run = _Sweep(scene, parts, progress or Silent(), many, warm, draft, batch)
+            run = _Sweep(scene, parts, shown("sweep", progress), many, warm, draft, batch)
             reused = run.run(jobs, scheduler, case_limit)
             draft.complete(parts.all(run.blocks.cases))
         parts.discard()
@@ -114,7 +115,7 @@ def sweep(
         data.shaft_power.sel(operation_speed=314.159, method="nearest")
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a
-    bar or a line on stderr, None: that only where a notebook shows it.
+    bar or a line on stderr, None: a bar where a notebook shows it, False: nothing.
 
     Dimensions are those of the sweep (docs/how-to/sweeps.md), named by their paths with `_` for each dot, values in SI;
     `case` and `sample` where paths vary together. Names of balance, error, numerics, cycle and ledger carry their group
@@ -127,15 +128,14 @@ def sweep(
             "the scene has no sweep (scene.with_({'sweep.operation.speed': ['1000 rpm', '3000 rpm']}) gives it one; "
             "one point is simulated by screwsim.simulate)"
         )
-    options["progress"] = progress if isinstance(progress, Progress) else for_program("sweep", progress)
     try:
         import xarray  # noqa: F401 - only whether it is there
     except ImportError:
         file = Path(tempfile.mkdtemp(prefix="screwsim-")) / "sweep.h5"  # stays: Results reads when asked
-        run_sweep(scene, file, jobs=jobs, **options)
+        run_sweep(scene, file, jobs=jobs, progress=progress, **options)
         return open_results(file)
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
-        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, **options)
+        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=progress, **options)
         return open_results(Path(folder) / "sweep.h5").to_xarray(None)
 
 

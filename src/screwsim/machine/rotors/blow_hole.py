@@ -76,13 +76,12 @@ def _angle(rho: Array, outer: float, radii: Array, angles: Array) -> Array:
     return np.interp(np.sqrt(np.maximum(outer - rho, 0.0)), depth[start:], angles[start:])
 
 
-def crossing(pair: Pair, chain: Chain) -> tuple[Array, Array]:
+def crossing(pair: Pair, chain: Chain, o: Opening) -> tuple[Array, Array]:
     """Return the ramp R between chamber and blow-hole: its ends ψm, ψS [rad], and the area crossed by then [m²].
 
     The area is exact (what each rotor sweeps at its end on the line H→S), one row a rotor, and sums to Δ; between its
     ends the ramp is taken as linear.
     """
-    o = opening(pair, chain)
     levels = pair.male_radius**2 - o.rho1**2, pair.k * (pair.female_radius**2 - o.rho2**2)
     crossed = [
         0.5 * float(np.trapezoid(level, psi)) for level, psi in zip(levels, (o.psi_male, o.psi_female), strict=True)

@@ -97,15 +97,18 @@ def crosses_itself(x: Array, y: Array, turn: float, points: int = 250) -> bool:
     ax, ay = outline(px, py, 2, turn)  # this pitch and the next
     p, q = np.column_stack([ax, ay]), np.column_stack([np.append(ax[1:], np.nan), np.append(ay[1:], np.nan)])
     p, q = p[:-1], q[:-1]
-    d, own = q - p, slice(0, len(p) // 2 + 1)  # of this pitch, against both: the next against itself is the same
-    a = p[None, :, :] - p[own, None, :]
-    cross = d[own, None, 0] * d[None, :, 1] - d[own, None, 1] * d[None, :, 0]
+    d, own = q - p, len(p) // 2 + 1  # of this pitch, against both: the next against itself is the same
+    low, high = np.minimum(p, q), np.maximum(p, q)
+    meet = (low[:own, None, 0] <= high[None, :, 0]) & (low[None, :, 0] <= high[:own, None, 0])
+    i, j = np.nonzero(meet & (low[:own, None, 1] <= high[None, :, 1]) & (low[None, :, 1] <= high[:own, None, 1]))
+    far = np.abs(i - j) > 1
+    i, j = i[far], j[far]  # of the steps whose boxes meet, those that are no neighbours
+    a, one, two = p[j] - p[i], d[i], d[j]
+    cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        s = (a[..., 0] * d[None, :, 1] - a[..., 1] * d[None, :, 0]) / cross
-        t = (a[..., 0] * d[own, None, 1] - a[..., 1] * d[own, None, 0]) / cross
-    i = np.arange(len(p))
-    apart = np.abs(i[own, None] - i[None, :]) > 1
-    return bool(np.any(apart & (s > 1e-9) & (s < 1.0 - 1e-9) & (t > 1e-9) & (t < 1.0 - 1e-9)))
+        s = (a[:, 0] * two[:, 1] - a[:, 1] * two[:, 0]) / cross
+        t = (a[:, 0] * one[:, 1] - a[:, 1] * one[:, 0]) / cross
+    return bool(np.any((s > 1e-9) & (s < 1.0 - 1e-9) & (t > 1e-9) & (t < 1.0 - 1e-9)))
 
 
 def lobe_thickness(pair: Pair, chain: Chain) -> tuple[float, float]:

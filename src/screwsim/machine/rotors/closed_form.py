@@ -86,28 +86,29 @@ def _on_rack(pair: Pair, x: Array, y: Array, slope: Array) -> Segment:
 
 def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
     """Return θ*: the male angle at which both tip arcs touch on one line with the pitch point [rad] (bisection)."""
+    centre, r1, r2, Re = pair.male_radius - r3, pair.r1, pair.r2, pair.female_radius - r4
 
     def gap(theta: float) -> float:
-        cx = (pair.male_radius - r3) * math.cos(theta) - pair.r1
-        cy = (pair.male_radius - r3) * math.sin(theta)
+        cx = centre * math.cos(theta) - r1
+        cy = centre * math.sin(theta)
         distance = math.hypot(cx, cy)
-        return _tip_centre(pair, r4, cx / distance) - distance - r3 - r4
+        return _tip_centre(r2, Re, cx / distance) - distance - r3 - r4
 
     low, high = 1e-6, 0.999 * 2.0 * pair.beta1
-    if gap(low) * gap(high) > 0.0:
+    first = gap(low)
+    if first * gap(high) > 0.0:
         raise UsageError(
             "machine.profile: the male and the female tip never touch (choose smaller tip radii, "
             "or a larger female_diameter)"
         )
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if gap(low) * gap(middle) > 0.0 else (low, middle)
+        low, high = (middle, high) if first * gap(middle) > 0.0 else (low, middle)
     return 0.5 * (low + high)
 
 
-def _tip_centre(pair: Pair, r4: float, ux: float) -> float:
+def _tip_centre(r2: float, Re: float, ux: float) -> float:
     """Return t(u): distance from the pitch point of the female tip arc's centre in a direction with x-part ux [m]."""
-    r2, Re = pair.r2, pair.female_radius - r4
     return r2 * ux + math.sqrt(max(r2 * r2 * ux * ux - r2 * r2 + Re * Re, 0.0))
 
 
@@ -119,7 +120,7 @@ def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], poin
             f"machine.profile.female_tip_radius: not above the female lobe's height of {pair.dedendum * 1e3:.4g} mm: "
             "undercut of the male flank (choose 1.25 times that height, or a smaller female_diameter)"
         )
-    t = _tip_centre(pair, r4, u[0])
+    t = _tip_centre(r2, Re, u[0])
     eta_start = math.atan2(t * u[1], r2 - t * u[0])
     eta = eta_start * np.linspace(1.0, 0.0, points) ** 2  # dense at the end: there the direction to P turns fast
     psi = start + (eta_start - eta) / pair.k

@@ -7,8 +7,6 @@ chamber's; `behind` is the same table over the trailing chamber's angle, as the 
 
 from __future__ import annotations
 
-import itertools
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +70,10 @@ class Curves:
     )
 
 
-def _grid(rotors: Rotors, breakpoints: list[float]) -> tuple[Array, tuple[float, ...]]:
+Grid = tuple[Array, tuple[float, ...]]
+
+
+def _grid(rotors: Rotors, breakpoints: list[float]) -> Grid:
     """Return angles φ over the life [rad], evenly spaced between breakpoints that lie in it, and these as own angles.
 
     The number of intervals between breakpoints is even, so that every second angle has all of them, too.
@@ -82,16 +83,17 @@ def _grid(rotors: Rotors, breakpoints: list[float]) -> tuple[Array, tuple[float,
     for at in sorted(breakpoints):
         if inside[-1] + TOGETHER < at < end - TOGETHER:
             inside.append(at)
-    parts = [
-        np.linspace(low, high, 2 * math.ceil(0.5 * (high - low) / STEP) + 1)[:-1]
-        for low, high in itertools.pairwise([*inside, end])
-    ]
-    return np.concatenate([*parts, [end]]), tuple(np.array(inside[1:]) - start)
+    edges = np.array([*inside, end])
+    counts = 2 * np.ceil(0.5 * np.diff(edges) / STEP).astype(int)
+    begins = np.cumsum(counts) - counts
+    number = np.arange(counts.sum()) - np.repeat(begins, counts)
+    phi = number * np.repeat(np.diff(edges) / counts, counts) + np.repeat(edges[:-1], counts)
+    return np.append(phi, end), tuple((edges[1:-1] - start).tolist())
 
 
-def _curve(rotors: Rotors, breakpoints: list[float], unit: str, function) -> Curve:
-    phi, kept = _grid(rotors, breakpoints)
-    return Curve(phi - rotors.start, function(phi), unit, (0.0, *kept, rotors.life))
+def _curve(rotors: Rotors, grid: Grid, unit: str, value: Array) -> Curve:
+    phi, kept = grid
+    return Curve(phi - rotors.start, value, unit, (0.0, *kept, rotors.life))
 
 
 def section_breakpoints(rotors: Rotors) -> list[float]:
@@ -114,38 +116,36 @@ def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
 
 
 def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
-    breakpoints = [*_both_ends(rotors, section_breakpoints(rotors)), rotors.largest[0]]
-    cut, wrap, length = rotors.sections, rotors.wrap, rotors.length
+    grid = _grid(rotors, [*_both_ends(rotors, section_breakpoints(rotors)), rotors.largest[0]])
+    phi, male = grid[0], rotors.sections.male_slope(grid[0], rotors.wrap, rotors.length)
     return (
-        _curve(rotors, breakpoints, "m^3", rotors.volume),
-        _curve(rotors, breakpoints, "m^3/rad", rotors.volume_slope),
-        _curve(rotors, breakpoints, "m^3/rad", lambda phi: cut.male_slope(phi, wrap, length)),
+        _curve(rotors, grid, "m^3", rotors.volume(phi)),
+        _curve(rotors, grid, "m^3/rad", rotors.volume_slope(phi)),
+        _curve(rotors, grid, "m^3/rad", male),
     )
 
 
-def _suction_curves(rotors: Rotors, closes: float) -> dict[str, Curve]:
+def _suction_curves(rotors: Rotors, grooves: ports.Uncovered, closes: float) -> dict[str, Curve]:
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
-    breakpoints = [closes, closes - pair.pitch, -TURN + pair.beta1]
-    grooves = ports.uncovered(pair, chain, rotors.sections)
-    phi, cut = _grid(rotors, breakpoints)[0], rotors.sections
+    grid = _grid(rotors, [closes, closes - pair.pitch, -TURN + pair.beta1])
+    phi, cut = grid[0], rotors.sections
     middle = 0.5 * (cut.psi[0] + cut.psi[-1])
     gained = np.where(phi < middle, cut.area_at(phi) / cut.grooves, 1.0)  # a chamber is born shut, whatever its grooves
     one, two = ports.radial_suction(pair, chain, phi, rotors.wrap, h, closes)
     parts = {"axial": ports.axial_suction(grooves, cut, phi, closes), "radial": gained * (one + two)}
-    return {name: _curve(rotors, breakpoints, "m^2", lambda _, area=area: area) for name, area in parts.items()}
+    return {name: _curve(rotors, grid, "m^2", area) for name, area in parts.items()}
 
 
-def _discharge_curves(rotors: Rotors, opens: float, face_opens: float) -> dict[str, Curve]:
+def _discharge_curves(rotors: Rotors, grooves: ports.Uncovered, opens: float, face_opens: float) -> dict[str, Curve]:
     """Return the areas of the discharge port: on the bores from `opens` on, on the end face from `face_opens` [rad]."""
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
     begins = [each + later for each in dict.fromkeys((opens, face_opens)) for later in (0.0, pair.pitch)]
-    breakpoints = [*begins, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1]
-    grooves = ports.uncovered(pair, chain, rotors.sections)
-    phi = _grid(rotors, breakpoints)[0]
+    grid = _grid(rotors, [*begins, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1])
+    phi = grid[0]
     one, two = ports.radial_discharge(pair, chain, phi, rotors.wrap, h, opens)
     axial = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, face_opens)
     parts = {"axial": axial, "radial": one + two}
-    return {name: _curve(rotors, breakpoints, "m^2", lambda _, area=area: area) for name, area in parts.items()}
+    return {name: _curve(rotors, grid, "m^2", area) for name, area in parts.items()}
 
 
 def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
@@ -182,15 +182,18 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
             for offset, values in lengths.items()
         ),
     ]
-    return tuple(
-        Path(name, offset, p, _curve(rotors, [*breakpoints, rotors.start + offset * p], unit, function))
-        for name, offset, breakpoints, unit, function in made
-    )
+    found = []
+    for name, offset, breakpoints, unit, function in made:
+        grid = _grid(rotors, [*breakpoints, rotors.start + offset * p])
+        found.append(Path(name, offset, p, _curve(rotors, grid, unit, function(grid[0]))))
+    return tuple(found)
 
 
 def _slot_curve(rotors: Rotors, at: Slid) -> Curve:
     """Return the area of a slide's slot to suction, on both bores together."""
-    return _curve(rotors, slot_breakpoints(rotors, at), "m^2", lambda phi: sum(slot_areas(rotors, at, phi)))
+    grid = _grid(rotors, slot_breakpoints(rotors, at))
+    one, two = slot_areas(rotors, at, grid[0])
+    return _curve(rotors, grid, "m^2", one + two)
 
 
 def make_curves(
@@ -206,12 +209,13 @@ def make_curves(
     at = None if slide is None else slid(rotors, slide, opens, face_opens)
     opens = opens if at is None else at.edge
     later = at is not None and at.closes is not None and at.closes > closes
+    grooves = ports.uncovered(rotors.pair, rotors.chain, rotors.sections)
     return Curves(
         rotors.life,
         rotors.chambers,
         *_volume_curves(rotors),
-        _suction_curves(rotors, closes),
-        _discharge_curves(rotors, opens, face_opens),
+        _suction_curves(rotors, grooves, closes),
+        _discharge_curves(rotors, grooves, opens, face_opens),
         _paths(rotors, closes),
         closes - rotors.start,
         min(opens, face_opens) - rotors.start,

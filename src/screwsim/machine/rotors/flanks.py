@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
 POINTS = 201
+FEW = 4  # rotors whose flanks are kept: checks, ports and end faces of one pair ask for them in turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,12 +27,12 @@ class Flanks:
     trail: Array
     turn: float  # angle of the rotor's pitch [rad]
 
-    @property
+    @cached_property
     def inner(self) -> Array:
         """Angular width between the two sides: of the male lobe, of the female groove [rad]."""
         return self.trail - self.lead
 
-    @property
+    @cached_property
     def outer(self) -> Array:
         """Angular width of what lies between two of them: of the male groove, of the female lobe [rad]."""
         return self.turn - self.inner
@@ -53,6 +55,7 @@ def _over_radius(radii: Array, flank_radii: Array, angles: Array) -> Array:
     return np.interp(smooth(radii), np.maximum.accumulate(at[order]), angles[order])
 
 
+@lru_cache(maxsize=FEW)
 def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     """Return the flanks of male lobe 0."""
     x, y = chain.male()
@@ -65,6 +68,7 @@ def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     )
 
 
+@lru_cache(maxsize=FEW)
 def female_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     """Return the flanks of female groove 0: ahead the land that left the male groove, behind the one that follows."""
     x, y = chain.female(pair)

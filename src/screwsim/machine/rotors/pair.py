@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -95,24 +96,44 @@ class Chain:
 
     def male(self) -> tuple[Array, Array]:
         """Return the contact points on the male rotor [m], in its own frame: Rot(+ψ) C."""
+        return self._male
+
+    @cached_property
+    def _male(self) -> tuple[Array, Array]:
         c, s = np.cos(self.psi), np.sin(self.psi)
-        return c * self.x - s * self.y, s * self.x + c * self.y
+        return fixed(c * self.x - s * self.y), fixed(s * self.x + c * self.y)
 
     def female(self, pair: Pair) -> tuple[Array, Array]:
         """Return the contact points on the female rotor [m], in its own frame: Rot(−kψ)(C − O2)."""
-        c, s = np.cos(pair.k * self.psi), np.sin(pair.k * self.psi)
-        x = self.x - pair.centre_distance
-        return c * x + s * self.y, c * self.y - s * x
+        return self._of_pair(pair)[:2]
 
     def male_radii(self) -> Array:
         """Return the distances of the contact points from the male centre [m]."""
-        return np.hypot(self.x, self.y)
+        return self._male_radii
+
+    @cached_property
+    def _male_radii(self) -> Array:
+        return fixed(np.hypot(self.x, self.y))
 
     def female_radii(self, pair: Pair) -> Array:
         """Return the distances of the contact points from the female centre [m]."""
-        return np.hypot(self.x - pair.centre_distance, self.y)
+        return self._of_pair(pair)[2]
 
-    @property
+    def _of_pair(self, pair: Pair) -> tuple[Array, Array, Array]:
+        """Return the contact points on the female rotor and their distances from its centre, of the pair asked last."""
+        if pair not in self._known:
+            self._known.clear()
+            c, s = np.cos(pair.k * self.psi), np.sin(pair.k * self.psi)
+            x = self.x - pair.centre_distance
+            found = c * x + s * self.y, c * self.y - s * x, np.hypot(x, self.y)
+            self._known[pair] = fixed(found[0]), fixed(found[1]), fixed(found[2])
+        return self._known[pair]
+
+    @cached_property
+    def _known(self) -> dict[Pair, tuple[Array, Array, Array]]:
+        return {}
+
+    @cached_property
     def tip(self) -> int:
         """Index of the male tip: the contact point farthest from the male centre (the middle one of several)."""
         radii = self.male_radii()
@@ -127,6 +148,12 @@ class Chain:
     def land_end(self) -> float:
         """Angle at which the trailing edge of the female land ahead of lobe 0 lies on the centre line [rad]: −yL/r1."""
         return float(self.psi[self.edges[0]])
+
+
+def fixed(values: Array) -> Array:
+    """Return an array that nobody can write to: it is handed to all who ask."""
+    values.flags.writeable = False
+    return values
 
 
 def cumulated(psi: Array, total: Array) -> tuple[Array, Array]:

@@ -23,6 +23,8 @@ from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import Profile, check_settings
 
+KEPT = 64  # rotors that a process keeps, with their curves: a study of profiles makes others again and again
+
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
@@ -41,7 +43,7 @@ class Rotors:
     @cached_property
     def sections(self) -> Sections:
         """Section area of a chamber over ψ."""
-        return sections(self.pair, self.chain)
+        return sections(self.pair, self.chain, self.blow_hole)
 
     @cached_property
     def blow_hole(self) -> Opening:
@@ -53,7 +55,7 @@ class Rotors:
         """The blow-hole at the suction cusp; its angles are those of the mirror, −ψ − 2π."""
         return opening(self.pair, mirrored(self.chain))
 
-    @property
+    @cached_property
     def start(self) -> float:
         """φ at which a chamber's life begins [rad]."""
         return float(self.sections.psi[0])
@@ -81,10 +83,10 @@ class Rotors:
         """φ of the largest volume [rad] and that volume [m³]."""
         grid = np.linspace(self.start, self.wrap, 721)
         i = int(np.argmax(self.volume(grid)))
-        low, high = grid[max(i - 1, 0)], grid[min(i + 1, 720)]
+        low, high = float(grid[max(i - 1, 0)]), float(grid[min(i + 1, 720)])
         for _ in range(60):  # bisection of dV/dφ, which falls through zero
             middle = 0.5 * (low + high)
-            rising = self.volume_slope(np.array([middle]))[0] > 0.0
+            rising = self.sections.slope_of(middle, self.wrap, self.length) > 0.0
             low, high = (middle, high) if rising else (low, middle)
         angle = 0.5 * (low + high)
         return float(angle), float(self.volume(np.array([angle]))[0])
@@ -96,12 +98,13 @@ class Rotors:
         """
         grid = np.linspace(self.largest[0], self.wrap, 2001)
         volume = self.volume(grid)
-        wanted = self.largest[1] / volume_ratio
+        wanted = float(self.largest[1] / volume_ratio)
         i = int(np.searchsorted(-volume, -wanted))
-        low, high = grid[max(i - 1, 0)], grid[min(i, len(grid) - 1)]
+        low, high = float(grid[max(i - 1, 0)]), float(grid[min(i, len(grid) - 1)])
         for _ in range(60):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self.volume(np.array([middle]))[0] > wanted else (low, middle)
+            above = self.sections.volume_of(middle, self.wrap, self.length) > wanted
+            low, high = (middle, high) if above else (low, middle)
         if self.wrap - high < math.radians(10.0):
             raise UsageError(
                 f"machine.{name}: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
@@ -160,13 +163,13 @@ def make_rotors(
     return rotors
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
     """Return the rotors; the same ones again for the same chain, with all that they have found of themselves."""
     return Rotors(pair, chain, length, wrap)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=KEPT)
 def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
     """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
     chain = make_chain(pair, profile)

@@ -9,11 +9,12 @@ Source: docs/reference/rotors.md. Lengths in m, angles in rad.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.machine.rotors.blow_hole import crossing
+from screwsim.machine.rotors.blow_hole import Opening, crossing, opening
 from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines
 
 TURN = 2.0 * math.pi
@@ -74,6 +75,30 @@ class Sections:
         """Return dV/dφ [m³/rad], the exact derivative of `volume`."""
         return length / wrap * (self.area_at(phi) - self.area_at(phi - wrap))
 
+    def volume_of(self, phi: float, wrap: float, length: float) -> float:
+        """Return `volume` at one angle: a search asks for many, one after the other."""
+        return length / wrap * (self._integral_of(phi) - self._integral_of(phi - wrap))
+
+    def slope_of(self, phi: float, wrap: float, length: float) -> float:
+        """Return `volume_slope` at one angle."""
+        return length / wrap * (self._area_of(phi) - self._area_of(phi - wrap))
+
+    def _integral_of(self, psi: float) -> float:
+        nodes, a, integral, last = self.psi, self.a, self.integral, len(self.psi) - 1
+        inside = min(max(psi, float(nodes[0])), float(nodes[last]))
+        i = min(max(bisect_right(nodes, inside) - 1, 0), last - 1)
+        step, low, first = inside - float(nodes[i]), float(nodes[i]), float(a[i])
+        slope = (float(a[i + 1]) - first) / (float(nodes[i + 1]) - low)
+        return float(integral[i]) + step * (first + 0.5 * step * slope)
+
+    def _area_of(self, psi: float) -> float:
+        nodes, a = self.psi, self.a
+        if not nodes[0] <= psi <= nodes[-1]:
+            return 0.0
+        i = min(bisect_right(nodes, psi) - 1, len(nodes) - 2)
+        low, first = float(nodes[i]), float(a[i])
+        return (float(a[i + 1]) - first) / (float(nodes[i + 1]) - low) * (psi - low) + first
+
     def male_slope(self, phi: Array, wrap: float, length: float) -> Array:
         """Return ∂V/∂φ of the male rotor alone [m³/rad]: times pressure, the gas torque on it.
 
@@ -107,17 +132,19 @@ def _chamber(pair: Pair, psi: Array, branches: Branches, crossed: tuple[Array, A
     return gain - loss - (np.interp(psi + p, *crossed) - np.interp(psi, *crossed))
 
 
-def sections(pair: Pair, chain: Chain) -> Sections:
-    """Return the section area of a chamber over ψ, and the part of it that the male rotor displaces."""
+def sections(pair: Pair, chain: Chain, hole: Opening | None = None) -> Sections:
+    """Return the section area of a chamber over ψ, and the part of it that the male rotor displaces.
+
+    hole: the blow-hole at the high-pressure cusp, where it is known.
+    """
     steps, p = sweep(pair, chain), pair.pitch
-    ramp, delta = crossing(pair, chain)
-    parts = []
-    rising, falling = mesh_functions(pair, chain, steps[0])
+    ramp, delta = crossing(pair, chain, hole or opening(pair, chain))
+    meshes = [mesh_functions(pair, chain, step) for step in steps]
+    rising, falling = meshes[0]
     nodes = [rising[0] - TURN, falling[0] - TURN - p, rising[0], falling[0], ramp - p, ramp]
     psi = np.unique(np.concatenate(nodes))
     psi = psi[np.concatenate([[True], np.diff(psi) > 1e-12])]
-    for step, crossed in zip(steps, delta, strict=True):
-        parts.append(_chamber(pair, psi, mesh_functions(pair, chain, step), (ramp, crossed)))
+    parts = [_chamber(pair, psi, mesh, (ramp, crossed)) for mesh, crossed in zip(meshes, delta, strict=True)]
     a = parts[0] + parts[1]
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * np.diff(psi))])
     share = float(steps[0].sum() / (steps[0].sum() + steps[1].sum()))

@@ -8,16 +8,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from screwsim.declare import KINDS, Kind
 from screwsim.faults import UsageError
 from screwsim.figures import declared, known
 from screwsim.outputs import Figure
+from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.fields import Leaf, leaf_paths, unknown
 from screwsim.scene.numerals import odd_number, told
-from screwsim.scene.units import NUMBER, Refused
+from screwsim.scene.units import NUMBER, Refused, over, parse_quantity, tidy_unit
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Place, Problem
-from screwsim.sheets import BadSheet, Row, read_sheet
+from screwsim.sheets import BadSheet, Row, Sheet, read_sheet
 from screwsim.study.calibration.fit import Measured, Point
 from screwsim.textfiles import Unreadable
 
@@ -50,18 +52,25 @@ _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_unce
 
 @dataclass(frozen=True)
 class _Column:
-    """One column: what it holds (name, use, figure, uncertainty, path), of what, in which unit."""
+    """One column: what it holds (name, use, figure, uncertainty, path), of what, in which unit.
+
+    `quantity` is the dimension of a figure whose unit is one of scenes alone.
+    """
 
     kind: str
     of: str
     unit: str
     leaf: Leaf | None = None
+    quantity: Kind | None = None
 
 
 def read_points(
-    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[Problem]
+    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[Problem], *, candidates: bool = False
 ) -> list[tuple[Point, Place]]:
-    """Return the points of a file with their places; `taken` are paths that a parameter sets."""
+    """Return the points of a file with their places; `taken` are paths that a parameter sets.
+
+    Of `candidates` nothing is measured yet: figures stand for nothing there, uncertainties for what would be measured.
+    """
     start = Place(1, label)
     try:
         sheet = read_sheet(path)
@@ -80,11 +89,19 @@ def read_points(
     if len(sheet.rows) > MOST_POINTS:
         problems.append(Problem(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
         return []
+    with over(scene.operation.ambient_pressure):
+        return _read(sheet, start, scene, taken, problems, candidates)
+
+
+def _read(
+    sheet: Sheet, start: Place, scene: Scene, taken: Sequence[str], problems: list[Problem], candidates: bool
+) -> list[tuple[Point, Place]]:
+    """Return the points of a table; gauge pressures are over the ambient one of the scene."""
     before = len(problems)
-    columns = _columns(_cells(sheet.head, start), scene, taken, problems)
+    columns = _columns(_cells(sheet.head, start), scene, taken, problems, candidates)
     if len(problems) > before:
         return []
-    read = [_point(row, start, columns, problems) for row in sheet.rows]
+    read = [_point(row, start, columns, problems, candidates) for row in sheet.rows]
     points = [row for row in read if row is not None]
     names: set[str] = set()
     for point, place in points:
@@ -112,9 +129,9 @@ def _starts(line: str) -> Iterator[int]:
 
 
 def _columns(
-    cells: list[tuple[str, Place]], scene: Scene, taken: Sequence[str], problems: list[Problem]
+    cells: list[tuple[str, Place]], scene: Scene, taken: Sequence[str], problems: list[Problem], candidates: bool
 ) -> list[tuple[_Column, Place]]:
-    found = []
+    found, refused = [], set()
     for cell, place in cells:
         match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell)
         assert match is not None
@@ -122,16 +139,18 @@ def _columns(
         try:
             found.append((_column(name, unit, scene, taken), place))
         except (Refused, UsageError) as refusal:
+            refused.add(name)
             problems.append(Problem(place, name or "data", str(refusal).removeprefix(f"{name}: ")))
     names = [(column.kind, column.of) for column, _ in found]
     for (column, place), name in zip(found, names, strict=True):
         if names.count(name) > 1:
             problems.append(Problem(place, column.of, "is there twice (remove one column)"))
         partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
-        if partner and (partner, column.of) not in names:
+        if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
             other = column.of if partner == "figure" else column.of + UNCERTAINTY
-            problems.append(Problem(place, column.of, f"has no column {other} beside it (add it)"))
-    if not any(kind == "figure" for kind, _ in names) and not problems:
+            if other not in refused:
+                problems.append(Problem(place, column.of, f"has no column {other} beside it (add it)"))
+    if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
         problems.append(Problem(cells[0][1], "data", f"has no measured figure (known: {', '.join(_figures(scene))})"))
     return found
 
@@ -141,10 +160,37 @@ def _figures(scene: Scene) -> Mapping[str, Figure]:
     return known() | {each.name: each for active in scene.effects.values() for each in active.effect.figures}
 
 
-def _units(figure: str) -> Mapping[str, float]:
+def units_of(figure: str) -> Mapping[str, float]:
     """Return the factors to SI units of the units in which a figure may be stated."""
     si = declared(figure).units
     return UNITS.get(si, {si: 1.0})
+
+
+def _quantity(figure: str, kind: str, unit: str) -> Kind | None:
+    """Return the dimension of a figure, or of its uncertainty, in whose units as scenes take them one is; None else.
+
+    Raise `Refused` of an uncertainty in a unit with a zero of its own (barg, degF).
+    """
+    si = tidy_unit(si_unit(declared(figure).units))
+    named = [each for each in KINDS.values() if each.si == si]
+    absolute = [each for each in named if not each.name.endswith("_difference")]
+    differences = [each for each in named if each not in absolute]
+    gauged = figure.endswith("pressure") or not differences or si != "Pa"
+    wanted = (absolute if kind == "figure" and gauged else differences or absolute)[:1]
+    if wanted and _reads(wanted[0], unit):
+        return wanted[0]
+    if differences and wanted[:1] == differences[:1] and _reads(absolute[0], unit):
+        what = "an uncertainty" if kind == "uncertainty" else "a difference"
+        raise Refused(f"unit {shown(unit)} has a zero of its own, and this is {what} (write [{si}])")
+    return None
+
+
+def _reads(kind: Kind, unit: str) -> bool:
+    try:
+        parse_quantity(kind, f"1 {unit}")
+    except Refused:
+        return False
+    return bool(unit)
 
 
 def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column:
@@ -154,10 +200,13 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     figure = name.removesuffix(UNCERTAINTY)
     figures = _figures(scene)
     if figure in figures:
-        units = _units(figure)
-        if unit not in units and not (CELSIUS == unit and "K" in units and figure == name):
+        units, kind = units_of(figure), "figure" if figure == name else "uncertainty"
+        if unit in units or (CELSIUS == unit and "K" in units and kind == "figure"):
+            return _Column(kind, figure, unit)
+        quantity = _quantity(figure, kind, unit)
+        if quantity is None:
             raise Refused(f"unit {shown(unit)} is none of its units (write [{'], ['.join(u for u in units if u)}])")
-        return _Column("figure" if figure == name else "uncertainty", figure, unit)
+        return _Column(kind, figure, unit, quantity=quantity)
     if name in taken:
         raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
     in_brackets = re.fullmatch(r"(.*?)\s*\((.*)\)", name)
@@ -174,7 +223,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
 
 
 def _point(
-    row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem]
+    row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem], candidates: bool
 ) -> tuple[Point, Place] | None:
     place, before = start.at(row.line, 1), len(problems)
     found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}
@@ -188,6 +237,8 @@ def _point(
             found[column.kind][column.of] = value
     if len(problems) > before:
         return None
+    if candidates:
+        found["figure"] = dict.fromkeys(found["uncertainty"], 0.0)
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
         problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
     if len(problems) > before:
@@ -217,9 +268,11 @@ def _value(column: _Column, text: str) -> Any:
         return None
     if not re.fullmatch(NUMBER, text):
         raise Refused(f"{shown(text)} is not a number (write e.g. 0.5, its unit in the first line)")
-    value = float(text)
+    value = float(text) if column.quantity is None else float(parse_quantity(column.quantity, f"{text} {column.unit}"))
     if column.kind == "uncertainty" and not value > 0.0:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
+    if column.quantity is not None:
+        return value
     if column.unit == CELSIUS:
         return value + ZERO
-    return value * _units(column.of)[column.unit]
+    return value * units_of(column.of)[column.unit]

@@ -114,6 +114,12 @@ class Fit:
         """Return the scene of an operating point with other values [SI] of the parameters."""
         return with_values(self.machine(values), point.values)
 
+    def short_names(self) -> list[str]:
+        """Return the last words of the parameters' paths, as many as tell them apart."""
+        paths = [each.path.split(".") for each in self.parameters]
+        ends = [path[-1] for path in paths]
+        return [".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for path in paths]
+
     def first_start(self) -> dict[str, float]:
         """Return the stated starts [SI], the middle of the bounds where none is stated."""
         return {each.path: each.value(0.5) if each.start is None else each.start for each in self.parameters}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -33,13 +34,24 @@ _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
 _PARAMETER = "write {from: …, to: …}"
 
 
-def read_fit(path: str | os.PathLike[str]) -> Fit:
-    """Return the fit of a YAML file; raise `SceneError` with one line a fault."""
+def read_fit(
+    path: str | os.PathLike[str],
+    *,
+    scene: str | os.PathLike[str] | None = None,
+    data: str | os.PathLike[str] | None = None,
+    fixed: bool = True,
+) -> Fit:
+    """Return the fit of a YAML file; raise `SceneError` with one line a fault.
+
+    `scene` and `data` are files in place of those that it names; `fixed` False: the data need not be as many as the
+    parameters.
+    """
     name = shipped(path)
     place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     problems: list[Problem] = []
     root = _read(name, place, problems)
-    fit = None if root is None else _typed(root, name, problems)
+    other = {key: os.fspath(each) for key, each in (("scene", scene), ("data", data)) if each is not None}
+    fit = None if root is None else _typed(root, name, other, fixed, problems)
     if problems or fit is None:
         raise scene_error(problems)
     return fit
@@ -65,24 +77,27 @@ def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
     return root
 
 
-def _typed(root: Node, name: str, problems: list[Problem]) -> Fit | None:
+def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problems: list[Problem]) -> Fit | None:
     head = read_fields(HEAD, root, "", problems, _REMEDY, also=("parameters",))
-    if head is None or not _is_file(root, "scene", head["scene"], problems):
+    for key, file in other.items():
+        if not os.path.isfile(file):
+            raise UsageError(f"--{key} {file}: is not a file (name an existing one)")
+    if head is None or ("scene" not in other and not _is_file(root, "scene", head["scene"], problems)):
         return None
-    scene_file = os.path.join(root.place.folder, head["scene"])
+    scene_file = other.get("scene", os.path.join(root.place.folder, head["scene"]))
     scene = _tightened(replace(load(scene_file), sweep={}, joints=()), head["accuracy"])
     parameters = _parameters(root, scene, problems)
-    if not _is_file(root, "data", head["data"], problems) or not parameters:
+    if ("data" not in other and not _is_file(root, "data", head["data"], problems)) or not parameters:
         return None
-    data = os.path.join(root.place.folder, head["data"])
-    label = os.path.normpath(os.path.join(os.path.dirname(name), head["data"]))
+    data = other.get("data", os.path.join(root.place.folder, head["data"]))
+    label = os.path.normpath(other.get("data", os.path.join(os.path.dirname(name), head["data"])))
     taken = [path for each in parameters for path in each.values(each.low)]
     rows = read_points(data, label, scene, taken, problems)
     if problems:
         return None
     points = tuple(point for point, _ in rows)
     fit = Fit(head["title"], name, scene, scene_file, parameters, points, head["starts"], head["seed"], head["slopes"])
-    _check(fit, rows, root, problems)
+    _check(fit, rows, root, fixed, problems)
     return fit
 
 
@@ -205,14 +220,17 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
     return tuple(found)
 
 
-def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, problems: list[Problem]) -> None:
-    """Add a fault where the values of a point and of the first start do not fit together, or data are too few."""
+def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, problems: list[Problem]) -> None:
+    """Add a fault where the values of a point and of the first start do not fit together, or data are too few.
+
+    Not `fixed`: one measured figure is enough.
+    """
     start = fit.first_start()
     for point, place in rows:
         for fault in cross_check(fit.at(point, start)):
             problems.append(Problem(place, fault.path, fault.what))
     data = sum(len(point.measured) for point in fit.points if point.fitted)
     priors = sum(each.prior is not None for each in fit.parameters)
-    if not data or data + priors < len(fit.parameters):
+    if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot fix {len(fit.parameters)} parameters"
         problems.append(Problem(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)"))

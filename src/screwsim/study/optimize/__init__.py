@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
+from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.scene.given import scene_of
 from screwsim.study.crew import Crew
 from screwsim.study.goals import Bound
-from screwsim.study.inputs import check_fit
+from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import Simulated, simulated
 from screwsim.study.optimize.points import Points
 from screwsim.study.optimize.question import Aim, Question, question
@@ -26,7 +27,7 @@ from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
 from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.progress import Progress, Silent, for_program
+from screwsim.study.progress import Progress, Silent, shown
 from screwsim.study.search import Top
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
@@ -47,8 +48,8 @@ class Reach:
     border: str = ""
 
 
-@dataclass(frozen=True)
-class Optimum:
+@dataclass(frozen=True, repr=False)
+class Optimum(Brief):
     """What was found, all in SI units; `status` none: no evaluation has results within the bounds.
 
     Rows of `places` (0 … 1 between the bounds), `aims`, `errors` (of the aims, numerical, absolute) and `excess` (over
@@ -83,6 +84,18 @@ class Optimum:
         """Return the values [SI] of an evaluation."""
         return self.asked.values(self.places[row])
 
+    def _about(self) -> About:
+        scene, aims = self.asked.scene, self.asked.aims
+        asked = ", ".join(f"{'least' if aim.minimum else 'greatest'} {aim.figure}" for aim in aims)
+        rows = []
+        for row in map(int, self.front):
+            figures = [shown_figure(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
+            rows.append([*figures, *(shown_value(scene, path, at) for path, at in self.values_at(row).items())])
+        counts = f"{len(self.places)} evaluations, {self.failed} failed, {self.outside} outside of the bounds"
+        notes = [counts, *([self.message] if self.message else [])]
+        columns = [*(aim.figure for aim in aims), *(span.path for span in self.asked.spans)]
+        return About(f"Optimum: {self.status}, {asked}", notes, columns, rows)
+
     def scene_at(self, row: int) -> Scene:
         """Return the scene of an evaluation."""
         scene = self.asked.scene
@@ -113,9 +126,9 @@ def optimize(
         found.values_at(found.front[0]), found.aims[found.front]
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a bar or
-    a line on stderr, None: that only where a notebook shows it. What is asked is as in `question`. With an `output` all
-    evaluations are kept in HDF5, and those of an interrupted run of the same question are not repeated (unless
-    `restart`).
+    a line on stderr, None: a bar where a notebook shows it, False: nothing. What is asked is as in `question`. With an
+    `output` all evaluations are kept in HDF5, and those of an interrupted run of the same question are not repeated
+    (unless `restart`).
     """
     scene = scene_of(scene)
     base = replace(scene, sweep={}, joints=(), text="")
@@ -123,8 +136,8 @@ def optimize(
     spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
     more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize, minimize, **more)
-    shown = progress if isinstance(progress, Progress) else for_program("optimize", progress)
-    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=shown)
+    bar = shown("optimize", progress)
+    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=bar)
 
 
 def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]]:

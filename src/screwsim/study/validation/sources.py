@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import screwsim
-from screwsim import __version__
 from screwsim.faults import UsageError
 from screwsim.near import nearest
 from screwsim.study.each import each
@@ -20,6 +19,7 @@ from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.discrepancy import model_errors
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 from screwsim.textfiles import Unreadable, read_text
+from screwsim.version import version
 
 FOLDER, MODULE = "validation", "compare.py"
 PACKAGE = Path(screwsim.__file__).resolve().parent
@@ -127,7 +127,7 @@ def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
         sources[outcome.name] = {"status": "ok", **told}
         for row in outcome.comparison.rows:
             counts[row.verdict] += 1
-    return {"version": __version__, "verdicts": counts, "sources": sources}
+    return {"version": version(), "verdicts": counts, "sources": sources}
 
 
 def errors_of(outcomes: Sequence[Outcome]) -> dict[str, Any]:

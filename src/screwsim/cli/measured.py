@@ -1,0 +1,78 @@
+"""The commands that ask measured points of a machine: what has changed since, and which points to measure next."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target, option
+from screwsim.faults import UsageError
+from screwsim.screen import say
+
+FitFile = Annotated[
+    str, typer.Argument(metavar="FIT", help="Machine, parameters and points: a fit's YAML file.", show_default=False)
+]
+OtherScene = Annotated[
+    Path | None, option("SCENE", "The machine, in place of the fit's own: e.g. scene.yaml of a calibration.", "--scene")
+]
+OtherData = Annotated[Path | None, option("POINTS.csv", "Measured points in place of those of the fit.", "--data")]
+
+
+def diagnose(
+    fit_file: FitFile,
+    scene: OtherScene = None,
+    data: OtherData = None,
+    unchanged: Annotated[float, option("P", "How probable it is beforehand that nothing changed.")] = 0.5,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Tell from new measured points which one parameter of a machine has changed, and with what probability."""
+    from screwsim.printing import show
+    from screwsim.printing.diagnosis import diagnosis_document, print_diagnosis
+    from screwsim.study.calibration import read_fit
+    from screwsim.study.calibration.diagnosis import diagnose as diagnosed
+    from screwsim.study.progress import for_terminal
+
+    fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
+    found = diagnosed(fit, unchanged=unchanged, jobs=jobs, progress=for_terminal("diagnose"))
+    show(as_json, diagnosis_document, print_diagnosis, found)
+    return OK if found.status == "ok" else NOT_ALL_OK
+
+
+def plan(
+    fit_file: FitFile,
+    candidates: Annotated[
+        Path | None, option("GRID.csv", "The operating points that could be measured.", "--candidates")
+    ] = None,
+    paths: Annotated[
+        list[str] | None,
+        option("PATH=LOW..HIGH", "Or: all combinations of values of such ranges; repeat it.", "--path"),
+    ] = None,
+    levels: Annotated[int | None, option("N", "Values of each range (default 4).")] = None,
+    count: Annotated[int, option("N", "How many points are chosen.")] = 3,
+    output: Annotated[Path | None, option("NEXT.csv", "Write them as data of a fit, to be filled in.", "-o")] = None,
+    scene: OtherScene = None,
+    data: OtherData = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Choose the operating points that would tell most about the parameters of a fit, beside its own."""
+    check_target(output, ".csv")
+    from screwsim.printing import show
+    from screwsim.printing.plan import plan_document, print_plan, write_plan
+    from screwsim.study.calibration import read_fit
+    from screwsim.study.calibration.plan import LEVELS, candidates_of
+    from screwsim.study.calibration.plan import plan as planned
+    from screwsim.study.progress import for_terminal
+
+    if levels is not None and not paths:
+        raise UsageError(f"--levels {levels}: is of ranges (write --path PATH=LOW..HIGH)")
+    fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
+    points = candidates_of(fit, candidates, paths or (), LEVELS if levels is None else levels)
+    found = planned(fit, points, count=count, jobs=jobs, progress=for_terminal("plan"))
+    show(as_json, plan_document, print_plan, found)
+    if output is not None and found.steps:
+        say(write_plan(output, found), err=as_json)
+    return OK if found.status == "ok" else NOT_ALL_OK

@@ -1,0 +1,161 @@
+"""Derivatives of a result's figures by the numbers of its scene, found when they are first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
+from typing import Any, Protocol
+
+from screwsim.near import nearest
+from screwsim.outputs import tables
+from screwsim.outputs.display import si_unit
+from screwsim.outputs.figures import Figures, shown
+
+SHOWN = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # those of them there are
+MOST = 15  # numbers in a text, those that count most first
+
+
+class Slopes(Protocol):
+    """What is found: derivatives [SI] by figure and path, the numbers [SI] at the paths and their SI units.
+
+    `method` is 'exact' or 'differences', by path; `left_out` says why paths have none.
+    """
+
+    @property
+    def values(self) -> Mapping[str, float]: ...
+    @property
+    def units(self) -> Mapping[str, str]: ...
+    @property
+    def derivatives(self) -> Mapping[str, Mapping[str, float]]: ...
+    @property
+    def method(self) -> Mapping[str, str]: ...
+    @property
+    def left_out(self) -> Mapping[str, str]: ...
+
+
+class Derivatives(Mapping[tuple[str, str], float]):
+    """Derivatives [SI] by (figure, path of the scene): `result.derivatives["shaft_power", "operation.speed"]`.
+
+    The end of a path stands for it where no other ends so: "tip_leakage.gap". They are found all at once when the
+    first is asked for; a KeyError says what there is, and why what is asked for has none.
+    """
+
+    def __init__(self, find: Callable[[], Slopes] | None = None, performance: Figures | None = None) -> None:
+        self._find = find
+        self._performance = Figures() if performance is None else performance
+
+    @cached_property
+    def found(self) -> Slopes:
+        """All that is known of them: with the numbers themselves, and by which method each was found."""
+        if self._find is None:
+            raise KeyError(
+                "this result does not know its scene (screwsim.sensitivities(scene) finds derivatives; a result of "
+                "screwsim.simulate has them)"
+            )
+        return self._find()
+
+    def __getitem__(self, key: tuple[str, str]) -> float:
+        figure, path = self._key(key)
+        return self.found.derivatives[figure][path]
+
+    def __iter__(self) -> Iterator[tuple[str, str]]:
+        return ((figure, path) for figure, slopes in self.found.derivatives.items() for path in slopes)
+
+    def __len__(self) -> int:
+        return sum(map(len, self.found.derivatives.values()))
+
+    def units(self, figure: str, path: str) -> str:
+        """Return the unit of a derivative as people write it: 'W/m' of a power by a length."""
+        figure, path = self._key((figure, path))
+        return per(self._units()[figure], self.found.units[path])
+
+    def relative(self, figure: str, path: str) -> float | None:
+        """Return a derivative in percent per percent; None where the figure or the number is nothing."""
+        figure, path = self._key((figure, path))
+        value, number = self._performance.get(figure), self.found.values[path]
+        return self.found.derivatives[figure][path] * number / value if value and number else None
+
+    def to_pandas(self) -> Any:
+        """Return them as a pandas.DataFrame, figures × paths [SI]; `attrs` has the SI units of both."""
+        found = self.found
+        frame = tables.library("pandas").DataFrame.from_dict(dict(found.derivatives), orient="index")
+        frame = frame.reindex(columns=list(found.values))
+        frame.index.name, frame.columns.name = "figure", "path"
+        units = self._units()
+        frame.attrs.update(
+            figure_units={name: units[name] for name in frame.index}, path_units=dict(found.units), values=found.values
+        )
+        return frame
+
+    def __repr__(self) -> str:
+        if self._find is None:
+            return "Derivatives: none (of a result that does not know its scene)"
+        found = self.found
+        figures = [name for name in SHOWN if name in found.derivatives] or list(found.derivatives)[:3]
+        size = f"{len(found.derivatives)} figures by {len(found.values)} numbers"
+        if not figures:
+            return f"Derivatives: none ({size})"
+        paths = sorted(found.values, key=lambda path: -self._weight(figures[0], path))[:MOST]
+        rows = [["", *figures], *([path, *(self._told(figure, path) for figure in figures)] for path in paths)]
+        widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+        lines = ("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows)
+        return "\n".join([f"Derivatives: {size}, SI units", *(line.rstrip() for line in lines)])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        found = self.__dict__.get("found")
+        return Derivatives, (self._find if found is None else _Known(found), self._performance)
+
+    def _weight(self, figure: str, path: str) -> float:
+        return abs(self.relative(figure, path) or 0.0) if path in self.found.derivatives[figure] else 0.0
+
+    def _told(self, figure: str, path: str) -> str:
+        slope = self.found.derivatives[figure].get(path)
+        return "" if slope is None else f"{slope:.4g} {self.units(figure, path)}".rstrip()
+
+    def _units(self) -> dict[str, str]:
+        return {each.name: each.units for each in shown(self._performance)}
+
+    def _key(self, key: tuple[str, str]) -> tuple[str, str]:
+        """Return figure and whole path; raise KeyError with what there is."""
+        if not isinstance(key, tuple) or len(key) != 2:
+            raise KeyError(f'{key!r} is no figure with a path (write ["shaft_power", "operation.speed"])')
+        figure, path = key
+        found = self.found
+        if not found.derivatives:
+            raise KeyError("no derivatives: the point has no figures (result.status, result.message say why)")
+        if figure not in found.derivatives:
+            raise KeyError(_unknown(f"no derivatives of {figure!r}", figure, list(found.derivatives)))
+        same = [each for each in found.values if each == path or each.endswith(f".{path}")]
+        whole = path if path in same else same[0] if len(same) == 1 else None
+        if whole is None and same:
+            raise KeyError(f"{path!r} may be {', '.join(same)} (write the whole path)")
+        if whole is None or whole not in found.derivatives[figure]:
+            why = found.left_out.get(path, "")
+            nothing = f"no derivative by {path!r}"
+            raise KeyError(f"{nothing}: {why}" if why else _unknown(nothing, path, list(found.values)))
+        return figure, whole
+
+
+class _Known:
+    """Give back what was found."""
+
+    def __init__(self, found: Slopes) -> None:
+        self._found = found
+
+    def __call__(self) -> Slopes:
+        return self._found
+
+
+def per(above: str, below: str) -> str:
+    """Return the unit of one quantity over another's, as people write it."""
+    if below == "1":
+        return si_unit(above)
+    under = si_unit(below)
+    under = f"({under})" if " " in under or "/" in under else under
+    over = si_unit(above) or "1"
+    return f"{over}/{under}" if "/" not in over else f"({over})/{under}"
+
+
+def _unknown(what: str, name: str, known: list[str]) -> str:
+    offer = nearest(name, known)
+    return f"{what}; {f'did you mean {offer!r}?' if offer else 'there are: ' + ', '.join(known)}"

@@ -1,0 +1,125 @@
+"""What `screwsim plan` prints and writes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.results.atomic import make_folder, write_csv
+from screwsim.scene import Scene
+from screwsim.screen import say
+from screwsim.study.calibration.data import units_of
+from screwsim.study.calibration.plan import Plan
+from screwsim.study.inputs import in_customary, unit_of_change
+
+MOST = 6  # points of which the table shows the deviations behind them
+
+
+def plan_document(found: Plan) -> dict[str, Any]:
+    """Return what `plan --json` prints; SI units."""
+    paths = [each.path for each in found.fit.parameters]
+    return {
+        "title": found.fit.title,
+        "status": found.status,
+        "message": found.message,
+        "values": dict(found.values),
+        "candidates": found.candidates,
+        "known_by_bounds_alone": list(found.even),
+        "uncertain_inputs": list(found.inputs),
+        "deviations": dict(zip(paths, found.before, strict=True)) if found.before else {},
+        "points": [
+            {
+                "name": each.point.name,
+                "conditions": dict(each.point.values),
+                "uncertainties": {name: one.uncertainty for name, one in each.point.measured.items()},
+                "gain": each.gain,
+                "deviations": dict(zip(paths, each.deviations, strict=True)),
+            }
+            for each in found.steps
+        ],
+        "without_solution": dict(found.reasons),
+        "solutions": found.solutions,
+        "failed_solutions": found.failed,
+    }
+
+
+def print_plan(found: Plan) -> None:
+    """Print the points in their order, and how well each parameter is known with them."""
+    fit = found.fit
+    if fit.title or fit.scene.title:
+        say(wrapped(fit.title or fit.scene.title))
+    there = sum(point.fitted for point in fit.points)
+    say(wrapped(f"{there} points, {found.candidates} candidates, {found.solutions} solutions"))
+    for name, reason in found.reasons.items():
+        say(wrapped(f"left out, no solution at {name}: {reason}"))
+    if not found.steps:
+        say(wrapped(f"{found.status}: {found.message}"))
+        return
+    say()
+    rows = [[f"{i}", each.point.name, f"{each.gain:.3f}"] for i, each in enumerate(found.steps, 1)]
+    say("\n".join(plain_table(["", "measure next", "gain"], rows, 2)))
+    say()
+    shown = found.steps if len(found.steps) <= MOST else (*found.steps[: MOST - 1], found.steps[-1])
+    numbers = [*range(1, len(shown)), len(found.steps)]
+    heads = ["standard deviation", "now", *(f"with {number}" for number in numbers), "", "less by"]
+    rows = [_row(found, i, [found.before, *(each.deviations for each in shown)]) for i in range(len(fit.parameters))]
+    say("\n".join(plain_table(heads, rows, 1)))
+    say()
+    for line in _told(found):
+        say(wrapped(line))
+
+
+def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list[str]:
+    parameter = found.fit.parameters[index]
+    per, unit = unit_of_change(found.fit.scene, parameter.path, found.values[parameter.path])
+    cells = [f"{per * each[index]:.3g}" for each in deviations]
+    less = 1.0 - deviations[-1][index] / deviations[0][index]
+    return [found.fit.short_names()[index], *cells, unit, f"{100.0 * less:.0f} %"]
+
+
+def _told(found: Plan) -> Iterator[str]:
+    yield "gain: by how much the logarithm of the volume that the parameters may fill becomes less"
+    if found.even:
+        names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))
+        yield f"known beforehand by their bounds alone: {', '.join(names[path] for path in found.even)}"
+    if found.inputs:
+        yield f"not known exactly, and not asked for: {', '.join(found.inputs)}"
+
+
+def write_plan(path: Path, found: Plan) -> str:
+    """Write the points as data of a fit, whose figures are still to be measured."""
+    make_folder(path.parent)
+    scene = found.fit.scene
+    conditions = list(dict.fromkeys(name for each in found.steps for name in each.point.values))
+    figures = list(dict.fromkeys(name for each in found.steps for name in each.point.measured))
+    heads = ["name", *(_head(scene, name, found) for name in conditions)]
+    for name in figures:
+        unit = _unit(name)
+        heads += [f"{name}{unit}", f"{name}_uncertainty{unit}"]
+    rows = []
+    for each in found.steps:
+        cells: list[Any] = [each.point.name]
+        cells += [_number(in_customary(scene, name, each.point.values[name])[0]) for name in conditions]
+        for name in figures:
+            one = each.point.measured.get(name)
+            cells += ["", "" if one is None else f"{one.uncertainty:.3g}"]
+        rows.append(cells)
+    return write_csv(path, heads, rows)
+
+
+def _head(scene: Scene, path: str, found: Plan) -> str:
+    value = next(each.point.values[path] for each in found.steps if path in each.point.values)
+    unit = in_customary(scene, path, value)[1]
+    return f"{path} [{unit}]" if unit else path
+
+
+def _number(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _unit(figure: str) -> str:
+    """Return the unit of a figure's SI value as a fit's data state it."""
+    unit = next(name for name, factor in units_of(figure).items() if factor == 1.0)
+    return f" [{unit}]" if unit else ""

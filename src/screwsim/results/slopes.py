@@ -1,0 +1,33 @@
+"""Derivatives of one result's figures by the numbers of its scene, in a group of its results file."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.outputs import Figures, Variable, shown
+from screwsim.outputs.derivatives import Slopes
+from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes
+
+DERIVATIVES, NUMBER = "derivatives", "number"  # the group, the dimension
+UNITS, VALUE, EXACT = "number_units", "number_value", "number_exact"
+
+
+def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
+    """Write the group `derivatives`; its `number` counts the paths, which its attribute `labels` holds."""
+    group, paths = layout.group(DERIVATIVES), list(found.values)
+    about = flag_attributes(paths, "number of the scene")
+    counted = np.arange(len(paths), dtype=flag_type(len(paths)))
+    layout.coordinate(group, NUMBER, counted, about | {"labels": "\n".join(paths)})
+    words = sorted(set(found.units.values()))
+    data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
+    data[...] = [words.index(found.units[path]) for path in paths]
+    value = number_attributes(Variable("1", f"value of the number, in the unit that {UNITS} says"))
+    layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), value)
+    exact = np.array([found.method[path] == "exact" for path in paths], np.int8)
+    says = {"units": "1", "long_name": "1: exact derivatives; 0: differences of closed cycles"}
+    layout.variable(group, EXACT, exact, (NUMBER,), says)
+    units = {each.name: each.units for each in shown(performance)}
+    for figure, slopes in found.derivatives.items():
+        meaning = f"derivative of {figure} by the number, per unit of it ({UNITS})"
+        values = np.array([slopes.get(path, np.nan) for path in paths], float)
+        layout.variable(group, figure, values, (NUMBER,), number_attributes(Variable(units[figure], meaning)))

@@ -1,0 +1,59 @@
+"""D-optimal choice of experiments: rows of slopes by candidate, what is known already, and which candidates add most.
+
+The unknowns are the parameters and, behind them, inputs that are not known exactly and that nobody asks for. With the
+information A = prior + Σ JᵀJ of what is measured, chosen is what makes the determinant of the parameters' block of A⁻¹
+least (Ds-optimal): one after the other, then exchanged one for one until no exchange helps (Fedorov).
+
+Sources: V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972; K. Chaloner, I. Verdinelli, Statistical
+Science 10 (1995) 273.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from screwsim.study.calibration.residuals import Array
+
+BETTER = 1e-9  # of the logarithm of a determinant: less is none
+
+
+def covariance(information: Array, asked: int) -> Array:
+    """Return the covariance of the first `asked` unknowns."""
+    return np.asarray(np.linalg.inv(information)[:asked, :asked], float)
+
+
+def spread(information: Array, asked: int) -> float:
+    """Return the logarithm of the determinant of that covariance."""
+    return float(np.linalg.slogdet(covariance(information, asked))[1])
+
+
+def chosen(known: Array, pieces: Sequence[Array], asked: int, count: int) -> list[int]:
+    """Return the numbers of `count` pieces of information that make the spread least, the one that adds most first."""
+    picked = greedy(known, pieces, asked, range(len(pieces)), count)
+    improved = True
+    while improved:
+        improved = False
+        for place in range(len(picked)):
+            rest = known + sum((pieces[i] for k, i in enumerate(picked) if k != place), np.zeros_like(known))
+            here = spread(rest + pieces[picked[place]], asked)
+            others = [i for i in range(len(pieces)) if i not in picked]
+            if not others:
+                break
+            spreads = [spread(rest + pieces[i], asked) for i in others]
+            best = int(np.argmin(spreads))
+            if spreads[best] < here - BETTER:
+                picked[place], improved = others[best], True
+    return greedy(known, pieces, asked, picked, count)
+
+
+def greedy(known: Array, pieces: Sequence[Array], asked: int, among: Sequence[int], count: int) -> list[int]:
+    """Return up to `count` of the numbers `among`, each the one that then makes the spread least."""
+    left, picked, information = list(among), [], known
+    while left and len(picked) < count:
+        spreads = [spread(information + pieces[i], asked) for i in left]
+        best = left.pop(int(np.argmin(spreads)))
+        picked.append(best)
+        information = information + pieces[best]
+    return picked

@@ -1,0 +1,73 @@
+"""The machine of a fit as it is taken to be, and how its points move: what a diagnosis and a plan begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.scene import Scene, value_at
+from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
+from screwsim.study.calibration.residuals import Array, Simulate
+from screwsim.study.local import sensitivities
+from screwsim.study.uncertain import groups_of
+
+Group = tuple[str, ...]  # paths of inputs that err together, one or more
+
+
+def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
+    """Return the scene of the machine as it was, and the fit's parameters [SI] in it."""
+    before = {}
+    for parameter in fit.parameters:
+        stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
+        if not isinstance(stated, int | float):
+            raise UsageError(f"{parameter.path}: is not stated in the scene (state there what it was unchanged)")
+        if not parameter.low <= stated <= parameter.high:
+            why = f"was {stated:.6g} unchanged [SI], outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
+            raise UsageError(f"{parameter.path}: {why} (widen from and to, within which it may have changed)")
+        before[parameter.path] = float(stated)
+    return fit.machine(before), before
+
+
+def posed(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
+    """Return a fit of that machine without priors, its slopes exact but where points are not ours."""
+    bare = tuple(replace(parameter, prior=None) for parameter in fit.parameters)
+    return replace(fit, scene=machine, parameters=bare, slopes=EXACT if simulate is None else DIFFERENCES)
+
+
+def prepare(fit: Fit, simulate: Simulate | None) -> None:
+    """Compile what the points need, before workers are forked."""
+    if simulate is None and fit.points:
+        from screwsim.scene import with_values
+        from screwsim.simulate import warm_up
+
+        warm_up(with_values(fit.scene, fit.points[0].values))
+
+
+def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, float]]:
+    """Return the groups of the scene's inputs with a tolerance, and deviations [SI] of parameters by their priors.
+
+    A parameter's prior counts, and not the tolerance of its path.
+    """
+    priors = {(each.path,): each.prior.deviation for each in fit.parameters if each.prior is not None}
+    known = {path for group in priors for path in group}
+    groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
+    return tuple(group for group in groups if group), priors
+
+
+def by_tolerance(scene: Scene, point: Point, group: Group) -> Array:
+    """Return what one standard uncertainty of inputs that err together makes of a point's residuals."""
+    found = sensitivities(scene, list(group), list(point.measured))
+    total = np.zeros(len(point.measured))
+    for path in group:
+        standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))
+        for row, (figure, measured) in enumerate(point.measured.items()):
+            total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
+    return total
+
+
+def places_of(fit: Fit, values: Mapping[str, float]) -> Array:
+    """Return where between their bounds the parameters lie, 0 … 1."""
+    return np.array([parameter.place(values[parameter.path]) for parameter in fit.parameters])

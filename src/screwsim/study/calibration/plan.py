@@ -1,0 +1,267 @@
+"""Which points to measure next: those of the candidates that would tell most about the parameters of a fit.
+
+The slopes are exact, at the parameters that the scene states (or the means of priors). Known already is what the fit's
+points tell, priors, tolerances of the scene, and for a parameter without either that it lies between its bounds, at any
+place as probably.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.figures import declared
+from screwsim.outputs import Figures
+from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene.yaml_tree import Place, Problem, scene_error
+from screwsim.study.calibration.data import read_points
+from screwsim.study.calibration.design import chosen, covariance, spread
+from screwsim.study.calibration.fit import Fit, Measured, Point
+from screwsim.study.calibration.machine import (
+    Group,
+    by_tolerance,
+    inputs_of,
+    places_of,
+    posed,
+    prepare,
+    unchanged_machine,
+)
+from screwsim.study.calibration.residuals import Array, Objective, Simulate, why_not
+from screwsim.study.each import each
+from screwsim.study.inputs import shown_value
+from screwsim.study.progress import Progress
+from screwsim.study.sensitivity import Range, read_ranges
+from screwsim.study.workers import DIED
+
+EVEN = 12.0  # one over the variance of what lies at any place 0 … 1 as probably
+COUNT, LEVELS = 3, 4  # points that are chosen; values of a range
+MOST = 2000  # candidates
+
+
+class Typical(NamedTuple):
+    """How well a figure is measured: a standard uncertainty [SI], of temperatures, or a share of the value."""
+
+    size: float
+    share: bool
+
+    def of(self, value: float) -> float:
+        """Return the standard uncertainty [SI] of a value [SI]."""
+        return self.size * abs(value) if self.share else self.size
+
+
+@dataclass(frozen=True)
+class Step:
+    """One point to measure: standard deviations [SI] of the parameters with it and those before, the gain in nats.
+
+    `gain` is by how much the logarithm of the volume of what the parameters may be becomes less.
+    """
+
+    point: Point
+    gain: float
+    deviations: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The answer: points in the order in which they tell most; `before` are the deviations [SI] as it is.
+
+    `even` are the parameters of which nothing but bounds is known beforehand. `reasons` are those of points and
+    candidates without a solution. `status` ok | failed.
+    """
+
+    fit: Fit
+    status: str
+    message: str
+    values: Mapping[str, float]
+    candidates: int = 0
+    before: tuple[float, ...] = ()
+    steps: tuple[Step, ...] = ()
+    even: tuple[str, ...] = ()
+    inputs: tuple[str, ...] = ()
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    solutions: int = 0
+    failed: int = 0
+
+
+class Told(NamedTuple):
+    """What a point would tell: rows of slopes over uncertainties (figures, parameters and inputs), and of what."""
+
+    rows: Array
+    measured: Mapping[str, Measured]
+    why: str
+    solutions: int = 0
+    failed: int = 0
+
+
+def candidates_of(
+    fit: Fit, file: str | os.PathLike[str] | None = None, paths: Sequence[str] = (), levels: int = LEVELS
+) -> tuple[Point, ...]:
+    """Return the candidates of a CSV file, or all combinations of so many values of ranges PATH=LOW..HIGH.
+
+    A candidate measures what its file states an uncertainty of; of ranges, and without such columns, nothing yet.
+    Raises SceneError with a line a fault of the file, UsageError.
+    """
+    if (file is None) == (not paths):
+        raise UsageError(
+            "candidates are stated once (write --candidates GRID.csv, or one or more --path PATH=LOW..HIGH)"
+        )
+    found = _of_file(fit, file) if file is not None else _of_ranges(fit, read_ranges(fit.scene, paths), levels)
+    if len(found) > MOST:
+        raise UsageError(f"{len(found)} candidates are more than {MOST} (take fewer values)")
+    return found
+
+
+def _of_file(fit: Fit, file: str | os.PathLike[str]) -> tuple[Point, ...]:
+    if not os.path.isfile(file):
+        raise UsageError(f"--candidates {file}: is not a file (name an existing one)")
+    problems: list[Problem] = []
+    name, values = os.fspath(file), fit.first_start()
+    rows = read_points(name, name, fit.scene, list(fit.changes(values)), problems, candidates=True)
+    for point, place in rows:
+        problems += [Problem(place, fault.path, fault.what) for fault in cross_check(fit.at(point, values))]
+    if not rows and not problems:
+        problems.append(Problem(Place(1, name), "", "has no candidates"))
+    if problems:
+        raise scene_error(problems)
+    return tuple(point for point, _ in rows if point.fitted)
+
+
+def _of_ranges(fit: Fit, ranges: Sequence[Range], levels: int) -> tuple[Point, ...]:
+    if levels < 2:
+        raise UsageError(f"--levels {levels}: a range has at least its two ends (write 2 or more)")
+    taken = fit.changes(fit.first_start())
+    for one in ranges:
+        if one.path in taken:
+            raise UsageError(f"--path {one.path}: is a parameter of the fit and cannot be a condition")
+    if levels ** len(ranges) > MOST:
+        raise UsageError(f"--levels {levels}: makes {levels ** len(ranges)} candidates, more than {MOST} (take fewer)")
+    found = []
+    axes = [np.linspace(one.low, one.high, levels).tolist() for one in ranges]
+    for numbers in itertools.product(*axes):
+        values = {one.path: number for one, number in zip(ranges, numbers, strict=True)}
+        name = ", ".join(shown_value(fit.scene, path, value, 4) for path, value in values.items())
+        if faults := cross_check(fit.at(Point(name, values, {}), fit.first_start())):
+            raise UsageError(f"--path: at {name}: {faults[0]}")
+        found.append(Point(name, values, {}))
+    return tuple(found)
+
+
+def typical(fit: Fit) -> dict[str, Typical]:
+    """Return how well the fit's points measure each figure: the median share; of temperatures the median itself."""
+    found = {}
+    every = [(name, one) for point in fit.points for name, one in point.measured.items()]
+    for name in dict.fromkeys(name for name, _ in every):
+        share = declared(name).units != "K"
+        sizes = [
+            one.uncertainty / (abs(one.value) if share else 1.0) for key, one in every if key == name and one.value
+        ]
+        if sizes:
+            found[name] = Typical(float(np.median(sizes)), share)
+    return found
+
+
+def plan(
+    fit: Fit,
+    candidates: Sequence[Point],
+    *,
+    count: int = COUNT,
+    jobs: int | None = None,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> Plan:
+    """Return which `count` of the candidates would tell most beside the fit's points; raise UsageError."""
+    if not 1 <= count <= len(candidates):
+        raise UsageError(f"--count {count}: of {len(candidates)} candidates 1 to {len(candidates)} can be chosen")
+    machine, values = unchanged_machine(fit)
+    groups, _ = inputs_of(fit, machine)
+    own = {path for path in values if path in machine.uncertain}
+    groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
+    asked = posed(fit, machine, simulate)
+    prepare(asked, simulate)
+    there = [point for point in fit.points if point.fitted and point.measured]
+    points = [*there, *candidates]
+    call = partial(told, asked, points, typical(fit), groups, values, simulate)
+    found = each(call, len(points), died=_lost, jobs=jobs, failed=lambda one: bool(one.why), progress=progress)
+    reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
+    counts = sum(one.solutions for one in found), sum(one.failed for one in found)
+    known, even = _known(fit, machine, values, len(groups))
+    size = len(fit.parameters)
+    pieces = [one.rows.T @ one.rows for one in found]
+    known += sum((piece for piece, one in zip(pieces, found[: len(there)], strict=False) if not one.why), 0.0 * known)
+    good = [i for i in range(len(there), len(points)) if not found[i].why]
+    if not good:
+        why = f"no candidate has a solution: {next(iter(reasons.values()))}"
+        return Plan(fit, "failed", why, values, len(candidates), reasons=reasons, solutions=counts[0], failed=counts[1])
+    picked = [good[i] for i in chosen(known, [pieces[i] for i in good], size, count)]
+    scales = np.array([one.slope(values[one.path]) for one in fit.parameters])
+    before = tuple((scales * np.sqrt(np.diag(covariance(known, size)))).tolist())
+    steps, information = [], known
+    for i in picked:
+        more = information + pieces[i]
+        gain = 0.5 * (spread(information, size) - spread(more, size))
+        deviations = tuple((scales * np.sqrt(np.diag(covariance(more, size)))).tolist())
+        steps.append(Step(replace(points[i], measured=found[i].measured), gain, deviations))
+        information = more
+    message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
+    names = tuple(" + ".join(group) for group in groups)
+    rest = (len(candidates), before, tuple(steps), even, names, reasons, *counts)
+    return Plan(fit, "failed" if reasons else "ok", message, values, *rest)
+
+
+def _known(fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int) -> tuple[Array, tuple[str, ...]]:
+    """Return the information of what is known beforehand, and of which parameters that is their bounds alone."""
+    diagonal, even = [], []
+    for one in fit.parameters:
+        value, deviation = values[one.path], None
+        if one.prior is not None:
+            deviation = one.prior.deviation
+        elif one.path in machine.uncertain:
+            deviation = machine.uncertain[one.path].standard_at(value)
+        else:
+            even.append(one.path)
+        diagonal.append(EVEN if deviation is None else (one.slope(value) / deviation) ** 2)
+    return np.diag([*diagonal, *[1.0] * inputs]), tuple(even)
+
+
+def told(
+    fit: Fit,
+    points: Sequence[Point],
+    usual: Mapping[str, Typical],
+    groups: Sequence[Group],
+    values: Mapping[str, float],
+    simulate: Simulate | None,
+    number: int,
+) -> Told:
+    """Return what one point would tell; a candidate that states no uncertainties is measured as the others are."""
+    point = points[number]
+    asked, places = Objective(fit, simulate), places_of(fit, values)
+    result = asked.solved(point, values)
+    if not point.measured:
+        point = replace(point, measured={name: Measured(0.0, 1.0) for name in usual})
+    why = why_not(point, result)
+    if why:
+        return Told(np.zeros((0, len(places) + len(groups))), {}, why, asked.solutions, asked.failed)
+    measured = _as_measured(points[number], result.performance, usual)
+    point = replace(point, measured=measured)
+    slopes = asked.point_slopes(point, places, result.performance)
+    inputs = [by_tolerance(with_values(fit.machine(values), point.values), point, group) for group in groups]
+    rows = np.column_stack([slopes, *inputs]) if inputs else slopes
+    return Told(rows, measured, "", asked.solutions, asked.failed)
+
+
+def _as_measured(point: Point, figures: Figures, usual: Mapping[str, Typical]) -> dict[str, Measured]:
+    """Return ours of what a point measures, with the uncertainties that it states, or the usual ones."""
+    if point.measured:
+        return {name: Measured(figures[name], one.uncertainty) for name, one in point.measured.items()}
+    return {name: Measured(figures[name], one.of(figures[name])) for name, one in usual.items() if figures[name]}
+
+
+def _lost(number: int) -> Told:
+    return Told(np.zeros((0, 0)), {}, DIED)

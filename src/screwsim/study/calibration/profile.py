@@ -1,0 +1,160 @@
+"""The likelihood of measured points over one parameter, from solutions between its bounds.
+
+Gauss-Newton steps with slopes lead from where the parameter was to a best value; a few places between the bounds are
+solved, too, for a figure that falls and rises with the parameter (power over the oil ratio) may fit twice. Between
+solutions the residuals are interpolated (modified Akima); where the likelihood lies, further ones are made.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.study.calibration.residuals import Array, Objective
+from screwsim.study.calibration.single import Along, along
+
+STEPS, HALVINGS = 6, 4
+SETTLED = 0.1  # of a standard error: a shorter step is none
+SCANNED = (0.0, 0.25, 0.5, 0.75, 1.0)  # places between the bounds
+ROUNDS, QUANTILES = 2, (0.05, 0.5, 0.95)  # where further solutions are made, so often
+NEAR = 0.15  # of the distance between the outer two: nearer to a solution none is made
+GRID, FINER = 401, 3  # places of a grid, and how often it is made finer where the likelihood lies
+FAR = 60.0  # of chi² above the least: there is no likelihood
+BARRIER, DEEP = 2.0, 6.0  # of chi²: between two best values at least, and above the best at most
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Chi² over a grid of places, and residuals at the best of them; what was solved for it."""
+
+    grid: Array
+    chi_squared: Array
+    residuals: Array
+    solutions: int = 0
+    failed: int = 0
+
+    @property
+    def estimate(self) -> float:
+        """The best place."""
+        return float(self.grid[np.argmin(self.chi_squared)])
+
+    @property
+    def misfit(self) -> float:
+        """Chi² at the best place."""
+        return float(np.min(self.chi_squared))
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the mean likelihood between the bounds."""
+        return float(np.log(np.trapezoid(self._density, self.grid))) - 0.5 * self.misfit
+
+    @property
+    def _density(self) -> Array:
+        return np.exp(-0.5 * (self.chi_squared - self.misfit))
+
+    def quantiles(self, shares: tuple[float, ...]) -> list[float]:
+        """Return the places below which the parameter lies with such probabilities."""
+        density = self._density
+        mass = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(self.grid))])
+        return [float(np.interp(share * mass[-1], mass, self.grid)) for share in shares]
+
+    def interval(self, level: float) -> tuple[float, float]:
+        """Return the places between which the parameter lies with a probability."""
+        low, high = self.quantiles((0.5 - 0.5 * level, 0.5 + 0.5 * level))
+        return low, high
+
+    def others(self) -> list[float]:
+        """Return the places of other best values that fit nearly as well, behind a barrier."""
+        found = [int(np.argmin(self.chi_squared))]
+        inner = np.concatenate([[np.inf], self.chi_squared, [np.inf]])
+        low = np.flatnonzero((inner[1:-1] <= inner[:-2]) & (inner[1:-1] <= inner[2:]))
+        for i in sorted(low.tolist(), key=lambda i: self.chi_squared[i]):
+            depth = self.chi_squared[i]
+            walls = [np.max(self.chi_squared[min(i, k) : max(i, k) + 1]) for k in found]
+            if depth < self.misfit + DEEP and min(walls) > depth + BARRIER:
+                found.append(i)
+        return [float(self.grid[i]) for i in found[1:]]
+
+
+def straight(known: Along, place: float, residuals: Array, slopes: Array) -> Array:
+    """Return the residuals at the best place by slopes."""
+    return residuals + slopes * (known.estimate - place)
+
+
+def profile(asked: Objective, white: Array, place: float, slopes: Array) -> Profile | None:
+    """Return the likelihood over the one parameter of `asked`, which lies at a place with whitened slopes there.
+
+    None where no other place has a solution at all points.
+    """
+    nodes: dict[float, Array] = {}
+    _solve(asked, white, place, nodes)
+    if not nodes:
+        return None
+    _walk(asked, white, place, slopes, nodes)
+    for scanned in SCANNED:
+        if min(abs(scanned - known) for known in nodes) > 0.01:
+            _solve(asked, white, scanned, nodes)
+    if len(nodes) < 2:
+        return None
+    found = _over(nodes)
+    for _ in range(ROUNDS):
+        places = [*found.quantiles(QUANTILES), found.estimate]
+        near = NEAR * (places[2] - places[0])
+        for each in places:
+            if min(abs(each - known) for known in nodes) > max(near, 1e-5):
+                _solve(asked, white, each, nodes)
+        found = _over(nodes)
+    return Profile(found.grid, found.chi_squared, found.residuals, asked.solutions, asked.failed)
+
+
+def _solve(asked: Objective, white: Array, place: float, nodes: dict[float, Array]) -> bool:
+    """Add the residuals at a place, where all points have a solution."""
+    there = asked.outcome(np.array([place]))
+    if not there.reasons:
+        nodes[place] = white @ there.residuals
+    return not there.reasons
+
+
+def _walk(asked: Objective, white: Array, place: float, slopes: Array, nodes: dict[float, Array]) -> None:
+    """Add what Gauss-Newton steps pass, halved where chi² grows."""
+    for _ in range(STEPS):
+        here = nodes[place]
+        known = along(place, here, slopes)
+        step = known.estimate - place
+        if abs(step) * known.information**0.5 < SETTLED or abs(step) < 1e-6:
+            return
+        for _ in range(HALVINGS):
+            if _solve(asked, white, place + step, nodes) and np.sum(nodes[place + step] ** 2) < here @ here:
+                break
+            step *= 0.5
+        else:
+            return
+        place += step
+        slopes = white @ asked.slopes(np.array([place]))[:, 0]
+
+
+def _over(nodes: dict[float, Array]) -> Profile:
+    """Return the likelihood from residuals at places, beyond which it is that of the outer two."""
+    from scipy.interpolate import Akima1DInterpolator
+
+    places = np.array(sorted(nodes))
+    residuals = np.array([nodes[place] for place in places])
+    if len(places) > 2:
+        between = Akima1DInterpolator(places, residuals, method="makima", extrapolate=True)
+    else:
+        between = _line(places, residuals)
+    grid = np.linspace(0.0, 1.0, GRID)
+    for _ in range(FINER):
+        chi_squared = np.sum(between(grid) ** 2, axis=1)
+        there = np.flatnonzero(chi_squared < np.min(chi_squared) + FAR)
+        first, last = max(0, there[0] - 1), min(len(grid) - 1, there[-1] + 1)
+        grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
+    grid = np.union1d(grid, places)
+    chi_squared = np.sum(between(grid) ** 2, axis=1)
+    return Profile(grid, chi_squared, between(grid[np.argmin(chi_squared)]))
+
+
+def _line(places: Array, residuals: Array):
+    slope = (residuals[1] - residuals[0]) / (places[1] - places[0])
+    return lambda at: residuals[0] + np.multiply.outer(np.asarray(at) - places[0], slope)

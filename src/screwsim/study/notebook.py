@@ -1,0 +1,82 @@
+"""Progress in a notebook: a bar of plain HTML that is drawn anew in its place, without widgets.
+
+Jupyter, VS Code and Colab replace an output by its name (`display_id`); what stores or converts a notebook keeps the
+last one, which says counts alone: the same from run to run. It is marked by `screwsim: progress` in its metadata.
+"""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+from screwsim.study.progress import Progress, digits
+
+Publish = Callable[..., Any]  # of data, metadata, transient, update, as IPython's publish_display_data
+BAR = (
+    '<div style="display: flex; gap: 0.8em; align-items: center"><span>{title}</span>'
+    '<progress max="{cases}" value="{done}" style="width: 14em"></progress><span>{told}</span></div>'
+)
+
+
+class NotebookBar(Progress):
+    """A bar with rate, time left and failures, drawn at most five times a second."""
+
+    def __init__(self, title: str, publish: Publish | None = None, every: float = 0.2) -> None:
+        self._title = title
+        self._publish = publish
+        self._every = every
+        self._name = uuid.uuid4().hex
+        self._cases = self._done = self._reused = self._failed = 0
+        self._began = self._drawn = 0.0
+        self._there = False
+
+    def start(self, cases: int, reused: int) -> None:
+        self._cases, self._done, self._reused = cases, reused, reused
+        self._began = time.monotonic()
+        self._draw([])
+
+    def advance(self, cases: int, failed: int) -> None:
+        self._done += cases
+        self._failed += failed
+        self.tick()
+
+    def tick(self) -> None:
+        if self._there and time.monotonic() - self._drawn >= self._every:
+            self._draw(self._pace())
+
+    def stop(self) -> None:
+        if self._there:
+            self._draw([])
+
+    def _pace(self) -> list[str]:
+        """Return the rate and the time left, once a case was computed."""
+        seconds, new = time.monotonic() - self._began, self._done - self._reused
+        if not new or seconds <= 0.0:
+            return []
+        left = (self._cases - self._done) * seconds / new
+        return [f"{digits(new / seconds)} points/s", f"{_duration(left)} left"]
+
+    def _draw(self, pace: list[str]) -> None:
+        failed = [f"{self._failed} not ok"] if self._failed else []
+        told = ", ".join([f"{self._done} of {self._cases}", *failed, *pace])
+        html = BAR.format(title=escape(self._title), cases=max(self._cases, 1), done=self._done, told=told)
+        if self._publish is None:
+            from IPython.display import publish_display_data
+
+            self._publish = publish_display_data
+        self._publish(
+            data={"text/html": html, "text/plain": f"{self._title}: {told}"},
+            metadata={"screwsim": "progress"},
+            transient={"display_id": self._name},
+            update=self._there,
+        )
+        self._there, self._drawn = True, time.monotonic()
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"

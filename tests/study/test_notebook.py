@@ -1,0 +1,155 @@
+"""Progress in a notebook: a bar that is drawn in one place, by itself, and says at its end what was done."""
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import IPython.display
+import nbformat
+import pytest
+
+import screwsim
+from screwsim.study.each import each
+from screwsim.study.notebook import NotebookBar
+from screwsim.study.progress import Silent, Surviving, for_program
+
+ROOT = Path(__file__).parents[2]
+POINT = "configs/paper/point.yaml"
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Let this be a notebook; return what is drawn in it."""
+    found = []
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object())))
+    monkeypatch.setattr(IPython.display, "publish_display_data", lambda **drawing: found.append(drawing))
+    return found
+
+
+def texts(drawn):
+    return [drawing["data"]["text/plain"] for drawing in drawn]
+
+
+def test_a_bar_is_drawn_in_one_place_and_ends_with_what_was_done():
+    drawn = []
+    bar = NotebookBar("a <sweep>", publish=lambda **drawing: drawn.append(drawing), every=0.0)
+    bar.start(40, 10)
+    bar.advance(10, 0)
+    bar.advance(20, 1)
+    bar.tick()
+    bar.stop()
+    assert [drawing["update"] for drawing in drawn] == [False, True, True, True, True]
+    assert len({drawing["transient"]["display_id"] for drawing in drawn}) == 1
+    assert all(drawing["metadata"] == {"screwsim": "progress"} for drawing in drawn)
+    first, second, *_, last = texts(drawn)
+    assert first == "a <sweep>: 10 of 40" and last == "a <sweep>: 40 of 40, 1 not ok"
+    assert second.startswith("a <sweep>: 20 of 40, ") and "points/s, " in second and second.endswith(" left")
+    html = drawn[-1]["data"]["text/html"]
+    assert "a &lt;sweep&gt;" in html and '<progress max="40" value="40"' in html and "40 of 40, 1 not ok" in html
+
+
+def test_a_bar_is_not_drawn_for_every_case():
+    drawn = []
+    bar = NotebookBar("sweep", publish=lambda **drawing: drawn.append(drawing), every=1e9)
+    bar.start(1000, 0)
+    for _ in range(1000):
+        bar.advance(1, 0)
+    bar.stop()
+    assert texts(drawn) == ["sweep: 0 of 1000", "sweep: 1000 of 1000"]
+
+
+def test_a_bar_that_never_began_draws_nothing():
+    drawn = []
+    bar = NotebookBar("sweep", publish=lambda **drawing: drawn.append(drawing))
+    bar.tick()
+    bar.stop()
+    assert drawn == []
+
+
+def test_a_study_that_ends_early_says_how_far_it_came(drawn):
+    def stops(number):
+        if number == 2:
+            raise KeyboardInterrupt
+        return number
+
+    with pytest.raises(KeyboardInterrupt):
+        each(stops, 5, died=lambda number: number, jobs=1, progress=for_program("study"))
+    assert texts(drawn)[-1] == "study: 2 of 5"
+
+
+def test_a_bar_is_there_in_a_notebook_alone(drawn, monkeypatch):
+    assert isinstance(for_program("x"), Surviving) and isinstance(for_program("x", True), Surviving)
+    assert isinstance(for_program("x", False), Silent)
+    for plain in (SimpleNamespace(kernel=None), None):  # a shell of IPython, a module that nobody runs
+        monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda plain=plain: plain))
+        assert isinstance(for_program("x"), Silent)
+    assert drawn == []
+
+
+STUDIES = {
+    "sweep": lambda scene, **how: screwsim.sweep(scene.with_({"sweep.oil_supply.ratio": [1, 2]}), jobs=1, **how),
+    "optimum": lambda scene, **how: screwsim.optimum(scene, "oil_supply.ratio", low=0.5, high=2, jobs=1, **how),
+    "optimize": lambda scene, **how: screwsim.optimize(
+        scene, ["oil_supply.ratio=0.5..2"], ["isothermal_efficiency"], evaluations=20, jobs=1, **how
+    ),
+    "calibrate": lambda _, **how: screwsim.calibrate("configs/calibration/leakage.fit.yaml", jobs=1, **how),
+    "sensitivities": lambda _, **how: screwsim.sensitivities(
+        "configs/rotors/a.yaml", ["machine.profile.wrap_angle"], ["shaft_power"], **how
+    ),  # of differences: exact derivatives have no steps
+}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_studies_draw_a_bar_by_themselves(name, drawn):
+    STUDIES[name](screwsim.load(POINT))
+    assert texts(drawn), name
+    done, _, count = texts(drawn)[-1].removeprefix(f"{name}: ").partition(" of ")
+    assert int(done) <= int(count) and '<progress max="' in drawn[-1]["data"]["text/html"]
+
+
+@pytest.mark.parametrize("name", ["sweep", "optimize"])
+def test_a_bar_that_is_not_wanted_is_not_drawn(name, drawn):
+    STUDIES[name](screwsim.load(POINT), progress=False)
+    assert drawn == []
+
+
+def test_a_sweep_into_a_file_draws_one_too(drawn, tmp_path):
+    scene = screwsim.load(POINT).with_({"sweep.oil_supply.ratio": [1, 2, 4]})
+    screwsim.run_sweep(scene, tmp_path / "a.h5", jobs=1)
+    assert texts(drawn)[0] == "sweep: 0 of 3" and texts(drawn)[-1] == "sweep: 3 of 3"
+    drawn.clear()
+    screwsim.run_sweep(scene, tmp_path / "b.h5", jobs=1, progress=False)
+    assert drawn == []
+
+
+def test_what_draws_no_more_is_left_alone(drawn, monkeypatch):
+    def gone(**drawing):
+        raise OSError("the notebook is gone")
+
+    monkeypatch.setattr(IPython.display, "publish_display_data", gone)
+    assert each(abs, 3, died=abs, jobs=1, progress=for_program("study")) == [0, 1, 2]
+
+
+@pytest.fixture
+def script(monkeypatch, tmp_path):
+    spec = importlib.util.spec_from_file_location("notebooks_script", ROOT / "scripts" / "notebooks.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    return module
+
+
+@pytest.mark.slow
+def test_a_kernel_stores_the_bar_as_it_ended(script):
+    """In a kernel as Jupyter has it, with workers, the bar is one output, whose last state is kept."""
+    scene = f"screwsim.load({POINT!r}).with_({{'sweep.operation.speed': ['1000 rpm', '2000 rpm', '3000 rpm']}})"
+    sources = [f"import screwsim\nscene = {scene}", "data = screwsim.sweep(scene, jobs=2)\nprint(data.sizes)"]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in sources])
+    script.run(notebook)
+    assert notebook.cells[0].outputs == []
+    bar, printed = notebook.cells[1].outputs
+    assert bar.data["text/plain"] == "sweep: 3 of 3" and bar.metadata["screwsim"] == "progress"
+    assert printed.text.startswith("Frozen({'operation_speed': 3")
+    assert script.shown(bar) == "" and script.shown(printed) == printed.text

@@ -1,0 +1,232 @@
+"""Which points to measure next: the best of all subsets, what they bring is what a fit then has, mistakes are told."""
+
+import itertools
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fit_fakes import SCENE, coordinates, plane, torn, write_fit
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.faults import SceneError, UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.design import chosen, covariance, greedy, spread
+from screwsim.study.calibration.fit import Measured, Prior
+from screwsim.study.calibration.plan import candidates_of, plan, typical
+from screwsim.study.calibration.single import whitener
+
+ROOT = Path(__file__).parents[2]
+GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
+FIT = """\
+scene: machine.yaml
+data: points.csv
+parameters:
+  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
+  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
+starts: 1
+"""
+HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+POINTS = HEAD + "a,fit,2000,9,0.09\nb,fit,2100,9.2,0.092\nc,check,3000,11,0.1\n"
+SPEEDS = "operation.speed=1000 rpm..5000 rpm"
+
+
+def written(folder, text=POINTS):
+    """Write a fit whose machine lies within the bounds: 50 um, 2 kJ/(kg K)."""
+    scene = screwsim.loads(SCENE).with_({GAP: "50 um", CAPACITY: "2 kJ/(kg K)"}).text
+    return write_fit(folder, FIT, text, scene)
+
+
+def fit_of(folder, text=POINTS):
+    return read_fit(written(folder, text), fixed=False)
+
+
+def volume(known, pieces, numbers, asked):
+    return spread(known + sum(pieces[i] for i in numbers), asked)
+
+
+def test_the_points_are_the_best_of_all_subsets():
+    hits = 0
+    for seed in range(20):
+        generator = np.random.default_rng(seed)
+        rows = generator.standard_normal((8, 2, 4)) * generator.uniform(0.2, 3.0, (8, 1, 1))
+        pieces, known = [row.T @ row for row in rows], np.diag([0.1, 0.1, 0.1, 1.0])
+        found = chosen(known, pieces, 3, 3)
+        every = [volume(known, pieces, each, 3) for each in itertools.combinations(range(8), 3)]
+        ours = volume(known, pieces, found, 3)
+        assert ours <= volume(known, pieces, greedy(known, pieces, 3, range(8), 3), 3) + 1e-12
+        hits += ours == pytest.approx(min(every), abs=1e-9)
+    assert hits >= 19  # an exchange of one point may end beside the best of all
+
+
+def test_the_first_point_is_the_one_that_tells_most():
+    pieces = [np.diag([1.0, 0.0]), np.diag([9.0, 9.0]), np.diag([0.0, 4.0])]
+    assert chosen(np.eye(2), pieces, 2, 3) == [1, 2, 0]
+
+
+def test_what_nobody_asks_for_widens_what_a_point_tells():
+    generator = np.random.default_rng(4)
+    slopes, inputs = generator.standard_normal((5, 3)), generator.standard_normal((5, 2))
+    rows, known = np.hstack([slopes, inputs]), np.diag([2.0, 3.0, 4.0, 1.0, 1.0])
+    white = whitener(inputs) @ slopes
+    assert np.allclose(covariance(known + rows.T @ rows, 3), np.linalg.inv(known[:3, :3] + white.T @ white))
+
+
+def test_the_ends_tell_most_of_a_line(tmp_path):
+    fit = fit_of(tmp_path, HEAD + "a,fit,3000,11,0.1\n")
+    named = "operation.speed [rpm],shaft_power_uncertainty [kW]\n" + "".join(
+        f"{n},0.1\n" for n in range(1000, 6000, 500)
+    )
+    (tmp_path / "grid.csv").write_text(named, encoding="utf-8")
+    found = plan(fit, candidates_of(fit, tmp_path / "grid.csv"), count=2, jobs=1, simulate=plane)
+    speeds = sorted(round(each.point.values["operation.speed"] * 30.0 / np.pi) for each in found.steps)
+    assert speeds == [1000, 5500]
+    assert found.even == (GAP, CAPACITY)
+
+
+def curved(scene):
+    """Return figures that depend on both unknowns differently at each speed."""
+    gap, capacity, speed = coordinates(scene)
+    figures = Figures(shaft_power=1e3 * (gap / speed + capacity * speed**1.5), gas_mass_flow=speed - 0.02 * gap)
+    return Result("ok", performance=figures)
+
+
+def test_of_a_machine_they_are_the_best_of_all_subsets(tmp_path):
+    fit = fit_of(tmp_path)
+    every = candidates_of(fit, paths=[SPEEDS], levels=6)
+    found = plan(fit, every, count=3, jobs=1, simulate=curved)
+    gains = {
+        frozenset(each.name for each in some): sum(
+            step.gain for step in plan(fit, some, count=3, jobs=1, simulate=curved).steps
+        )
+        for some in itertools.combinations(every, 3)
+    }
+    assert frozenset(step.point.name for step in found.steps) == max(gains, key=lambda names: gains[names])
+    assert sum(step.gain for step in found.steps) == pytest.approx(max(gains.values()))
+
+
+def test_deviations_are_the_standard_errors_of_the_fit_with_the_points_measured(tmp_path):
+    fit = fit_of(tmp_path)
+    prior = (Prior(50e-6, 1e-5), Prior(2000.0, 300.0))
+    parameters = tuple(replace(one, prior=each) for one, each in zip(fit.parameters, prior, strict=True))
+    fit = replace(fit, parameters=parameters)
+    found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=2, jobs=1, simulate=plane)
+    for points, deviations in (((), found.before), (found.steps, found.steps[-1].deviations)):
+        with_them = replace(fit, points=(*fit.points, *(step.point for step in points)))
+        errors = calibrate(with_them, jobs=1, simulate=plane).certainty.errors
+        assert deviations == pytest.approx(errors, rel=1e-3)
+    assert found.even == () and found.steps[0].gain > found.steps[1].gain > 0.0
+
+
+def test_candidates_are_measured_as_the_points_are(tmp_path):
+    fit = fit_of(tmp_path)
+    share = typical(fit)["shaft_power"]
+    assert share.share and share.size == pytest.approx(0.01)
+    found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=1, jobs=1, simulate=plane)
+    assert found.steps[0].point.measured["shaft_power"] == Measured(*(1e3 * np.array([15.0, 0.15])).tolist())
+
+
+def test_what_has_no_solution_is_told_and_not_chosen(tmp_path):
+    fit = fit_of(tmp_path)
+    found = plan(fit, candidates_of(fit, paths=[SPEEDS], levels=5), count=3, jobs=1, simulate=torn)
+    assert found.status == "failed" and set(found.reasons) == {"3000 rpm", "4000 rpm", "5000 rpm"}
+    assert {step.point.name for step in found.steps} == {"1000 rpm", "2000 rpm"}
+
+
+def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
+    fit = read_fit(ROOT / "configs" / "calibration" / "leakage.fit.yaml")
+    fit = replace(fit, points=fit.points[2:3])  # at 2000 rpm
+    every = candidates_of(fit, paths=["operation.speed=600 rpm..4000 rpm"], levels=3)
+    found = plan(fit, every, count=2, jobs=1)
+    assert found.steps[0].point.name in ("600 rpm", "4000 rpm")
+    assert {step.point.name for step in found.steps} == {"600 rpm", "4000 rpm"}
+    assert all(after < before for before, after in zip(found.before, found.steps[-1].deviations, strict=True))
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Solve points without time, as the commands ask for them."""
+    from screwsim.derivatives.solving import Found
+    from screwsim.simulate import warm_up
+
+    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.found", lambda scene, values: Found({}, {}, "not asked"))
+    monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
+
+
+@pytest.mark.usefixtures("quick")
+def test_the_command_prints_the_points_and_writes_them_to_be_filled_in(tmp_path, capsys):
+    file, out = written(tmp_path), tmp_path / "next.csv"
+    asked = ["plan", str(file), "--path", SPEEDS, "--count", "2", "--jobs", "1", "-o", str(out)]
+    assert exit_code(asked) == 0
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines())) <= 80
+    assert "1  1000 rpm" in shown or "1  5000 rpm" in shown
+    assert "known beforehand by their bounds alone: gap, heat_capacity" in shown
+    heads, *rows = out.read_text(encoding="utf-8").splitlines()
+    assert heads == "name,operation.speed [rpm],shaft_power [W],shaft_power_uncertainty [W]" and len(rows) == 2
+    fit = read_fit(file, fixed=False)
+    assert {each.name for each in candidates_of(fit, out)} == {"1000 rpm", "5000 rpm"}
+    assert exit_code([*asked, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["candidates"] == 4 and len(document["points"]) == 2
+    assert document["points"][-1]["deviations"][GAP] < document["deviations"][GAP]
+
+
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize(
+    ("rest", "code", "told"),
+    [
+        ((), 2, "candidates are stated once"),
+        (("--path", SPEEDS, "--candidates", "grid.csv"), 2, "candidates are stated once"),
+        (("--path", SPEEDS, "--count", "9"), 2, "--count 9: of 4 candidates 1 to 4"),
+        (("--path", SPEEDS, "--levels", "1"), 2, "--levels 1: a range has at least its two ends"),
+        (("--path", SPEEDS, "--levels", "4000"), 2, "makes 4000 candidates, more than 2000"),
+        (("--levels", "3", "--candidates", "grid.csv"), 2, "--levels 3: is of ranges"),
+        (("--path", "operation.speed=1000 rpm"), 2, "is not PATH=LOW..HIGH"),
+        (("--path", f"{GAP}=10 um..20 um"), 2, "is a parameter of the fit"),
+        (("--path", "operation.speed=-1 rpm..20 rpm"), 2, "operation.speed"),
+        (("--path", SPEEDS, "-o", "x.h5"), 2, ".csv"),
+        (("--candidates", "none.csv"), 2, "--candidates none.csv: is not a file"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(tmp_path, capsys, monkeypatch, rest, code, told):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "grid.csv").write_text("operation.speed [rpm]\n1000\n", encoding="utf-8")
+    assert exit_code(["plan", str(written(tmp_path)), *rest]) == code
+    err = capsys.readouterr().err
+    assert told in err and len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("operation.speed [rpm]\n1000\nx\n", "grid.csv:3:1: operation.speed:"),
+        ("operation.sped [rpm]\n1000\n", "grid.csv:1:1: operation.sped:"),
+        (
+            "operation.speed [rpm],shaft_power_uncertainty [kW]\n1000,-1\n",
+            "grid.csv:2:6: shaft_power: -1 is out of range",
+        ),
+        (f"{GAP} [um]\n20\n", "is a parameter of the fit and cannot be a condition"),
+        ("operation.speed [rpm]\n", "has no points"),
+    ],
+)
+def test_faults_of_the_candidates_are_told_at_their_line(tmp_path, text, told):
+    fit = fit_of(tmp_path)
+    (tmp_path / "grid.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError) as error:
+        candidates_of(fit, tmp_path / "grid.csv")
+    assert len(error.value.lines) == 1 and told in error.value.lines[0]
+
+
+def test_the_package_plans_as_the_command_does(tmp_path, monkeypatch):
+    file = written(tmp_path)
+    monkeypatch.setattr("screwsim.api._plan", lambda fit, points, **how: (fit, points, how))
+    fit, points, how = screwsim.plan(file, ranges={"operation.speed": ("1000 rpm", "5000 rpm")}, levels=2, count=1)
+    assert [each.name for each in points] == ["1000 rpm", "5000 rpm"] and how["count"] == 1
+    with pytest.raises(UsageError, match="pass its path"):
+        screwsim.plan(fit, ranges={"operation.speed": ("1000 rpm", "5000 rpm")}, data="x.csv")
