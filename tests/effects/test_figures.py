@@ -49,6 +49,7 @@ FULL = {  # what of an effect's parameters calls for the rest of its figures
     "motor": (*each.CONDENSER, "effects.oil_heat=off", "effects.oil_pump=off"),
 }
 FULL["oil_pump"] = ("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",)
+FULL["liquid_injection"] = ("effects.liquid_injection.discharge_temperature=60 degC",)
 FULL["air_package"] = (
     *each.CARRIED,
     "oil_supply.temperature=null",

@@ -1,8 +1,9 @@
-"""Numbers that a scene leaves open, one figure each that tells them: an oil flow, an economizer's temperature.
+"""Numbers that a scene leaves open, one figure each that tells them: oil flow, economizer, valve of injected liquid.
 
 `oil_supply.discharge_temperature` asks for the oil that brings the mixture to that temperature (docs/model.md M370),
 `effects.economizer.temperature: auto` for the saturation temperature at which the port draws what exchanger or flash
-tank gives off (M371). They are found with the cycle (`solve.circuit`), each as a coordinate in kelvin.
+tank gives off (M371), `effects.liquid_injection.discharge_temperature` for the opening of the valve that brings the
+discharge there (M391). They are found with the cycle (`solve.circuit`), each as a coordinate in kelvin.
 """
 
 from __future__ import annotations
@@ -18,10 +19,15 @@ from screwsim.scene.lines import lines
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 
+LIQUID, INJECTED, DISCHARGE = "liquid_injection", "liquid_injection_flow_ratio", "discharge_temperature"
 ECONOMIZER, DRAWN, MIXTURE = "economizer", "economizer_draw_ratio", "mixture_discharge_temperature"
 LOG = 20.0  # [K] of a coordinate for a factor e of an oil flow
 GAIN = 8.0  # [K] by which an economizer's temperature is about wrong where its port draws e times what there is
 LEAST_OIL, MOST_OIL, FIRST_OIL = 0.02, 60.0, 2.0  # oil over gas
+VALVE = 10.0  # [K] of a coordinate for a factor e of a valve's opening
+SHUT, FIRST_OPENING = 1e-4, 0.2  # of a valve
+LATENT = 200.0  # [K] by which as much liquid as gas would about cool the gas
+WARMS = 2.0  # heat capacity of oil over that of gas, about
 APART = 0.5  # [K] at least, of an economizer from both lines and from the liquid that it cools
 AT_END = 1e-6  # [K]
 
@@ -59,9 +65,15 @@ def economizer_is_sought(scene: Scene) -> bool:
     return active is not None and isinstance(active.parameters.temperature, Found)
 
 
+def liquid_is_sought(scene: Scene) -> bool:
+    """Tell whether the opening of the valve of injected liquid is found."""
+    active = scene.effects.get(LIQUID)
+    return active is not None and active.parameters.discharge_temperature is not None
+
+
 def is_sought(scene: Scene) -> bool:
     """Tell whether a scene leaves any such number open."""
-    return oil_is_sought(scene) or economizer_is_sought(scene)
+    return oil_is_sought(scene) or economizer_is_sought(scene) or liquid_is_sought(scene)
 
 
 def spans(scene: Scene) -> list[Span]:
@@ -71,6 +83,8 @@ def spans(scene: Scene) -> list[Span]:
         found.append(Span(LOG * math.log(LEAST_OIL), LOG * math.log(MOST_OIL)))
     if economizer_is_sought(scene):
         found.append(_of_economizer(scene))
+    if liquid_is_sought(scene):
+        found.append(Span(VALVE * math.log(SHUT), 0.0))
     return found
 
 
@@ -109,6 +123,8 @@ def _guesses(scene: Scene) -> Iterator[float]:
     if economizer_is_sought(scene):
         span = _of_economizer(scene)
         yield span.low + 0.4 * (span.high - span.low)
+    if liquid_is_sought(scene):
+        yield VALVE * math.log(FIRST_OPENING)
 
 
 def standing(scene: Scene) -> list[float | None]:
@@ -121,6 +137,9 @@ def standing(scene: Scene) -> list[float | None]:
     if economizer_is_sought(scene):
         T = scene.effects[ECONOMIZER].parameters.temperature
         found.append(float(T) if T > 0.0 else None)
+    if liquid_is_sought(scene):
+        opening = scene.effects[LIQUID].parameters.opening
+        found.append(VALVE * math.log(opening) if opening else None)
     return found
 
 
@@ -132,10 +151,16 @@ def placed(scene: Scene, at: Sequence[float]) -> Scene:
         assert scene.oil_supply is not None
         scene = replace(scene, oil_supply=replace(scene.oil_supply, ratio=ratio))
     if economizer_is_sought(scene):
-        active = scene.effects[ECONOMIZER]
-        parameters = replace(active.parameters, temperature=Found(wanted.pop(0)))
-        scene = replace(scene, effects={**scene.effects, ECONOMIZER: replace(active, parameters=parameters)})
+        scene = _with(scene, ECONOMIZER, temperature=Found(wanted.pop(0)))
+    if liquid_is_sought(scene):
+        scene = _with(scene, LIQUID, opening=Found(math.exp(wanted.pop(0) / VALVE)))
     return scene
+
+
+def _with(scene: Scene, name: str, **changes: Found) -> Scene:
+    active = scene.effects[name]
+    other = replace(active, parameters=replace(active.parameters, **changes))
+    return replace(scene, effects={**scene.effects, name: other})
 
 
 def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> list[Asked] | None:
@@ -161,6 +186,20 @@ def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> Iterator[tup
     if economizer_is_sought(scene):
         ratio = figures.get(DRAWN)
         yield None if ratio is None else (-GAIN * math.log(max(ratio, 1e-2)), GAIN)
+    if liquid_is_sought(scene):
+        wanted, T = scene.effects[LIQUID].parameters.discharge_temperature, _at_discharge(figures)
+        ratio = figures.get(INJECTED)
+        if T is None or ratio is None:
+            yield None
+            return
+        cools = max(ratio, 1e-6) * LATENT / (1.0 + WARMS * (figures.get("oil_ratio") or 0.0))
+        yield VALVE * math.log(max(1.0 + (T - wanted) / cools, 1e-3)), VALVE
+
+
+def _at_discharge(figures: Mapping[str, Any]) -> float | None:
+    """Return the temperature [K] that a sensor at discharge has: of gas and oil, where they come to one."""
+    T = figures.get(MIXTURE)
+    return figures.get(DISCHARGE) if T is None else T
 
 
 def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
@@ -184,6 +223,20 @@ def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
                 "a smaller port, or one that opens later" if ratio > 1.0 else "a larger port, or one that opens earlier"
             )
             yield f"{what}: {end}, it draws {ratio:.3g} times that ({remedy})"
+    if liquid_is_sought(scene):
+        span, x = ends.pop(0)
+        T, wanted = _at_discharge(figures), scene.effects[LIQUID].parameters.discharge_temperature
+        if x is not None and span.at_end(x) and T is not None:
+            yield _idle(T, wanted, x - span.low < span.high - x)
+
+
+def _idle(T: float, wanted: float, shut: bool) -> str:
+    """Return that a valve of injected liquid stands at an end, with the temperatures [K] there and wanted."""
+    if shut:
+        what = f"the valve of injected liquid stays shut: without it the discharge comes to {_celsius(T)}"
+        return f"{what}, not to {_celsius(wanted)} (lower effects.{LIQUID}.discharge_temperature, or none)"
+    what = f"no injected liquid brings the discharge to {_celsius(wanted)}: wide open it comes to {_celsius(T)}"
+    return f"{what} (a larger effects.{LIQUID}.area, or a bore that opens earlier)"
 
 
 def _celsius(T: float) -> str:

@@ -1,22 +1,27 @@
 """Liquid injection: condensate enters the closed chamber through a bore and cools the gas by evaporating.
 
 What: flow of liquid (M12 with the liquid's stiffness, which is √(2 ρ Δp); M100) from the condenser's liquid line into
-the chamber; its enthalpy mixes with the chamber's gas in equilibrium at once (M103).
+the chamber; its enthalpy mixes with the chamber's gas in equilibrium at once (M103). The liquid has the condenser's
+enthalpy, and its pressure less the loss of the line. With `discharge_temperature` a thermostatic valve opens so far
+that the discharge comes to that temperature (M391).
 Source: ours; orifice coefficient 0.61 of a sharp edge: textbook.
 Assumptions: the liquid does not flash inside the bore; in the chamber it evaporates without delay. With gas.two_phase:
-refuse the chamber has to stay dry, else the result is `failed` with the angle; equilibrium follows it wet.
-Parameters: opens, closes, area, flow_coefficient.
+refuse the chamber has to stay dry, else the result is `failed` with the angle; equilibrium follows it wet. Valve and
+bore are one orifice, steady over a turn.
+Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temperature or opening.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from screwsim.declare import quantity
+from screwsim.declare import Found, number, quantity
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site
 from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
+from screwsim.fluid import constants
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import HOLES
 from screwsim.outputs import Figure
@@ -26,6 +31,12 @@ SHARP_EDGE = 0.61
 FIGURES = (
     Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid"),
     Figure("liquid_injection_flow_ratio", "1", "injected liquid over net suction flow"),
+    Figure(
+        "liquid_injection_opening",
+        "1",
+        "share of the bore's area that the thermostatic valve leaves open",
+        needs=(".discharge_temperature",),
+    ),
 )
 
 
@@ -35,17 +46,31 @@ class Parameters(WindowParameters):
 
     area: float = quantity("area", "area of the bore", gt=0.0)
     flow_coefficient: float = flow_coefficient("the bore (sharp edge: 0.61)", SHARP_EDGE)
+    pressure_loss: float = quantity(
+        "pressure_difference",
+        "pressure loss of the liquid line from the condenser to the bore",
+        0.0,
+        ge=0.0,
+        hardly=(None, 5e6),
+    )
+    discharge_temperature: float | None = quantity(
+        "temperature", "to which a thermostatic valve lets the discharge come; finds opening (M391)", None, gt=0.0
+    )
+    opening: float | None = number("share of area that the valve leaves open", None, gt=0.0, le=1.0)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
     def state(site: Site) -> Reservoir:
         """Return the liquid behind the condenser."""
-        return site.gas.liquid(site.p_d, site.liquid_enthalpy)
+        return site.gas.liquid(site.p_d - parameters.pressure_loss, site.liquid_enthalpy)
 
     def figures(drawn: Drawn) -> dict[str, float | None]:
-        return {"liquid_injection_mass_flow": drawn.flow, "liquid_injection_flow_ratio": drawn.ratio}
+        found = {"liquid_injection_mass_flow": drawn.flow, "liquid_injection_flow_ratio": drawn.ratio}
+        return found if parameters.discharge_temperature is None else {**found, "liquid_injection_opening": opening}
 
-    return [window_path(NAME, parameters), Plenum(NAME, state, figures)]
+    opening = parameters.opening
+    bore = parameters if opening is None else replace(parameters, area=opening * parameters.area)
+    return [window_path(NAME, bore), Plenum(NAME, state, figures)]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -55,12 +80,44 @@ def check(parameters: Parameters, facts) -> Faults:
     if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
         yield Fault(f"effects.{NAME}", what)
+    elif facts.gas.model == "real" and facts.operation.gas_cooler is None:
+        yield from _loss(parameters.pressure_loss, facts)
+        yield from _thermostat(parameters, facts)
+
+
+def _loss(loss: float, facts) -> Faults:
+    """Yield a fault where the liquid would boil in its line: it is no liquid any more before the bore."""
+    operation, fluid, p_d = facts.operation, facts.gas.name, discharge_pressure(facts)
+    T_c, limits = operation.condensing_temperature, constants.limits(fluid)
+    if not loss > 0.0 or p_d is None or limits is None or not limits.T_triple < T_c < limits.T_critical:
+        return
+    T = constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
+    boils = constants.bubble_pressure(fluid, T)
+    if p_d - loss < boils:
+        most = f"liquid of {T:.6g} K boils in its line when it loses {(p_d - boils) / 1e5:.4g} bar"
+        what = f"{loss / 1e5:.4g} bar: {most}"
+        yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (a smaller loss, or more operation.subcooling)")
+
+
+def _thermostat(parameters: Parameters, facts) -> Faults:
+    """Yield what does not go together with an opening that is found for a temperature at discharge."""
+    wanted, path = parameters.discharge_temperature, f"effects.{NAME}.discharge_temperature"
+    if wanted is None:
+        return
+    if parameters.opening is not None and not isinstance(parameters.opening, Found):
+        yield Fault(f"effects.{NAME}.opening", f"is given beside {path}, which finds it (remove one of the two)")
+    if wanted <= facts.operation.condensing_temperature:
+        what = f"{wanted:.6g} K is not above condensation, {facts.operation.condensing_temperature:.6g} K"
+        yield Fault(path, f"{what}: liquid would be left (raise it)")
+    if facts.oil_supply is not None and facts.oil_supply.discharge_temperature is not None:
+        what = "is what oil_supply.discharge_temperature is: one of oil and liquid can keep it"
+        yield Fault(path, f"{what} (remove one of the two)")
 
 
 EFFECT = Effect(
     name=NAME,
     title="condensate, through a bore into the closed chamber",
-    equations=("M12", "M13", "M100", "M101", "M103"),
+    equations=("M12", "M13", "M100", "M101", "M103", "M391"),
     source="ours",
     parameters=Parameters,
     build=build,

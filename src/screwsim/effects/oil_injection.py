@@ -1,18 +1,20 @@
 """Oil injection: the oil enters through a bore while the chamber faces it, not all at 360°.
 
 What: of displaced oil, orifice flow (M30) of the oil supply's bore under the pressure difference between the separator,
-less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); of pumped oil,
-what the pump displaces, whatever the chamber's pressure (M194), which it meets (M255). The oil mixes into the chamber
-continuously (M105).
+less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); with `line` pipe,
+filter and cooler lose a pressure that goes with the square of the flow (M392); of pumped oil, what the pump displaces,
+whatever the chamber's pressure (M194), which it meets (M255). The oil mixes into the chamber continuously (M105).
 Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
-while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies.
-Parameters: opens, closes, pressure_loss or pressure (displaced oil); bores or the pump's ratio, temperature of the oil:
-oil_supply.
+while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies. The bore has the C_d
+that it has without a line; what the line loses stays in the oil as heat.
+Parameters: opens, closes, pressure_loss, line or pressure (displaced oil); bores or the pump's ratio, temperature of
+the oil: oil_supply.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from screwsim.declare import quantity
@@ -29,6 +31,16 @@ NAME = "oil_injection"
 
 
 @dataclass(frozen=True)
+class Line:
+    """What pipe, filter and cooler lose at one flow; at another one it goes with its square."""
+
+    pressure_loss: float = quantity(
+        "pressure_difference", "pressure loss of pipe, filter and cooler at that flow", ge=0.0, hardly=(None, 5e6)
+    )
+    flow: float = quantity("volume_flow", "flow of oil through the line at which it loses that", gt=0.0)
+
+
+@dataclass(frozen=True)
 class Parameters(WindowParameters):
     """Where the bore lies, and what the oil loses on its way there."""
 
@@ -42,6 +54,7 @@ class Parameters(WindowParameters):
     pressure: float | None = quantity(
         "pressure", "of the oil before the bore, in place of the separator's less pressure_loss", None, gt=0.0
     )
+    line: Line | None = None
 
 
 @kernel
@@ -68,6 +81,36 @@ def flow(
 
 
 @kernel
+def flow_behind_line(
+    phi,
+    p,
+    width,
+    opens,
+    closes,
+    pressure_loss,
+    line_loss,
+    line_flow,
+    separator_pressure,
+    oil_density,
+    oil_viscosity,
+    bore_diameter,
+    bore_length,
+    bore_count,
+):
+    """Return what `flow` does, with a line in series that loses line_loss [Pa] at line_flow [m³/s] (M392)."""
+    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
+    if share == 0.0:
+        return 0.0
+    dp = separator_pressure - pressure_loss - p
+    if dp <= 0.0:
+        return 0.0
+    free = share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
+    available = dp * dp / math.sqrt(dp * dp + width * width)
+    nominal = oil_density * line_flow
+    return free / math.sqrt(1.0 + line_loss * free * free / (nominal * nominal * available))
+
+
+@kernel
 def flow_from(
     phi, p, width, opens, closes, upstream_pressure, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count
 ):
@@ -90,8 +133,11 @@ def build(parameters: Parameters, machine) -> list[OilPort]:
     if parameters.pressure is not None:
         values = {**window, "upstream_pressure": parameters.pressure}
         return [OilPort(flow_from, values, parameters.closes, breakpoints, pressure=parameters.pressure)]
-    values = {**window, "pressure_loss": parameters.pressure_loss}
-    return [OilPort(flow, values, parameters.closes, breakpoints, parameters.pressure_loss, pumped)]
+    values, law = {**window, "pressure_loss": parameters.pressure_loss}, flow
+    if parameters.line is not None and parameters.line.pressure_loss > 0.0:
+        law = flow_behind_line
+        values |= {"line_loss": parameters.line.pressure_loss, "line_flow": parameters.line.flow}
+    return [OilPort(law, values, parameters.closes, breakpoints, parameters.pressure_loss, pumped)]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -99,6 +145,11 @@ def check(parameters: Parameters, facts) -> Faults:
     if facts.oil_supply.kind == "pump" and parameters.pressure_loss > 0.0:
         what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
         yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
+    if facts.oil_supply.kind == "pump" and parameters.line is not None:
+        what = "is the line of displaced oil; with oil_supply.kind: pump the pump pays its loss"
+        yield Fault(f"effects.{NAME}.line", f"{what} (write it under effects.oil_pump)")
+    elif parameters.line is not None and parameters.pressure is not None:
+        yield Fault(f"effects.{NAME}.line", "is given beside pressure, which is behind it (remove one of the two)")
     if parameters.pressure is not None:
         yield from _stated(parameters.pressure, parameters.pressure_loss, facts)
     if facts.oil.transport != "carried":
@@ -128,7 +179,7 @@ def discharge_pressure(facts) -> float | None:
 EFFECT = Effect(
     name=NAME,
     title="oil enters through a bore while the chamber faces it",
-    equations=("M30", "M104", "M105", "M194", "M255"),
+    equations=("M30", "M104", "M105", "M194", "M255", "M392"),
     source="Lichtarowicz et al. 1965; window: ours",
     parameters=Parameters,
     build=build,

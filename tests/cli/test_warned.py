@@ -1,0 +1,53 @@
+"""Warnings reach people: in the first line of `run`, the closing lines of `sweep`, in Python and in stored results."""
+
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+
+PLAIN = str(Path(__file__).parents[1] / "plain" / "r134a.yaml")
+ODD = "effects.tip_leakage.gap=1.2 mm"
+TOLD = "effects.tip_leakage.gap: 1.2 mm is unusual"
+SPEEDS = "sweep={effects.tip_leakage.gap: [40 um, 1.2 mm], operation.speed: [2950 rpm, 2500 rpm]}"
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    path = tmp_path_factory.mktemp("warned") / "swept.h5"
+    assert exit_code(["sweep", PLAIN, "--set", SPEEDS, "-o", str(path)]) == 0
+    return path
+
+
+def words(text):
+    return " ".join(text.split())
+
+
+def test_run_says_of_a_machine_that_sucks_nothing_so_in_its_first_line(capsys):
+    exit_code(["run", PLAIN, "--set", "operation.speed=60 rpm"])
+    title, status = capsys.readouterr().out.splitlines()[:2]
+    assert title.startswith("R134a") and status.startswith("status: ")
+    assert "the volumetric efficiency is -" in status
+
+
+def test_run_and_python_tell_the_same_warning(capsys):
+    assert exit_code(["run", PLAIN, "--set", ODD]) == 0
+    told = words(capsys.readouterr().out)
+    result = screwsim.simulate(screwsim.load(PLAIN, [ODD]))
+    assert "status: ok, with 2 warnings" in told and f"warning: {TOLD}" in told
+    assert len(result.warnings) == 2 and sum(each.startswith(TOLD) for each in result.warnings) == 1
+    assert all(words(each) in told for each in result.warnings)
+
+
+def test_a_sweep_counts_cases_with_warnings_and_says_where_each_is_first(tmp_path, capsys):
+    assert exit_code(["sweep", PLAIN, "--set", SPEEDS, "-o", str(tmp_path / "again.h5")]) == 0
+    told = words(capsys.readouterr().out)
+    assert "4 cases: 4 ok, 2 with warnings" in told
+    assert f"warning in 2 cases, first at effects.tip_leakage.gap = 0.0012, operation.speed = 308.923: {TOLD}" in told
+
+
+def test_results_read_again_have_the_warnings_of_each_case(stored):
+    warned = screwsim.open_results(stored).warnings
+    assert warned.shape == (2, 2)
+    assert list(warned[0]) == ["", ""] and all(each.startswith(TOLD) for each in warned[1])

@@ -1,0 +1,69 @@
+"""The line of displaced oil: in series with the bore, its loss goes with the square of the flow."""
+
+import math
+
+import pytest
+from scenes import OIL_PORT, PUMPED_PORT, make, run
+
+from screwsim.effects.oil_injection import flow, flow_behind_line
+from screwsim.faults import SceneError
+
+BORE = (1000.0, 0.02, 0.006, 0.012, 1.0)  # oil's density, viscosity; diameter, length, count of the bore
+WINDOW = (1.0, 4.0)
+P_SEPARATOR, NOMINAL = 12e5, 30e-3 / 60
+
+
+def through(p, loss):
+    behind = (*WINDOW, 0.0, loss, NOMINAL, P_SEPARATOR, *BORE)
+    return flow_behind_line(2.0, p, 1.0, *behind), flow(2.0, p, 1.0, *WINDOW, 0.0, P_SEPARATOR, *BORE)
+
+
+@pytest.mark.parametrize("p", [1e5, 6e5, 11.9e5, 11.999e5])
+@pytest.mark.parametrize("loss", [1e3, 5e4, 1e6, 1e9])
+def test_line_and_bore_lose_together_what_there_is(p, loss):
+    """The bore's loss goes with the square of its flow, too: both sum up to the difference of pressures."""
+    behind, free = through(p, loss)
+    line, available = loss * (behind / (1000.0 * NOMINAL)) ** 2, P_SEPARATOR - p
+    assert 0.0 < behind < free and 0.0 < line < available
+    bore = available * (behind / free) ** 2
+    assert line + bore == pytest.approx(available, rel=1e-4)
+
+
+def test_a_line_without_loss_is_none_and_nothing_flows_back():
+    behind, free = through(3e5, 0.0)
+    assert behind == free
+    assert through(13e5, 1e5)[0] == 0.0
+
+
+def with_line(loss):
+    port = {**OIL_PORT["effects.oil_injection"], "line": {"pressure_loss": loss, "flow": "30 L/min"}}
+    return run({**OIL_PORT, "effects.oil_injection": port})
+
+
+def test_a_line_that_loses_nothing_changes_no_bit():
+    assert dict(with_line("0 bar").performance.items()) == dict(run(OIL_PORT).performance.items())
+
+
+def test_the_machine_gets_the_oil_that_the_line_lets_through():
+    free, lossy = run(OIL_PORT), with_line("0.5 bar")
+    assert lossy.status == "ok" and lossy.balance["energy"] < 3e-4
+    # bore and line as resistances: the ratio of flows where both lose by the square of it
+    ratio = lossy.performance.oil_mass_flow / free.performance.oil_mass_flow
+    mean = free.performance.discharge_pressure - free.performance.injection_pressure
+    steady = free.performance.oil_mass_flow * 90.0 / 80.0  # while the window is open
+    expected = 1.0 / math.sqrt(1.0 + 0.5e5 * (steady / (1000.0 * NOMINAL)) ** 2 / mean)
+    assert ratio == pytest.approx(expected, rel=0.02)
+    assert with_line("5 bar").performance.oil_mass_flow < lossy.performance.oil_mass_flow
+
+
+@pytest.mark.parametrize(
+    ("base", "more", "told"),
+    [
+        (PUMPED_PORT, {}, r"oil_injection\.line: is the line of displaced oil; with oil_supply\.kind: pump the pump"),
+        (OIL_PORT, {"pressure": "8 bar"}, r"oil_injection\.line: is given beside pressure, which is behind it"),
+    ],
+)
+def test_a_line_that_has_no_place_is_refused(base, more, told):
+    port = {**base["effects.oil_injection"], **more, "line": {"pressure_loss": "1 bar", "flow": "30 L/min"}}
+    with pytest.raises(SceneError, match=told):
+        make({**base, "effects.oil_injection": port})
