@@ -17,6 +17,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from screwsim.batch import warm_up as beside
 from screwsim.codegen.modules import for_speed
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import warm_up
@@ -91,11 +92,11 @@ class Stopwatch(Silent):
         self.computed = time.process_time()
 
 
-def swept(scene: Scene, jobs: int) -> tuple[float, float]:
+def swept(scene: Scene, jobs: int, batch: bool = False) -> tuple[float, float]:
     """Sweep a scene into a file that is thrown away; return processor time [s] of its cases and of its file."""
     watch, began = Stopwatch(), time.process_time()
     with tempfile.TemporaryDirectory() as folder:
-        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=watch, warm_up=nothing)
+        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=watch, warm_up=nothing, batch=batch)
         ahead = watch.laid_out or 0.0
         return watch.computed - began - ahead, time.process_time() - watch.computed + ahead
 
@@ -129,9 +130,11 @@ def main() -> None:
         asked = [text.format(points) if text.startswith("sweep.") else text for text in PRESSURES]
         real = load(str(REAL), [*asked, f"numerics.error={errors}"])
         warm_up(real)
-        best = min(seconds(partial(swept, real, 2), time.perf_counter) for _ in range(min(repeats, 3)))
-        told = f"numerics.error: {errors}: {points / best:.0f} points/s"
-        print(f"real gas at 3000 rpm over {points} condensing temperatures, two workers, {told}")
+        beside(real)
+        for batch, how in ((False, ""), (True, ", --batch")):
+            best = min(seconds(partial(swept, real, 2, batch), time.perf_counter) for _ in range(min(repeats, 3)))
+            told = f"numerics.error: {errors}{how}: {points / best:.0f} points/s"
+            print(f"real gas at 3000 rpm over {points} condensing temperatures, two workers, {told}")
 
 
 if __name__ == "__main__":

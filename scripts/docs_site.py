@@ -115,8 +115,6 @@ def main(folder: str = "results/site") -> int:
     shutil.rmtree(source, ignore_errors=True)
     source.mkdir(parents=True)
     (source / "conf.py").write_text(CONF.format(version=screwsim.__version__), encoding="utf-8")
-    (source / "_static").mkdir()
-    shutil.copy(Path(__file__).with_suffix(".css"), source / "_static")
     copy_pages(source)
     copy_notebooks(source / "notebooks")
     (source / "reference" / "api.md").write_text(api_page(), encoding="utf-8")
@@ -128,7 +126,9 @@ def main(folder: str = "results/site") -> int:
 
 
 def build(source: Path, html: Path) -> int:
-    """Make pages of a folder with a conf.py; return Sphinx's exit status, which one warning makes 1."""
+    """Make pages of a folder with a conf.py, in our style; return Sphinx's exit status, which one warning makes 1."""
+    (source / "_static").mkdir(exist_ok=True)
+    shutil.copy(Path(__file__).with_suffix(".css"), source / "_static")
     options = ["-q", "-W", "--keep-going", "-b", "html"]
     return subprocess.run([sys.executable, "-m", "sphinx", *options, str(source), str(html)], check=False).returncode
 

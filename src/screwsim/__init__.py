@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+import time
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from screwsim.study.uncertain import uncertainty
 
     __version__: str
+
+BEGAN = time.time()  # [s] before any other file of the package was read
 
 __all__ = [
     "Result",

@@ -6,13 +6,14 @@ import math
 import operator
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import nullcontext
 from typing import Any, Literal
 
 from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import Problem, Series, leave, one_alone, problem_of
 from screwsim.evaluate import cautions, own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
@@ -121,9 +122,9 @@ def _survived(scene: Scene) -> None:
 
 def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     course = None if series is None else series.course
-    series = series or Series()
+    alone, series = series is None, series or one_alone()
     try:
-        with faults_of_own(scene):
+        with faults_of_own(scene) if scene.own else nullcontext():
             with compiled.equation_announced(scene.gas.name):
                 problem = problem_of(scene, series)
             machinery = leased(problem)
@@ -133,6 +134,8 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
             problem, machinery = at_speed, leased(at_speed)
         result = _solved(problem, machinery, trace, course, search)
         leases.give_back(machinery)
+        if alone:
+            leave(series)
     except Impossible as wrong:
         result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != "ok":
@@ -200,7 +203,7 @@ def _closed_in_entropy(
     """Solve more tightly where entropy does not close: it is judged here only, for it needs the ledger."""
     balance, book = _balanced(accurate, trace)
     for _ in range(TRIES):
-        closed = (balance.entropy or 0.0) <= balance.bound
+        closed = (balance["entropy"] or 0.0) <= balance["bound"]
         if accurate.cycle.status != "ok" or closed or problem.scene.numerics.rtol is not None:
             break
         accurate = solve_tighter(machinery, accurate)
@@ -214,27 +217,25 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     `why` says why the oil's temperatures, or a package's losses, were not found, where they were not.
     """
     cycle, of = accurate.cycle, accurate.evaluation
-    status, message = cycle.status, ""
+    status, message, bound = cycle.status, "", balance["bound"]
     none, circuit_open = verdict.of_circuit(of)
     package_open = verdict.of_package(of)
-    forbidden = forbidden or none or (why if max(circuit_open, package_open) > balance.bound else "")
+    forbidden = forbidden or none or (why if max(circuit_open, package_open) > bound else "")
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
-    if status == "not_closed" or max(residuals.values()) > balance.bound:
-        status, left = "not_closed", f"{shown} against the bound {balance.bound:.2g}"
+    if status == "not_closed" or max(residuals.values()) > bound:
+        status, left = "not_closed", f"{shown} against the bound {bound:.2g}"
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
-    elif circuit_open > balance.bound:
+    elif circuit_open > bound:
         status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
-        message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
-    elif circuit.sought_open(of) > balance.bound:
+        message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
+    elif circuit.sought_open(of) > bound:
         status, left = "not_closed", f"what is found with the cycle leaves {circuit.sought_open(of):.2g} of a flow open"
-        message = (
-            f"{left}, against the bound {balance.bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
-        )
-    elif package_open > balance.bound:
+        message = f"{left}, against the bound {bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
+    elif package_open > bound:
         status, left = "not_closed", f"the package's losses leave {package_open:.2g} of a pressure open"
-        message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
-    unsettled = f"; {{}} cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
+        message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
+    unsettled = f"; {{}} cycle does not close: {shown}, bound {bound:.2g}" if status != "ok" else ""
     unknown = verdict.open_question(of, status == "ok")
     if unknown:
         status, message = "failed", unknown + unsettled.format("their")

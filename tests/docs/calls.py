@@ -29,6 +29,7 @@ STANDS = {
     "FIGURE": "isothermal_efficiency",
     "EFFECT": "tip_leakage",
     "N": "2",
+    "SHARE": "0.5",
     "SECONDS": "10",
     "ADDRESS|FILE": "s.json",
     "SEPR|points.csv": "SEPR",
@@ -51,7 +52,8 @@ def written_out(command: str) -> list[str]:
     found = ALTERNATIVES.search(command)
     if found:
         return [each for way in found.groups() for each in written_out(command.replace(found[0], way, 1))]
-    command = command.replace("]...", "]").replace("]…", "]").replace("--subject-to …", "").removesuffix("…")
+    command = command.replace("]...", "]").replace("]…", "]").replace("--subject-to …", "")
+    command = command.replace(" … ", " ").removesuffix("…")
     command = command.replace("[=LOW..HIGH]", "=LOW..HIGH").replace("[", " ").replace("]", " ")
     words = shlex.split(command, comments=True)
     standing = STANDS | {name: by.get(words[1], name) for name, by in NAMES.items()}

@@ -34,6 +34,7 @@ ELSEWHERE = {
 LONG = (
     "screwsim accuracy",
     "screwsim calibrate",
+    "screwsim datasheet configs/control/point.yaml --evap",  # as the one above it on its page
     "screwsim explore",  # stays until it is interrupted
     "screwsim export fmu",
     "screwsim find best.yaml",
@@ -163,7 +164,8 @@ class Page:
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """Be in a folder that has the files of the checkout that pages name."""
+    """Be in a folder that has the files of the checkout that pages name, on one core: no command starts workers."""
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
     for name in ("configs", "validation"):  # what commands may write to
         shutil.copytree(ROOT / name, tmp_path / name)
     for name in ("scripts", "benchmarks", "tests"):

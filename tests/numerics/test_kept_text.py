@@ -1,14 +1,20 @@
 """A text is written once; an edit of anything that it is made of, or of what writes it, makes another."""
 
+import math
+import os
+import re
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import pytest
 
-from screwsim.numerics import folder, kept_text, sources
-from screwsim.numerics.kernel import flatten, kernel, spelled
+import screwsim
+from screwsim.fluid import nozzle
+from screwsim.numerics import folder, kept_text, sources, store
+from screwsim.numerics.kernel import Kernel, flatten, kernel, spelled
 
 SCALE = 2.0
 BESIDE = 3.0
@@ -65,6 +71,39 @@ def test_what_a_crash_left_of_it_is_written_anew(here):
     assert found(Counted("whole")) == "whole"
 
 
+@pytest.mark.parametrize(
+    "content", [b"", b"a text of another program", zlib.compress(b"\xff")], ids=["empty", "other", "bytes"]
+)
+def test_what_is_no_text_is_written_anew(here, content):
+    """Even under the right name and with a sound digest."""
+    found(Counted())
+    (kept,) = here.iterdir()
+    store.keep(kept.name, content)
+    assert found(Counted("whole")) == "whole"
+    assert found(Counted("again")) == "whole"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of POSIX")
+def test_a_text_that_others_could_have_put_there_is_not_read(here, tmp_path, monkeypatch):
+    found(Counted("ours"))
+    here.chmod(0o777)
+    monkeypatch.setenv(folder.PRIVATE, folder.NOWHERE)
+    assert found(Counted("written again")) == "written again"
+    here.chmod(0o700)
+    assert found(Counted("written again")) == "ours"
+
+
+def test_code_that_was_edited_after_this_process_began_keeps_and_reads_nothing(here, monkeypatch):
+    """A notebook that goes on with what it imported would else leave the old code's text under the new code's name."""
+    found(Counted("of the edited code"))
+    with monkeypatch.context() as patch:
+        patch.setattr(screwsim, "BEGAN", Path(sources.__file__).stat().st_ctime)
+        sources.of_folders.cache_clear()
+        assert found(Counted("of the old")) == "of the old"
+    sources.of_folders.cache_clear()
+    assert found(Counted("written again")) == "of the edited code"
+
+
 SPACE = outer.function.__globals__
 EDITS = {
     "a constant that a kernel below reads": lambda patch: patch.setitem(SPACE, "SCALE", 2.5),
@@ -93,6 +132,7 @@ def test_the_digest_of_folders_is_that_of_the_texts_in_them(tmp_path, monkeypatc
         (package / name).mkdir(parents=True)
     (package / "model" / "network" / "flows.py").write_text("A = 1\n")
     monkeypatch.setattr(sources, "__file__", str(package / "numerics" / "sources.py"))
+    monkeypatch.setattr(screwsim, "BEGAN", math.inf)
     first = sources.of_folders.__wrapped__("model", "numerics")
     (package / "cli" / "words.py").write_text("B = 1\n")
     assert sources.of_folders.__wrapped__("model", "numerics") == first
@@ -129,3 +169,20 @@ def test_another_process_writes_no_text_of_a_combination_again_and_an_edited_pac
     edited = tmp_path / "screwsim" / "model" / "network" / "chamber.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
     assert "written again" in texts("forbidden").stderr
+
+
+OUTSIDE = """
+import sys
+import screwsim.model.module_text
+print(*sorted(name for name in sys.modules if name.startswith("screwsim.")))
+"""
+
+
+def test_all_code_that_writes_texts_lies_in_the_folders_whose_digest_counts(python):
+    """What they take from elsewhere are kernels, which are spelled themselves."""
+    imported = python(OUTSIDE).stdout.split()
+    others = {name for name in imported if name.split(".")[1] not in ("model", "numerics")}
+    assert others == {"screwsim.fluid", "screwsim.fluid.nozzle"}
+    writers = (Path(sys.modules[name].__file__) for name in imported if name.startswith("screwsim.model."))
+    taken = {name for path in writers for name in re.findall(r"nozzle(?:\.| import )(\w+)", path.read_text())}
+    assert taken and all(isinstance(getattr(nozzle, name), Kernel) for name in taken)

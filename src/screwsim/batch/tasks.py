@@ -28,6 +28,7 @@ from screwsim.simulate import simulate, simulate_many
 
 Answer = TypeVar("Answer")
 IN_FLIGHT = 2 * LANES  # tasks at a time: turns of like tolerance find each other
+IN_STEP = LANES  # the same of courses, whose points take like turns: what more of them hold leaves the cache
 ON_GPU = 1024  # the same on a GPU, and turns in one call
 Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
 During = Callable[[Sequence[int]], AbstractContextManager[None]]  # the threads for which a call is made
@@ -41,10 +42,13 @@ class Stopped(BaseException):
 class _Task:
     number: int
     work: Callable[[], Any]
-    go: threading.Semaphore = field(default_factory=lambda: threading.Semaphore(0))
+    go: threading.Lock = field(default_factory=threading.Lock)  # held until it may go on
     asked: side_by_side.Asked | None = None
     answer: Any = None
     thread: threading.Thread | None = None
+
+    def __post_init__(self) -> None:
+        self.go.acquire()
 
 
 def together(
@@ -66,7 +70,9 @@ def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gp
 
     Courses of one scene each are points that have nothing to do with each other, as those of a sample.
     """
-    return together([partial(_course, list(scenes), trace) for scenes in courses], gpu=gpu)
+    every = [list(scenes) for scenes in courses]
+    in_flight = IN_STEP if not gpu and any(len(scenes) > 1 for scenes in every) else None
+    return together([partial(_course, scenes, trace) for scenes in every], in_flight, gpu=gpu)
 
 
 def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:

@@ -2,7 +2,7 @@
 
 from screwsim.build.gas import build_gas
 from screwsim.build.own import blamed, faults_of_own
-from screwsim.build.parts import WIDTH, build_parts, prepare, regularisation
+from screwsim.build.parts import WIDTH, build_parts, parts_of, prepare, regularisation
 from screwsim.build.site import build_site
 from screwsim.build.stock import Stock
 from screwsim.build.temperatures import (
@@ -27,6 +27,7 @@ __all__ = [
     "filled",
     "open_temperatures",
     "package_of",
+    "parts_of",
     "prepare",
     "regularisation",
     "temperature_faults",

@@ -51,8 +51,12 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
 
 def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:
     """Return what the scene names, built for the composer; what it shares with the scene before is in stock."""
-    scene = completed(scene)
-    stock, at = stock or Stock(), lines(scene)
+    return parts_of(completed(scene), stock or Stock(), set_speed)
+
+
+def parts_of(scene: Scene, stock: Stock, set_speed: float | None = None) -> Parts:
+    """Return what `build_parts` does, of a scene that is completed."""
+    at = lines(scene)
     geometry = stock.geometry(scene.machine)
     effects = stock.effects(scene, geometry, at)
     gas = stock.gas(scene)

@@ -249,22 +249,26 @@ def loads(
         str | None,
         option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'."),
     ] = None,
+    shafts: Annotated[
+        str | None,
+        option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'."),
+    ] = None,
     overrides: Overrides = None,
     without: Without = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write loads and sound: gas forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
+    """Write loads and sound: forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
     options.check_drawer(output)
     from screwsim.export.loads import document, loads, write_loads
     from screwsim.export.run_of import run_of, spans_of
     from screwsim.printing import print_json
     from screwsim.printing.export import print_loads
 
-    spans = spans_of(bearings)
+    spans, through = spans_of(bearings), spans_of(shafts, "shafts")
     scene, result = run_of(source, overrides or (), without or ())
     if not result.cycle:
         return options.complain(f"{source}: {result.told}", NOT_ALL_OK)
-    found = loads(scene, result, spans)
+    found = loads(scene, result, spans, through)
     if found.without:
         typer.echo(f"export: {found.without}", err=True)
     files = write_loads(scene, result, found, output, steps)

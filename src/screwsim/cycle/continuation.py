@@ -131,7 +131,7 @@ def _possible(states: Array, signed: Sequence[int]) -> bool:
     `signed` are the rows of states that may be.
     """
     others = states[[row for row in range(2, len(states)) if row not in signed]] if signed else states[2:]
-    return bool((states[:2] > 0.0).all() and (others >= 0.0).all())
+    return bool(states[:2].min() > 0.0 and others.min(initial=0.0) >= 0.0)  # NaN is neither
 
 
 def _distances(a: Array, b: Array) -> Array:
@@ -144,8 +144,8 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     last = np.ones(1)
     if len(known) < 2:
         return [last]
-    columns = zip(*(point.tolist() for point in (*known, wanted)), strict=True)
-    moving = [column for column in columns if column.count(column[-1]) < len(column)]  # few: faster without numpy
+    points = np.array([*known, wanted])
+    moving = points[:, (points != wanted).any(axis=0)].T.tolist()  # few: faster without numpy
     scales = [max(map(abs, column)) for column in moving]
     ways = [
         [(x - column[-2]) / scale for x, column, scale in zip(point, moving, scales, strict=True)]

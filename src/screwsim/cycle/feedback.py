@@ -6,6 +6,7 @@ They are the feedback unknowns of a cycle; one turn maps them to the next (`imag
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
@@ -200,11 +201,19 @@ def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
             R[R_DISCHARGE + DENSITY] *= problem.gas_share(place[DENSITY], float(plenum[1])) ** 2
 
 
-def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float) -> None:
-    """Set the lines to begin with; T_d [K] and the oil ratio d of the discharge line are guesses."""
+def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d: float | None = None) -> None:
+    """Set the lines to begin with; T_d [K] and the oil ratio d of the discharge line are guesses.
+
+    `h_d` [J/kg] is the enthalpy that `set_unknowns` gives that line next: its state need not be found from T_d.
+    """
     parts, R, p_d = problem.parts, machinery.R, problem.lines.p_d
     T_oil, gas = parts.oil.temperature if parts.oil else problem.lines.T_s, parts.gas
-    discharge = gas.place(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
+    discharge = None
+    if h_d is not None and problem.suction.returned == 0.0:
+        with suppress(UsageError):  # none there
+            discharge = gas.place_of_enthalpy(p_d, h_d)
+    if discharge is None:
+        discharge = gas.place(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
     R[R_SUCTION : R_SUCTION + 8] = *problem.suction.place(discharge[ENTHALPY]), 0.0, T_oil
     R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + problem.pressed(p_d)
     R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2

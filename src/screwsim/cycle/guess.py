@@ -40,8 +40,8 @@ def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess |
     _anew(problem, machinery)
     guess = course.guess(machinery, problem.parameters)
     if guess is not None:
-        set_lines(problem, machinery, float(guess.y[0]), 0.0)
         made = len(problem.entries)
+        set_lines(problem, machinery, float(guess.y[0]), 0.0, float(guess.made[0]))
         set_unknowns(problem, machinery, guess.made[:made])
         speed.put_back(machinery.composition, guess.made[made:])
     return guess

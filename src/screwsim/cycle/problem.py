@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import Stock, Temperatures, build_parts, completed
+from screwsim.build import Stock, Temperatures, completed, parts_of
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
@@ -20,6 +20,7 @@ from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
+from screwsim.numerics.once import once
 from screwsim.outputs import Figure
 from screwsim.scene.lines import Lines, lines, suction_enthalpy
 from screwsim.scene.types import Scene
@@ -63,12 +64,12 @@ class Problem:
         """p/ρ of the suction line [J/kg], the scale of work."""
         return self.lines.p_s / self.inlet.density
 
-    @cached_property
+    @once
     def h_isentropic(self) -> float:
         """Enthalpy [J/kg] of the suction gas compressed to the discharge pressure at its entropy."""
         return _h_isentropic(self.parts, self.lines, self.inlet)
 
-    @cached_property
+    @once
     def called(self) -> dict[str, Figure]:
         """The figures that the scene calls for."""
         return called_for(self.scene, self.parts)
@@ -83,11 +84,15 @@ class Problem:
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
 
+Built = tuple[Stock, Composer]
+
+
 class Series:
     """What scenes solved one after the other leave to the next: what was built, what was composed, what closed."""
 
-    def __init__(self) -> None:
-        self.stock, self.composer, self.course = Stock(), Composer(), Course()
+    def __init__(self, built: Built | None = None) -> None:
+        self.stock, self.composer = built or (Stock(), Composer())
+        self.course = Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
         self.losses: PressureLosses | None = None  # of a package, found last
         self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.build.sought`)
@@ -95,11 +100,32 @@ class Series:
         self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
 
 
+_free: list[Built] = []
+KEPT = 32  # of them: so many points may be solved side by side
+
+
+def one_alone() -> Series:
+    """Return a series for one scene that has nothing to do with those before, but what was built and composed of them.
+
+    That gives the numbers that building anew does. Whoever is done with it gives it back (`leave`).
+    """
+    try:
+        return Series(_free.pop())  # one step of the interpreter's own
+    except IndexError:
+        return Series()
+
+
+def leave(series: Series) -> None:
+    """Keep what was built and composed for the next scene that is solved alone."""
+    if len(_free) < KEPT:
+        _free.append((series.stock, series.composer))
+
+
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
     """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
     series = series or Series()
     scene = completed(scene, series.temperatures, series.losses, series.sought)
-    parts, at = build_parts(scene, series.stock, set_speed), lines(scene)
+    parts, at = parts_of(scene, series.stock, set_speed), lines(scene)
     composition = _by(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False
     dry = at.quality is None
@@ -108,7 +134,8 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line, lost)
     begins = suction.place(_h_isentropic(parts, at, inlet)) if suction.changed else line
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
-    lines_of = (*_discharge_line(composition), *(_suction_line(composition) if parts.suction_line else ()))
+    of_oil = composition.carried, composition.dissolves
+    lines_of = (*_discharge_line(*of_oil), *(_suction_line(*of_oil) if parts.suction_line else ()))
     entries = _entries((*lines_of, *(part.entry for _, part in parts.all(Made))))
     wanted = wanted_of(scene.numerics, tuple(composition.P[composition.widths].tolist()))
     return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
@@ -131,24 +158,26 @@ def _by(integrator: str, composition: Composition) -> Composition:
     return replace(composition, text=text, together=lambda: found.into(together()))
 
 
-def _discharge_line(composition: Composition) -> tuple[Entry, ...]:
+@cache
+def _discharge_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
     """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature.
 
     Where oil dissolves gas, also what it holds there (M230).
     """
     ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
-    oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if composition.carried else ()
-    if composition.dissolves:
+    oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
+    if dissolves:
         oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
     return Entry("discharge_enthalpy"), *oil
 
 
-def _suction_line(composition: Composition) -> tuple[Entry, ...]:
+@cache
+def _suction_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
     """Return the entries of a suction line that keeps what flows back (M270): its enthalpy, oil, gas held in that.
 
     The amounts are those of a kilogram of gas, over which their changes count: little of them is of little account.
     """
-    amounts = ("suction_oil", "suction_held_gas")[: composition.carried + composition.dissolves]
+    amounts = ("suction_oil", "suction_held_gas")[: carried + dissolves]
     return Entry("suction_enthalpy"), *(Entry(name, scale=1.0) for name in amounts)
 
 

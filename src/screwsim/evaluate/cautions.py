@@ -32,12 +32,12 @@ def warnings(of: Evaluation) -> Iterator[str]:
         supply is not None
         and supply.kind == "pump"
         and parts.oil_port is None
-        and found.oil_ratio
-        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
+        and (ratio := found["oil_ratio"])
+        and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
     ):
         yield (
             f"leaks bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio asks "
-            f"for; nothing is injected and the ratio is {found.oil_ratio:.4g}"
+            f"for; nothing is injected and the ratio is {ratio:.4g}"
         )
     yield from _drowned(of)
     yield from _unfitted_bore(of)
@@ -48,10 +48,11 @@ def warnings(of: Evaluation) -> Iterator[str]:
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
-    if found.gas_mass_flow == 0.0 and idle:
+    flow = found["gas_mass_flow"]
+    if flow == 0.0 and idle:
         nothing = "takes nothing in" if parts.plenums else "delivers nothing"
         yield idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}"
-    elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
+    elif flow is not None and flow <= 0.0:
         yield (
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
@@ -95,8 +96,8 @@ def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:
 
 def _lost_to_suction(of: Evaluation) -> Iterator[str]:
     """Yield a warning where a good part of the shaft power leaves to the suction line, and is not followed there."""
-    parts, power, out = of.problem.parts, of.figures.shaft_power, of.streams[1]
-    delivers = power > 0.0 and (of.figures.gas_mass_flow or 0.0) > 0.0
+    parts, power, out = of.problem.parts, of.figures["shaft_power"], of.streams[1]
+    delivers = power > 0.0 and (of.figures["gas_mass_flow"] or 0.0) > 0.0
     if parts.suction_line or parts.geometry.expands or not of.problem.composition.carried or not delivers:
         return
     assert parts.oil is not None  # carried
@@ -121,9 +122,12 @@ def _drowned(of: Evaluation) -> Iterator[str]:
     parts, found = of.problem.parts, of.figures
     oil, geometry = parts.oil, parts.geometry
     opens = geometry.discharge_opens
-    if oil is None or opens is None or not found.oil_ratio or not found.trapped_mass or parts.oil_room:
+    if oil is None or opens is None or parts.oil_room:
         return
-    share = found.oil_ratio * found.trapped_mass / oil.density / of.life.volume(opens)
+    ratio, trapped = found["oil_ratio"], found["trapped_mass"]
+    if not ratio or not trapped:
+        return
+    share = ratio * trapped / oil.density / of.life.volume(opens)
     if not share < 1.0:
         when = "inlet closes" if geometry.expands else "discharge port opens"
         what = f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model"

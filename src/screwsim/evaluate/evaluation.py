@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 from screwsim.cycle.balances import LEAST_WORK, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
-from screwsim.cycle.known import CycleFigures, known_of, pitch_at, uncarried_oil_temperature
+from screwsim.cycle.known import CycleFigures, known_of, pitch_at
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.powers import oil_lift, power_losses, shaft_power
 from screwsim.cycle.problem import Problem
@@ -19,6 +18,7 @@ from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.model.slots import R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
+from screwsim.numerics.once import once
 from screwsim.outputs import Figures
 
 
@@ -30,12 +30,12 @@ class Evaluation:
     life: Trajectory
     q: Array
 
-    @cached_property
+    @once
     def streams(self) -> Array:
         """Sums over the life by category (`cycle.balances.streams_of`)."""
         return streams_of(self.problem.composition, self.q)
 
-    @cached_property
+    @once
     def turn(self) -> Turn:
         """What the life tells of itself, and what it makes of the feedback unknowns."""
         return turn_of(self.problem, self.life, self.q)
@@ -45,39 +45,39 @@ class Evaluation:
         """What the life makes of the feedback unknowns, as a vector."""
         return image(self.problem, self.life, self.q, self.turn if self.problem.parts.made else None)
 
-    @cached_property
+    @once
     def pitch(self) -> Pitch:
         """One pitch of all chambers."""
         return pitch_at(self.problem, self.life, self.q)
 
-    @cached_property
+    @once
     def known(self) -> CycleFigures:
         """What a power loss or a reading can ask."""
         parts = self.problem.parts
         turn = self.turn if parts.made or parts.all(Reading) else None
         return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
 
-    @cached_property
+    @once
     def losses(self) -> dict[str, float]:
         """The power losses [W] beside the gas work."""
         return power_losses(self.problem.parts, self.known)
 
-    @cached_property
+    @once
     def circuit(self) -> Circuit | str | None:
         """The oil's circuit through separator and cooler; None where nothing asks for it, a text for why not."""
         parts = self.problem.parts
         lift = oil_lift(parts, self.known) if parts.oil is not None else 0.0
         return circuit_of(self.problem, self.life, self.q, self.losses, lift)
 
-    @cached_property
+    @once
     def read(self) -> Read:
         """The performance figures, and why some are None."""
         return figures_of(self.problem, self.life, self.q, self.known, self.losses, self.circuit)
 
-    @cached_property
+    @once
     def package(self) -> Package | None:
         """How far the losses of a package are from those of the flow; None without one."""
-        return package_off(self.problem, self.figures.gas_mass_flow)
+        return package_off(self.problem, self.figures["gas_mass_flow"])
 
     @property
     def figures(self) -> Performance:
@@ -105,7 +105,7 @@ def balance(of: Evaluation) -> Figures:
     """Return the balances of a closed cycle (contract: balance)."""
     problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
     left, residual = residuals(problem, of.life.R, of.q), None
-    T_out = uncarried_oil_temperature(of.life) if "T_oil" in c.states and not c.carried else None
+    T_out = None if c.carried else of.known.oil_discharge_temperature
     if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         residual = float(-of.q[1] - carried) * problem.rate

@@ -68,7 +68,7 @@ def figures_of(
         "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
         "displacement": geometry.swept_volume * TURN / geometry.pitch,
         "displacement_flow": geometry.swept_volume * rate,
-        "built_in_volume_ratio": built_in_volume_ratio(geometry, life.volume),
+        "built_in_volume_ratio": _built_in(problem, life),
     }
     notes["discharge_temperature"] = "nothing flows out to the discharge line"
     notes["built_in_volume_ratio"] = "the machine has no discharge port whose opening ends it"
@@ -114,6 +114,20 @@ def figures_of(
     values = {name: found.get(name) for name in about}
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
     return Performance(values, about), none
+
+
+_ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and what is built in
+
+
+def _built_in(problem: Problem, life: Trajectory) -> float | None:
+    """Return the built-in volume ratio; cases of a sweep that share machine and effects share it, too."""
+    global _ratio
+    parts = problem.parts
+    geometry, effects, found = _ratio  # at once: threads share it
+    if geometry is not parts.geometry or effects is not parts.effects:
+        found = built_in_volume_ratio(parts.geometry, life.volume)
+        _ratio = parts.geometry, parts.effects, found
+    return found
 
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:

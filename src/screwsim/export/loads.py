@@ -1,4 +1,4 @@
-"""Loads and sound of a machine: forces of the gas on rotors and bearings, flows of both lines, spectra, surfaces."""
+"""Loads and sound of a machine: forces on rotors and bearings, flows of both lines, spectra, surfaces."""
 
 from __future__ import annotations
 
@@ -36,14 +36,19 @@ class Exported:
     without: str
 
 
-def loads(scene: Scene, result: Result, spans: tuple[float, float]) -> Exported:
-    """Return loads and flows of a result that keeps its cycle; of rotors without a profile the flows alone."""
+def loads(
+    scene: Scene, result: Result, spans: tuple[float, float], shafts: tuple[float, float] = (0.0, 0.0)
+) -> Exported:
+    """Return loads and flows of a result that keeps its cycle; of rotors without a profile the flows alone.
+
+    `spans`, `shafts` [m] as `rotor_loads.loads_of` takes them.
+    """
     frequency = lobe_frequency(scene)
     curves = {"flows": flows_of(scene, result)}
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
     else:
-        found, without = loads_of(pressures_of(lay(twin_screw(scene.machine)), result), spans), ""
+        found, without = loads_of(pressures_of(lay(twin_screw(scene.machine)), result), spans, shafts), ""
         curves["forces"] = (found.angle, dict(found.columns))
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
     return Exported(scene.title, frequency, curves, spectra, without)

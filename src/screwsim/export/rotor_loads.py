@@ -1,23 +1,26 @@
-"""Forces of the gas on the rotors of a closed cycle: pressures integrated over their surfaces, by angle.
+"""Forces on the rotors of a closed cycle: pressures integrated over their surfaces, by angle.
 
-Gas forces alone: the flanks' pressure over that of suction, without end faces, gears, weights and the contact between
-the rotors. Axial forces are those of the flanks. The mapping of pressures to the surface is held against virtual work:
-the male torque agrees within 1.5 %, that of the female within 2.5 % of the male's (tests/export/test_loads.py).
+First those of the gas on the flanks, as pressure over that of suction; then with the gas on the end faces and the
+contact of the rotors (`rotor_balance`). Gears, balance pistons and weights are not in it. The mapping of pressures to
+the surface is held against virtual work: the male torque agrees within 1.5 %, that of the female within 2.5 % of the
+male's (tests/export/test_loads.py).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from screwsim.export.rotor_balance import check_shafts, contact, end_forces
 from screwsim.export.rotor_surface import ALONG, Surface, areas, centres, chamber_angles, positions, surfaces
 from screwsim.machine.profile_law import Laid
 from screwsim.machine.rotors.pair import Array
 from screwsim.outputs import Result
 
+NAMES = ("male", "female")
 POINTS = 48  # of a pitch
 DOWN = 1.02  # times the suction pressure: the rest of a chamber's last charge is gone
 
@@ -36,6 +39,10 @@ class Pressures:
         rotors = self.laid.rotors
         axis = self.laid.born + np.minimum(phi, rotors.wrap) - rotors.start
         return np.where(phi < rotors.start, self.low, np.interp(axis, self.angle, self.pressure))
+
+    def excess(self, phi: Array) -> Array:
+        """Return the pressure of chambers over that of suction [Pa]."""
+        return self.at(phi) - self.low
 
 
 def pressures_of(laid: Laid, result: Result) -> Pressures:
@@ -59,18 +66,57 @@ class Loads:
     columns: Mapping[str, Array]
 
 
-def loads_of(pressures: Pressures, spans: tuple[float, float] = (0.0, 0.0)) -> Loads:
-    """Return the loads over a pitch; `spans` [m]: how far the bearings lie outside of the end planes, suction first."""
+def loads_of(
+    pressures: Pressures, spans: tuple[float, float] = (0.0, 0.0), shafts: tuple[float, float] = (0.0, 0.0)
+) -> Loads:
+    """Return the loads over a pitch of the male rotor.
+
+    `spans` [m]: how far the bearings lie outside of the end planes, suction first; `shafts` [m]: diameters of the
+    shafts of male and female, which the gas on the end faces does not reach.
+    """
     rotors = pressures.laid.rotors
+    check_shafts(rotors, shafts)
     z = np.linspace(0.0, rotors.length, ALONG + 1)
     angle = np.arange(POINTS) * rotors.pair.pitch / POINTS
     columns: dict[str, Array] = {}
-    for name, surface in zip(("male", "female"), surfaces(rotors), strict=True):
+    both = surfaces(rotors)
+    for name, surface in zip(NAMES, both, strict=True):
         rows = [_at(pressures, surface, float(phi), z) for phi in angle]
         found = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-        columns |= {f"{name}_{key}": values for key, values in found.items() if not key.startswith("moment")}
+        columns |= {f"{name}_{key}": values for key, values in found.items()}
         columns |= _bearings(name, found, rotors.length, spans)
-    return Loads(angle, columns | _virtual(pressures, angle))
+    columns |= _virtual(pressures, angle)
+    moments = {key: value for key, value in columns.items() if "_moment_" in key}
+    columns = {key: value for key, value in columns.items() if key not in moments}
+    touching = contact(rotors, columns["female_torque"])
+    for name, surface, shaft in zip(NAMES, both, shafts, strict=True):
+        ends = [end_forces(surface, rotors, float(phi), 0.5 * shaft, pressures.excess) for phi in angle]
+        columns |= _whole(name, columns, moments, touching[name], ends, rotors.length, spans)
+    columns["shaft_torque"] = columns["male_torque"] + touching["male"]["contact_torque"]
+    return Loads(angle, columns)
+
+
+def _whole(
+    name: str,
+    gas: Mapping[str, Array],
+    moments: Mapping[str, Array],
+    touch: Mapping[str, Array],
+    rows: Sequence[Mapping[str, float]],
+    length: float,
+    spans: tuple[float, float],
+) -> dict[str, Array]:
+    """Return what the ends and the other rotor do to a rotor, and its bearings' forces [N] of all of it."""
+    ends = {key: np.array([row[key] for row in rows]) for key in rows[0]}
+    found = {f"force_{way}": gas[f"{name}_force_{way}"] + touch[f"contact_force_{way}"] for way in "xy"}
+    for way in "xy":
+        own = moments[f"{name}_moment_{way}"]
+        found[f"moment_{way}"] = own + ends[f"end_moment_{way}"] + touch[f"contact_moment_{way}"]
+    columns = {f"{name}_{end}_end_force": ends[f"{end}_end_force"] for end in ("suction", "discharge")}
+    columns |= {f"{name}_contact_force_{way}": touch[f"contact_force_{way}"] for way in "xyz"}
+    pushed = columns[f"{name}_suction_end_force"] + columns[f"{name}_discharge_end_force"]
+    columns[f"{name}_thrust_bearing"] = gas[f"{name}_axial_force"] + pushed + touch["contact_force_z"]
+    carried = _bearings(name, found, length, spans)
+    return columns | {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
 
 
 def _at(pressures: Pressures, surface: Surface, phi: float, z: Array) -> dict[str, float]:
@@ -79,7 +125,7 @@ def _at(pressures: Pressures, surface: Surface, phi: float, z: Array) -> dict[st
     x, y = positions(surface, rotors, phi, z)
     ax, ay, az = areas(surface, x, y, z)
     middle = 0.5 * (z[1:] + z[:-1])
-    p = pressures.at(chamber_angles(surface, rotors, phi, middle)) - pressures.low
+    p = pressures.excess(chamber_angles(surface, rotors, phi, middle))
     fx, fy, fz = -p * ax, -p * ay, -p * az
     rx, ry = centres(x) - surface.centre, centres(y)
     return {

@@ -76,6 +76,7 @@ def predefined_name(name: str) -> str | None:
     return name if name in known else short if name == f"{short}{ENDING}" and short in known else None
 
 
+@lru_cache(maxsize=256)
 def is_blend(fluid: str) -> bool:
     """Tell whether a name is that of a blend, whether or not there are data for it."""
     return _own(fluid) is not None or predefined_name(fluid) is not None

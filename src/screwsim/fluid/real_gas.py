@@ -75,6 +75,14 @@ class RealGas:
     name = "real"
     varies = True  # exponent and choking vary with the state
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        """The hash, once: what is remembered of states is asked for by their gas."""
+        return hash((self.fluid, self.two_phase))
+
     def __post_init__(self) -> None:
         if self.two_phase == "equilibrium" and self.known.pseudo_pure:
             raise UsageError(
@@ -201,11 +209,11 @@ class RealGas:
 
     def enthalpy(self, p: float, T: float) -> float:
         """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
-        return float(self._kernels["state"](T, self.density(p, T))[1])
+        return _vapour_energies(self, p, T)[0]
 
     def entropy(self, p: float, T: float) -> float:
         """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
-        return float(self._kernels["entropy"](T, self.density(p, T)))
+        return _vapour_energies(self, p, T)[1]
 
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]: T_sat where two phases have it."""
@@ -224,7 +232,7 @@ class RealGas:
 
         A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
         """
-        return self._place(p, *self._at(p, h, False))
+        return _place_of_enthalpy(self, p, h)
 
     def vapour(self, p: float, T: float) -> Reservoir:
         """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises UsageError for a liquid."""
@@ -340,6 +348,18 @@ class RealGas:
 def _vapour_density(gas: RealGas, p: float, T: float) -> float:
     found = saturation(gas.fluid)
     return float(_compiled(gas)["density"](p, T, gas.R, found.T_c, found.rho_c))
+
+
+@lru_cache(maxsize=64)
+def _vapour_energies(gas: RealGas, p: float, T: float) -> tuple[float, float]:
+    """Return specific enthalpy [J/kg] and entropy [J/(kg K)] of the vapour at p [Pa], T [K]."""
+    rho = gas.density(p, T)
+    return float(gas._kernels["state"](T, rho)[1]), float(gas._kernels["entropy"](T, rho))
+
+
+@lru_cache(maxsize=64)
+def _place_of_enthalpy(gas: RealGas, p: float, h: float) -> tuple[float, ...]:
+    return gas._place(p, *gas._at(p, h, False))
 
 
 @lru_cache(maxsize=64)

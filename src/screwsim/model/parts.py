@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 from screwsim.effects.base import (
@@ -23,6 +22,7 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
+from screwsim.numerics.once import once
 
 # of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
 Widths = tuple[float, float, float, float]
@@ -93,7 +93,7 @@ class Parts:
             raise TypeError(f"a flow path leads to {to!r}, which no effect declares; known: {', '.join(numbers)}")
         return numbers[to]
 
-    @cached_property
+    @once
     def oil_port(self) -> OilPort | None:
         """The port through which the oil comes; None where it is injected at one angle."""
         ports = [part for _, part in self.all(OilPort)]
@@ -101,12 +101,12 @@ class Parts:
             raise TypeError("two effects declare an oil port; a scene has one")
         return ports[0] if ports else None
 
-    @cached_property
+    @once
     def pumped(self) -> bool:
         """Does a pump feed the oil port?"""
         return self.oil_port is not None and self.oil is not None and "ratio" in self.oil.supply
 
-    @cached_property
+    @once
     def oil_gas(self) -> OilGas | None:
         """The gas that the oil brings dissolved; None where it brings none."""
         found = [part for _, part in self.all(OilGas)]
@@ -121,35 +121,35 @@ class Parts:
         """Is what the oil holds dissolved a state of the chambers?"""
         return isinstance(self.oil_content, OilSolution)
 
-    @cached_property
+    @once
     def held_back(self) -> bool:
         """Does a check valve let nothing of the discharge line back, at once or because it could go nowhere else?"""
         valved = [part.to for part in self.pulsations if part.shut is not None]
         return "discharge" in valved or bool(valved and not self.plenums)
 
-    @cached_property
+    @once
     def suction_line(self) -> bool:
         """Does what flows back into the suction line stay in it?"""
         return bool(self.all(SuctionLine))
 
-    @cached_property
+    @once
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))
 
-    @cached_property
+    @once
     def films(self) -> list[bool]:
         """Of each gap between chambers: does oil leak through it as a film?"""
         gaps = [path for _, path in self.all(FlowPath) if path.to == "neighbour"]
         held = [path.resistance for path in gaps]
         return [each is not None and (each.film or each.drag) is not None for each in held]
 
-    @cached_property
+    @once
     def walls(self) -> list[tuple[str, Wall]]:
         """The walls that exchange heat with the gas, with the effects that declare them."""
         return self.all(Wall)
 
-    @cached_property
+    @once
     def shaft(self) -> Shaft | None:
         """What makes the speed change over a pitch; None where it is constant."""
         found = [part for _, part in self.all(Shaft)]
@@ -157,7 +157,7 @@ class Parts:
             raise TypeError("two effects declare a shaft; a scene has one")
         return found[0] if found else None
 
-    @cached_property
+    @once
     def pulsations(self) -> list[Pulsation]:
         """The lines whose pressure pulsates."""
         return [part for _, part in self.all(Pulsation)]

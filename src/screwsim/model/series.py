@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from screwsim.model.compose import compose
 from screwsim.model.composition import Composition
 from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
+from screwsim.model.trajectory import with_numbers
 
 
 class Composer:
@@ -56,4 +55,4 @@ def _filled(composition: Composition, parts: Parts) -> Composition:
     if recipe.places:
         named = operating(parts)
         P[recipe.places] = [named[name] for name in recipe.names]
-    return replace(composition, P=P)
+    return with_numbers(composition, P)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 from screwsim.numerics import sources, store
 from screwsim.numerics.kernel import HEADER, Kernel, flatten, spelled
 
+FASTEST = 1  # level of zlib: a sixth of the size, in a millisecond
 NO_SLOTS: Mapping[str, str] = MappingProxyType({})
 
 
@@ -19,15 +21,28 @@ def kept_text(by: Sequence[str], kernels: Iterable[Kernel], of: Sequence[Any], w
 
     It is made by code in the folders `by` of this package, of kernels and all that they use, and of what has one
     `repr`: an edit of any of these makes another text. How a tree is spelled is Python's matter, so its version counts.
+    Where the code was edited after this process began, it is not what the folders hold, and nothing is kept.
     """
-    parts = (sources.of_folders(*by), spelled(kernels), sys.version, *map(repr, of))
-    name = f"screwsim_text_{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()[:24]}"
-    kept = store.read(name)
-    if kept is not None:
-        return kept.decode()
-    text = write()
-    store.keep(name, text.encode())
+    code = sources.of_folders(*by)
+    if code is None:
+        return write()
+    parts = (code, spelled(kernels), sys.version, *map(repr, of))
+    name = f"screwsim_{by[0]}_{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()[:24]}.text"
+    text = _read(name)
+    if text is None:
+        text = write()
+        store.keep(name, zlib.compress(text.encode(), FASTEST))
     return text
+
+
+def _read(name: str) -> str | None:
+    content = store.read(name)
+    if content is None:
+        return None
+    try:
+        return zlib.decompress(content).decode()
+    except (zlib.error, UnicodeDecodeError):
+        return None
 
 
 def flat_module(

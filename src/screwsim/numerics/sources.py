@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import importlib.util
+import math
 import site
 import sys
 import sysconfig
@@ -19,8 +20,11 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import Any
 
+import screwsim
+
 _SHOWS = ("cli", "printing", "report")  # folders of the package that change no result
 _LETTERS = 16  # of a digest: enough to tell texts apart
+_TICK = 0.01  # [s] by which the clock of a file system may lag
 _noted: dict[str, tuple[Any, Mapping[str, str]]] = {}
 
 
@@ -33,10 +37,17 @@ def of_package() -> str:
 
 
 @cache
-def of_folders(*names: str) -> str:
-    """Return the digest of the sources in some folders of this package."""
+def of_folders(*names: str) -> str | None:
+    """Return the digest of the sources in some folders of this package, as this process has imported them.
+
+    None where that is not known: one was written after the package began to be imported.
+    """
     root = Path(__file__).parents[1]
-    return _of_files(root, (file for name in names for file in (root / name).rglob("*.py")))
+    files = [file for name in names for file in (root / name).rglob("*.py")]
+    found = _of_files(root, files)
+    stats = [file.stat() for file in files]  # after they were read
+    last = max((time for each in stats for time in (each.st_mtime, each.st_ctime)), default=math.inf)
+    return found if last < screwsim.BEGAN - _TICK else None
 
 
 def _of_files(root: Path, files: Iterable[Path]) -> str:

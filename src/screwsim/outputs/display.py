@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from screwsim.outputs.customary import ZERO_CELSIUS, digits, scale
 
-MOST_LETTERS = 100  # of a meaning in text
+MOST_LETTERS = 100  # of a meaning, and of a cell, in text
+MOST_ROWS, MOST_HTML_ROWS = 8, 60  # of a table of what was found
 
 
 class Shown(NamedTuple):
@@ -49,6 +50,47 @@ class Value(float):
 
     def __reduce__(self) -> tuple[type[Value], tuple[float, Shown]]:
         return Value, (float(self), self._about)
+
+
+class About(NamedTuple):
+    """What is to be said of a thing: a heading, sentences, and a table."""
+
+    heading: str
+    notes: Sequence[str] = ()
+    columns: Sequence[str] = ()
+    rows: Sequence[Sequence[str]] = ()
+
+
+class Brief:
+    """What has too many parts to print them all: it says in a few lines what it is, and shows a table in notebooks."""
+
+    def _about(self) -> About:
+        """Return what is to be said of it."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        heading, notes, columns, rows = self._about()
+        cells = [[_short(cell) for cell in row] for row in (columns, *rows[:MOST_ROWS])] if rows else []
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        lines = ["  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip() for row in cells]
+        more = [f"… {len(rows) - MOST_ROWS} more"] if len(rows) > MOST_ROWS else []
+        return "\n".join([heading, *map(_short, notes), *lines, *more])
+
+    def _repr_html_(self) -> str:
+        heading, notes, columns, rows = self._about()
+        shown = [[escape(cell) for cell in row] for row in rows[:MOST_HTML_ROWS]]
+        more = [f"the first {MOST_HTML_ROWS} of {len(rows)}"] if len(rows) > MOST_HTML_ROWS else []
+        return _html(heading, [*notes, *more], columns, shown)
+
+
+def _short(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= MOST_LETTERS else f"{line[: MOST_LETTERS - 1]}…"
+
+
+def value_text(figure: Shown) -> str:
+    """Return a figure's value in the unit in which people write it, else in SI."""
+    return customary(figure) or _value(figure)
 
 
 def si_unit(units: str) -> str:

@@ -12,7 +12,8 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.figures import declaration, unpacked
-from screwsim.outputs import ITSELF, KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
+from screwsim.outputs import EFFICIENCY, ITSELF, KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
+from screwsim.outputs.display import About, Brief, Shown, value_text
 from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
@@ -21,12 +22,8 @@ from screwsim.results.stored import REMEDY, Odd, opened
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 # the first two come with traces, the next of their studies, two of scenes with tolerances, the last where asked for
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
-OWN = {
-    "cycle": "angle",
-    "knock_out": "effect",
-    "contributions": "contributor",
-    "derivatives": "number",
-}  # the coordinate of its own that a group has
+# the coordinate of its own that a group has
+OWN = {"cycle": "angle", "knock_out": "effect", "contributions": "contributor", "derivatives": "number"}
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
@@ -98,8 +95,8 @@ class Group(Mapping[str, np.ndarray]):
             return stored.values(stored.member(stored.member(file, self.name, dataset=False), name), index)
 
 
-@dataclass(frozen=True)
-class Results:
+@dataclass(frozen=True, repr=False)
+class Results(Brief):
     """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping a group."""
 
     path: Path
@@ -186,11 +183,20 @@ class Results:
 
         return frame(self, group)
 
-    def __repr__(self) -> str:
+    def _about(self) -> About:
         axes = " × ".join(f"{axis.path} ({len(axis.values)})" for axis in self.axis_list) or "one run"
         words, counts = np.unique(self.status, return_counts=True)
         ended = ", ".join(f"{count} {word}" for word, count in zip(words, counts, strict=True))
-        return f"Results of {self.path}: {axes}; {ended}; figures: {', '.join(self.figures)}"
+        rows = [self._range(name) for name in self.figures]
+        return About(f"Results of {self.path}: {axes}; {ended}", (), ("figure", "least", "most", "meaning"), rows)
+
+    def _range(self, name: str) -> tuple[str, str, str, str]:
+        about, values = self.figure(name), self.performance[name]
+        least, most = (
+            value_text(Shown(name, float(end), about.units, about.long_name, about.shown, about.scale == EFFICIENCY))
+            for end in (np.nanmin(values), np.nanmax(values))
+        )
+        return name, least, most, about.long_name
 
 
 def open_results(path: str | Path) -> Results:

@@ -11,6 +11,7 @@ from screwsim.declare import Found, choice, number, quantity, word
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.numerics.settings import NumericsSettings
+from screwsim.outputs.display import About, Brief
 
 __all__ = [
     "COLDEST",
@@ -251,8 +252,8 @@ class Joint:
     sample: Sample | None = None
 
 
-@dataclass(frozen=True)
-class Scene:
+@dataclass(frozen=True, repr=False)
+class Scene(Brief):
     """One scene. `effects` keeps the order of the catalogue, whatever the order in the file.
 
     `losses` are those of a package around the machine, where the search for them stands; no file states them.
@@ -284,6 +285,11 @@ class Scene:
         found = {name: f"{path}: {name}" for path, name in named.items() if "." in name}
         return found | {name: f"effects.{name}" for name in self.effects if "." in name}
 
+    def _about(self) -> About:
+        """Return what is printed of it: a row a section of its text; of effects the names."""
+        rows = [(name, ", ".join(self.effects) if name == "effects" else text) for name, text in _sections(self.text)]
+        return About(f"Scene: {self.title or 'without a title'}", (), ("section", "states"), rows)
+
     def with_(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """Return this scene with other values at dotted paths, read and checked as `--set` does; this one stays.
 
@@ -301,3 +307,15 @@ class Scene:
         from screwsim.scene.given import changed
 
         return changed(self, {}, effects)
+
+
+def _sections(text: str) -> list[tuple[str, str]]:
+    """Return (name, what it states on one line) of each section of a canonical text, but its title."""
+    found: list[tuple[str, list[str]]] = []
+    for line in text.splitlines():
+        if line[:1].isalpha():
+            name, _, rest = line.partition(":")
+            found.append((name, [rest.strip()] if rest.strip() else []))
+        elif found and line.strip():
+            found[-1][1].append(line.strip())
+    return [(name, ", ".join(lines).replace(":,", ":")) for name, lines in found if name != "title"]

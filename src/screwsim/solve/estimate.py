@@ -155,11 +155,11 @@ def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: Cy
     Where two are asked for the first is corrected by the tangents that closed the cycle; where there are none and they
     repeat themselves, the second by new ones, for a third.
     """
+    if not _fed_back(of):
+        return _finer_life(of.problem, machinery, wanted, cycle)
     lives = _Lives(of, machinery, wanted, cycle)
     if not lives.next():
         return NOTHING
-    if not _fed_back(of):
-        return Finer(lives.figures)
     corrected = cycle.tangents is not None and lives.correct()
     if not lives.next():
         return NOTHING
@@ -168,6 +168,16 @@ def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: Cy
         if not corrected:
             return NOTHING
     return Finer(lives.figures, lives.left() if corrected else None)
+
+
+def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
+    """Return one life that follows a closed cycle; nothing where it stops."""
+    machinery.composition.P[machinery.composition.widths] = wanted.widths
+    status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
+    if status != 0:
+        return NOTHING
+    machinery.swap()
+    return Finer([Evaluation(problem, machinery.trajectory, q).figures])
 
 
 class _Lives:

@@ -83,8 +83,10 @@ def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
     if not job.batch:
         return [_run(job, block) for block in blocks]
     from screwsim.batch import together
+    from screwsim.batch.tasks import IN_STEP
 
-    return together([partial(_run, job, block) for block in blocks], during=running if job.limit else None)
+    tasks = [partial(_run, job, block) for block in blocks]
+    return together(tasks, IN_STEP, running if job.limit else None)
 
 
 def _run(job: Job, block: Block) -> list[Result]:

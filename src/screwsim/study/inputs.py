@@ -6,6 +6,9 @@ import re
 from typing import Any
 
 from screwsim.faults import UsageError
+from screwsim.figures import declared
+from screwsim.outputs import shown_of
+from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
 from screwsim.scene.units import NUMBER, customary_unit, to_customary
 
@@ -49,6 +52,11 @@ def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
     faults = cross_check(with_values(scene, values))
     if faults:
         raise UsageError(f"{where}: {faults[0]}")
+
+
+def shown_figure(name: str, value: float) -> str:
+    """Return a value [SI] of a figure in the unit in which people write it."""
+    return value_text(shown_of(declared(name), value))
 
 
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:

@@ -17,6 +17,7 @@ from screwsim.derivatives.solving import found
 from screwsim.faults import UsageError
 from screwsim.figures import declared
 from screwsim.outputs import Result
+from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values
 from screwsim.scene.fields import Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
@@ -35,8 +36,8 @@ APART = ("numerics.", "output.")  # numbers of no machine
 KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 
 
-@dataclass(frozen=True)
-class Sensitivities:
+@dataclass(frozen=True, repr=False)
+class Sensitivities(Brief):
     """Derivatives of figures by numbers of a scene, at the point that it states.
 
     `derivatives` are those of each figure by the number at each path, SI units of one over those of the other; `values`
@@ -58,6 +59,19 @@ class Sensitivities:
         if slope is None or not value or not self.values[path]:
             return None
         return slope * self.values[path] / value
+
+    def _about(self) -> About:
+        figures = list(self.derivatives)
+        heading = f"Sensitivities: {len(figures)} figures by {len(self.values)} numbers of the scene"
+        if not self.values:
+            return About(heading, [self.result.told])
+        slopes = {path: [self.relative(name, path) for name in figures] for path in self.values}
+        paths = sorted(
+            slopes, key=lambda path: -max((abs(each) for each in slopes[path] if each is not None), default=0)
+        )
+        rows = [[path, *("–" if each is None else f"{each:.3g}" for each in slopes[path])] for path in paths]
+        notes = ["percent per percent; derivatives [SI] are in .derivatives"]
+        return About(heading, notes, ["number", *figures], rows)
 
 
 def _leaves(scene: Scene) -> dict[str, Leaf]:

@@ -19,11 +19,13 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
+from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, leaf_of, scene_of, value_at, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.values import within
 from screwsim.simulate import simulate
 from screwsim.study.each import each
+from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.model_error import model_error
 from screwsim.study.optimum import closed
@@ -67,8 +69,8 @@ class Sampled(NamedTuple):
     wrong: str
 
 
-@dataclass(frozen=True)
-class Uncertainty:
+@dataclass(frozen=True, repr=False)
+class Uncertainty(Brief):
     """The spreads of a scene's figures. `left_out` are inputs without a derivative, and why."""
 
     spreads: Mapping[str, Spread]
@@ -78,6 +80,17 @@ class Uncertainty:
     sampled: Mapping[str, Sampled] = field(default_factory=dict)
     samples: int = 0
     message: str = ""  # why there is no sample
+
+    def _about(self) -> About:
+        rows, here = [], self.slopes.result.performance
+        for name, spread in self.spreads.items():
+            value = here.get(name)
+            told = "–" if not value else f"{100.0 * spread.expanded / abs(value):.2g} %"
+            most = ", ".join(spread.contributors[0].paths) if spread.contributors else ""
+            rows.append((name, "none" if value is None else shown_figure(name, value), told, most))
+        heading = f"Uncertainty of {len(rows)} figures by {len(self.groups)} inputs"
+        notes = [self.message] if self.message else []
+        return About(heading, notes, ("figure", "value", "± (95 %)", "most by"), rows)
 
     def as_json(self, most: int | None = None) -> dict[str, Any]:
         """Return what `run --json` prints under `uncertainty`, of each figure all contributors or the first of them."""

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from screwsim.outputs import Figures
+from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import descend
 from screwsim.study.calibration.fit import DIFFERENCES, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
 from screwsim.study.each import each
+from screwsim.study.inputs import shown_value
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
@@ -57,8 +59,8 @@ class Compared:
         return None if self.ours is None else (self.ours - self.measured.value) / self.measured.uncertainty
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Brief):
     """The answer: values and their certainty, what is left over, and the fits that are as good."""
 
     fit: Fit
@@ -90,6 +92,19 @@ class Calibration:
         """The fitted machine: the scene of the fit with the values that were found."""
         changed = self.fit.machine(self.values)
         return replace(changed, text=scene_text(changed))
+
+    def _about(self) -> About:
+        scene, known = self.fit.scene, self.certainty
+        rows = []
+        for i, (path, value) in enumerate(self.values.items()):
+            error = None if known is None else known.errors[i]
+            told = "not known" if error is None else f"{100.0 * error / abs(value):.2g} %" if value else f"{error:.2g}"
+            border = known.border[i] if known is not None else ""
+            rows.append((path, shown_value(scene, path, value), told, f"at the {border} bound" if border else ""))
+        left = "" if self.chi_squared is None else f"; chi² {self.chi_squared:.4g} of {self.freedom} degrees of freedom"
+        heading = f"Calibration: {self.status}{left}; {len(self.fit.points)} points, {len(self.starts)} starts"
+        notes = [text for text in (self.fit.title, self.message) if text]
+        return About(heading, notes, ("parameter", "value", "standard error", ""), rows)
 
 
 def first_places(fit: Fit) -> Array:

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
+from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.scene.given import scene_of
 from screwsim.study.crew import Crew
 from screwsim.study.goals import Bound
-from screwsim.study.inputs import check_fit
+from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import Simulated, simulated
 from screwsim.study.optimize.points import Points
 from screwsim.study.optimize.question import Aim, Question, question
@@ -47,8 +48,8 @@ class Reach:
     border: str = ""
 
 
-@dataclass(frozen=True)
-class Optimum:
+@dataclass(frozen=True, repr=False)
+class Optimum(Brief):
     """What was found, all in SI units; `status` none: no evaluation has results within the bounds.
 
     Rows of `places` (0 … 1 between the bounds), `aims`, `errors` (of the aims, numerical, absolute) and `excess` (over
@@ -82,6 +83,18 @@ class Optimum:
     def values_at(self, row: int) -> dict[str, float]:
         """Return the values [SI] of an evaluation."""
         return self.asked.values(self.places[row])
+
+    def _about(self) -> About:
+        scene, aims = self.asked.scene, self.asked.aims
+        asked = ", ".join(f"{'least' if aim.minimum else 'greatest'} {aim.figure}" for aim in aims)
+        rows = []
+        for row in map(int, self.front):
+            figures = [shown_figure(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
+            rows.append([*figures, *(shown_value(scene, path, at) for path, at in self.values_at(row).items())])
+        counts = f"{len(self.places)} evaluations, {self.failed} failed, {self.outside} outside of the bounds"
+        notes = [counts, *([self.message] if self.message else [])]
+        columns = [*(aim.figure for aim in aims), *(span.path for span in self.asked.spans)]
+        return About(f"Optimum: {self.status}, {asked}", notes, columns, rows)
 
     def scene_at(self, row: int) -> Scene:
         """Return the scene of an evaluation."""

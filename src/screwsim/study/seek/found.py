@@ -11,9 +11,10 @@ import numpy as np
 
 from screwsim.engineering import engineering, shown_name
 from screwsim.outputs import Result
+from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.study.goals import Goal
-from screwsim.study.inputs import shown_value
+from screwsim.study.inputs import shown_figure, shown_value
 from screwsim.study.seek import one, several
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import Span
@@ -32,8 +33,8 @@ class Size:
     result: Result
 
 
-@dataclass(frozen=True)
-class Found:
+@dataclass(frozen=True, repr=False)
+class Found(Brief):
     """What was found at one point of the scene's other axes (`at`), all in SI units.
 
     `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest;
@@ -56,6 +57,18 @@ class Found:
     failed: int = 0
     scene: Scene | None = None  # with the values; of a catalogue, with the size
     result: Result | None = None
+
+    def _about(self) -> About:
+        scene = self.scene
+        rows = [
+            ("at", path, f"{value:.6g}" if isinstance(value, float) else str(value)) for path, value in self.at.items()
+        ]
+        for path, value in self.values.items():
+            rows.append(("value", path, f"{value:.6g} (SI)" if scene is None else shown_value(scene, path, value)))
+        rows += [("figure", name, shown_figure(name, value)) for name, value in self.figures.items()]
+        asked = ", ".join(f"{goal.figure} = {shown_figure(goal.figure, goal.value)}" for goal in self.goals)
+        notes = [self.message] if self.message else []
+        return About(f"Found: {self.status}, for {asked}", notes, ("", "name", "is"), rows)
 
 
 def judged(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> Found:
