@@ -2,7 +2,7 @@
 
 import gc
 import math
-from collections import Counter
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,11 +13,10 @@ from screwsim.build import build_parts
 from screwsim.effects.base import FlowPath
 from screwsim.faults import UsageError
 from screwsim.machine import profile_law, table_law
-from screwsim.machine.profile_law import Laid, lay
+from screwsim.machine.profile_law import lay
 from screwsim.machine.profile_tables import BEND, KINK
-from screwsim.machine.rotors.flanks import FEW, Flanks
-from screwsim.machine.rotors.pair import Chain
-from screwsim.machine.rotors.rotors import KEPT, Rotors
+from screwsim.machine.rotors.flanks import FEW, female_flanks, male_flanks
+from screwsim.machine.rotors.rotors import KEPT
 from screwsim.numerics.spline import pack_curve
 from screwsim.scene import load
 
@@ -182,12 +181,14 @@ def test_without_a_ratio_there_is_one_line():
 
 
 def test_of_many_profiles_no_more_are_kept_than_is_stated():
-    machine, kinds = SCENES["b"].machine, (Laid, Rotors, Chain, Flanks)
+    machine, made = SCENES["b"].machine, []
     for i in range(KEPT + 10):
         radius = machine.profile.flank_radius + 1e-6 * (i + 1)
-        lay(replace(machine, profile=replace(machine.profile, flank_radius=radius)))
+        laid = lay(replace(machine, profile=replace(machine.profile, flank_radius=radius)))
+        flanks = male_flanks(laid.rotors.pair, laid.rotors.chain), female_flanks(laid.rotors.pair, laid.rotors.chain)
+        made.append([weakref.ref(each) for each in (laid, laid.rotors, laid.rotors.chain, *flanks)])
+    del laid, flanks
     gc.collect()
-    alive = Counter(type(each) for each in gc.get_objects() if type(each) in kinds)
-    assert alive[Laid] == KEPT and KEPT <= alive[Rotors] <= KEPT + len(SCENES)  # those of other tests' scenes
-    assert alive[Chain] <= alive[Rotors] + FEW
-    assert alive[Flanks] <= 2 * (KEPT + FEW)  # male and female, of ports and of what asks for them in turn
+    alive = [sum(each() is not None for each in kind) for kind in zip(*made, strict=True)]
+    assert alive[:3] == [KEPT] * 3  # the last ones, with their rotors and chains
+    assert alive[3:] == [FEW] * 2
