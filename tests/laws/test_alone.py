@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import pytest
+from scenes import make
+from test_closed_chamber import NO_EFFECTS
 
 from screwsim.cycle import problem
 from screwsim.scene import load
@@ -57,3 +59,10 @@ def test_what_was_built_is_taken_over_and_given_back():
 def test_scenes_that_differ_give_different_figures(anew):
     figures = [result[-2]["shaft_power"] for result in anew.values()]
     assert len(set(figures)) == len(figures)
+
+
+def test_a_machine_without_effects_takes_none_of_the_one_before():
+    simulate(load(POINT), trace=False)
+    taken_over = told(simulate(make(NO_EFFECTS), trace=False))
+    problem._free.clear()
+    assert told(simulate(make(NO_EFFECTS), trace=False)) == taken_over

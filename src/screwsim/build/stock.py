@@ -62,7 +62,7 @@ class Stock:
         """Return the geometry of a machine."""
         if self._geometry is None or self._geometry.settings is not machine:
             self._geometry = kind_of(machine).geometry(machine)
-            self._built.clear()
+            self._built, self._effects = {}, Effects()
         return self._geometry
 
     def effects(self, scene: Scene, geometry: Any, at: Lines) -> Effects:
