@@ -18,6 +18,25 @@ from screwsim.faults import UsageError
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many
 
+OPEN = """\
+#include "map.h"
+#include <time.h>
+#define EXPORT __attribute__((visibility("default")))
+EXPORT int evaluate(const double *x, double *y, double *g) { return map_evaluate(x, y, g); }
+EXPORT double seconds(const double *points, int count, int calls)
+{
+    double y[MAP_OUTPUTS], g[MAP_OUTPUTS * MAP_INPUTS];
+    volatile double kept = 0.0;
+    clock_t began = clock();
+    int i;
+    for (i = 0; i < calls; i++) {
+        map_evaluate(points + (i % count) * MAP_INPUTS, y, g);
+        kept += y[0];
+    }
+    return (double)(clock() - began) / CLOCKS_PER_SEC / calls;
+}
+"""
+
 
 @pytest.fixture(scope="module", params=["2", "3"])
 def unit(request, table, tmp_path_factory):
@@ -32,10 +51,7 @@ def library(table, tmp_path_factory):
     """Return the compiled map alone."""
     sources = source_files(table, "2")
     path = tmp_path_factory.mktemp("library") / "map.so"
-    sources["open.c"] = (
-        '#include "map.h"\n__attribute__((visibility("default"))) int evaluate(const double *x, double *y, '
-    )
-    sources["open.c"] += "double *g) { return map_evaluate(x, y, g); }\n"
+    sources["open.c"] = OPEN
     path.write_bytes(compile_shared(sources, ("map.c", "open.c"), "so"))
     return ctypes.CDLL(str(path))
 
@@ -97,7 +113,7 @@ def test_its_slopes_are_those_of_the_map(unit, table, tmp_path):
 
 
 def test_compiled_c_agrees_with_the_simulator(library, table, point):
-    x = drawn(table, 20)
+    x = drawn(table, 200)
     scene = load(point)
     results = simulate_many(
         [with_values(scene, dict(zip((o.path for o in table.inputs), at, strict=True))) for at in x], False
@@ -105,8 +121,23 @@ def test_compiled_c_agrees_with_the_simulator(library, table, point):
     true = np.array([[result.performance[each.name] for each in table.outputs] for result in results])
     found = [called(library, table, at) for at in x]
     errors = np.abs(np.array([y for y, _, _ in found]) - true) / scales(table.outputs, true)
-    assert all(inside for _, _, inside in found)
+    assert len(found) == 200 and all(inside for _, _, inside in found)
     assert errors.max() <= table.wanted
+
+
+def test_points_outside_are_flagged_on_each_side(library, table):
+    for axis, one in enumerate(table.inputs):
+        x = drawn(table, 200, seed=5)
+        x[:100, axis] = one.low - np.linspace(1e-3, 1.0, 100) * (one.high - one.low)
+        x[100:, axis] = one.high + np.linspace(1e-3, 1.0, 100) * (one.high - one.low)
+        assert not any(called(library, table, at)[2] for at in x)
+
+
+def test_a_call_takes_less_than_ten_microseconds(library, table):
+    x = drawn(table, 200).ravel()
+    library.seconds.restype = ctypes.c_double
+    points = (ctypes.c_double * x.size)(*x)
+    assert min(library.seconds(points, 200, 10_000) for _ in range(5)) < 10e-6  # of the processor, not of the clock
 
 
 def test_compiled_c_is_the_map_inside_and_outside(library, table):

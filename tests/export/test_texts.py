@@ -103,6 +103,7 @@ def test_coefficients_and_rating_are_those_of_the_map(found, ip, factors):
 def test_modelica_has_the_nodes_and_the_polynomials(swept_map):
     table = table_of(swept_map)
     text = modelica.package(table, "Screw")
+    assert "error not known, as no axis has five values" in text and "nan" not in text
     assert text.count("(") == text.count(")") and text.count("[") == text.count("]")
     opened = re.findall(r"^ *(?:package|model|function) (\w+)", text, re.M)
     assert sorted(opened) == sorted(re.findall(r"^ *end (\w+);", text, re.M))
@@ -130,6 +131,7 @@ def test_a_table_has_a_row_a_node(swept_map):
     text = csv_table(table_of(swept_map))
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     assert len(rows) == 16 and {row["closed"] for row in rows} == {"1"}
+    assert text.startswith("# R134a, compressor map; SI units; error between the nodes not known, as no axis has five")
     power = swept_map.performance["shaft_power"]
     assert [float(row["shaft_power [W]"]) for row in rows] == pytest.approx(power.ravel().tolist())
 

@@ -11,7 +11,7 @@ from screwsim.export.unit import plain
 def csv_table(table: Table) -> str:
     """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
     heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
-    lines = [f"# {table.title}; SI units; error between the nodes {table.error:.2g}, {table.how}"]
+    lines = [f"# {table.title}; SI units; error between the nodes {table.error_in_words}"]
     lines.append(",".join([*heads, "closed"]))
     nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
     values = table.grid.data[(0,) * len(nodes)]

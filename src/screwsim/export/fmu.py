@@ -144,7 +144,7 @@ def description(table: Table, name: str, token: str, version: str) -> str:
 
 def _head(table: Table) -> str:
     ranges = "; ".join(f"{one.name} {one.low:.6g} to {one.high:.6g} {plain(one.units)}" for one in table.inputs)
-    return quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {share(table.error)}, {table.how}")
+    return quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {table.error_in_words}")
 
 
 def _units(table: Table) -> str:

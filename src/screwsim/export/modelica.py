@@ -22,7 +22,7 @@ def package(table: Table, name: str) -> str:
         inputs = ", ".join(one.name for one in table.inputs)
         what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
         raise UsageError(f"the map {what} (name two with --over; fmu takes any number)")
-    words = _quoted(f"{table.title or name}: written by screwsim; error {table.error:.2g}, {table.how}")
+    words = _quoted(f"{table.title or name}: written by screwsim; error {table.error_in_words}")
     return "\n".join(
         (
             f"package {name} {words}",

@@ -59,6 +59,11 @@ class Table:
         return max(self.errors)
 
     @property
+    def error_in_words(self) -> str:
+        """The largest of the errors and how it was found; where it is not known, why."""
+        return f"{self.error:.2g}, {self.how}" if math.isfinite(self.error) else self.how
+
+    @property
     def met(self) -> bool:
         return self.wanted is None or self.error <= self.wanted
 
