@@ -37,7 +37,6 @@ LONG = (
     "screwsim calibrate",
     "screwsim datasheet configs/control/point.yaml --evap",  # as the one above it on its page
     "screwsim diagnose",
-    "screwsim export fmu",
     "screwsim find best.yaml",
     "screwsim optimize",
     "screwsim plan",
