@@ -37,6 +37,7 @@ LONG = (
     "screwsim calibrate",
     "screwsim datasheet configs/control/point.yaml --evap",  # as the one above it on its page
     "screwsim diagnose",
+    "screwsim export fmu",
     "screwsim find best.yaml",
     "screwsim optimize",
     "screwsim plan",
