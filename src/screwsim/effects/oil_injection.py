@@ -98,13 +98,23 @@ def flow_behind_line(
     bore_count,
 ):
     """Return what `flow` does, with a line in series that loses line_loss [Pa] at line_flow [m³/s] (M392)."""
-    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
-    if share == 0.0:
+    free = flow(
+        phi,
+        p,
+        width,
+        opens,
+        closes,
+        pressure_loss,
+        separator_pressure,
+        oil_density,
+        oil_viscosity,
+        bore_diameter,
+        bore_length,
+        bore_count,
+    )
+    if free <= 0.0:
         return 0.0
     dp = separator_pressure - pressure_loss - p
-    if dp <= 0.0:
-        return 0.0
-    free = share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
     available = dp * dp / math.sqrt(dp * dp + width * width)
     nominal = oil_density * line_flow
     return free / math.sqrt(1.0 + line_loss * free * free / (nominal * nominal * available))
