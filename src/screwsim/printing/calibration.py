@@ -11,6 +11,7 @@ from typing import Any
 from screwsim.engineering import digits, figure_scales, shown_name
 from screwsim.figures import declared
 from screwsim.printing import write_json
+from screwsim.printing.fits import print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import keep_others, make_folder, write_text
@@ -91,8 +92,7 @@ def spread(found: Calibration, index: int) -> tuple[float | None, float | None]:
 
 def print_calibration(found: Calibration) -> None:
     """Print the parameters, how sure they are, what is left over, and what the data do not tell."""
-    if found.fit.title or found.fit.scene.title:
-        say(wrapped(found.fit.title or found.fit.scene.title))
+    print_title(found.fit)
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
     say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
     for line in _methods(found):

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from screwsim.printing.fits import print_left_out, print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import CHANCE, LEVEL, LIKELY, NONE, Diagnosis, Hypothesis
@@ -36,16 +37,14 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
 def print_diagnosis(found: Diagnosis) -> None:
     """Print the hypotheses, the most probable first, and what the points do not tell apart."""
     fit = found.fit
-    if fit.title or fit.scene.title:
-        say(wrapped(fit.title or fit.scene.title))
+    print_title(fit)
     points = [point for point in fit.points if point.fitted]
     figures = sum(len(point.measured) for point in points)
     count = f"{len(points)} points, {figures} measured figures, {found.solutions} solutions"
     say(
         wrapped(f"{Path(fit.scene_file).name}; {count}" + (f", {found.failed} without figures" if found.failed else ""))
     )
-    for name, reason in found.reasons.items():
-        say(wrapped(f"left out, no solution at {name}: {reason}"))
+    print_left_out(found.reasons)
     if not found.hypotheses:
         say(wrapped(f"{found.status}: {found.message}"))
         return

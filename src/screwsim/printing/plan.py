@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from screwsim.printing.fits import print_left_out, print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.scene import Scene
@@ -48,12 +49,10 @@ def plan_document(found: Plan) -> dict[str, Any]:
 def print_plan(found: Plan) -> None:
     """Print the points in their order, and how well each parameter is known with them."""
     fit = found.fit
-    if fit.title or fit.scene.title:
-        say(wrapped(fit.title or fit.scene.title))
+    print_title(fit)
     there = sum(point.fitted for point in fit.points)
     say(wrapped(f"{there} points, {found.candidates} candidates, {found.solutions} solutions"))
-    for name, reason in found.reasons.items():
-        say(wrapped(f"left out, no solution at {name}: {reason}"))
+    print_left_out(found.reasons)
     if not found.steps:
         say(wrapped(f"{found.status}: {found.message}"))
         return
