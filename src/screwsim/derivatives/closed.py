@@ -84,11 +84,12 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
     plain = edges_of(machinery, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, nearly = np.empty(0), crossings(pitch), NEARLY
+    Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns)))
-        start, Y = _closed(pitch, nearly)
-        before, turns, errors = turns, crossings(pitch), errors_of(pitch, start, Y)
+        kept = linear if linear is not None and linear.pitch.count == pitch.count else None
+        Y, linear = _closed(pitch, nearly, kept)
+        before, turns, errors = turns, crossings(pitch), errors_of(pitch, pitch.begin(Y), Y)
         good = errors.max() <= tolerance
         if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
             break
@@ -118,31 +119,36 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
 
-def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
-    """Close the cycle up to a relative residual; return the states at the start and the nodes, installed."""
-    Y, entries, size = pitch.read(), pitch.problem.entries, np.inf
-    last, linear, sources, before = np.zeros_like(Y), None, None, np.inf
+def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[Array, Linear | None]:
+    """Close the cycle up to a relative residual; return the states at the nodes, installed, and the last slopes.
+
+    It begins with the slopes of the slices before, where these are as many.
+    """
+    Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
+    last = np.zeros_like(Y)
     for left in range(MOST, 0, -1):
-        start, slopes = pitch.begin(Y), pitch.slopes(Y)
-        sums = pitch.sums(slopes.g)
+        start, rates = pitch.begin(Y), pitch.rates(Y)
+        sums = pitch.sums(rates[1])
         pitch.install(start, Y)
         met = pitch.met
-        residual = _residual(pitch, Y, start, slopes.f)
+        residual = _residual(pitch, Y, start, rates[0])
         off = pitch.image(sums) - entries.coordinates(met)
         size = max(_size(residual, Y), float(np.max(np.abs(off), initial=0.0)))
         if size < nearly or (size < ENOUGH and left == 1):
-            return start, Y
+            return Y, linear
         if not np.isfinite(size):
             break
-        at, count = pitch.numbers, len(met)
-        if linear is None or sources is None or size > KEPT * before:
-            linear = Linear(pitch, Y, slopes)
-            sources = linear.sources([_moved(pitch, at, met, j) for j in range(count)])
+        at = pitch.numbers
+        stages = -residual[..., None]
+        if linear is None or size > KEPT * before:
+            changes = [_moved(pitch, at, met, j) for j in range(len(met))]
+            linear = Linear(pitch, Y, pitch.slopes(Y), changes, stages)
+            response = linear.first
+        else:
+            of_unknowns = Response(*(each[..., 1:] for each in linear.first))
+            none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
+            response = linear.respond(none, stages).and_then(of_unknowns)
         before = size
-        stages = np.zeros((*residual.shape, 1 + count))
-        stages[..., 0] = -residual
-        none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in sources))
-        response = linear.respond(none.and_then(sources), stages)
         back = made_of(pitch, Read(start, Y, sums, at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
         last = _tamed(response.nodes @ np.append(1.0, change), last)
@@ -153,13 +159,13 @@ def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
 
 def _linearised(pitch: Pitch, Y: Array) -> Closed:
     """Return a collocated cycle that is closed, with what its unknowns make of it and of themselves."""
-    start, slopes = pitch.begin(Y), pitch.slopes(Y)
-    sums, met, linear = pitch.sums(slopes.g), pitch.met, Linear(pitch, Y, slopes)
-    changes = [_moved(pitch, linear.at, met, j) for j in range(len(met))]
-    sources = linear.sources(changes)
-    by_unknowns = linear.refined(sources, linear.respond(sources), changes, refinings(pitch))
-    back = made_of(pitch, Read(start, Y, sums, linear.at), by_unknowns, met, 0)
-    return Closed(pitch, start, Y, sums, linear, linear.at, met, by_unknowns, back, _given(back))
+    start, slopes, at, met = pitch.begin(Y), pitch.slopes(Y), pitch.numbers, pitch.met
+    sums = pitch.sums(slopes.g)
+    changes = [_moved(pitch, at, met, j) for j in range(len(met))]
+    linear = Linear(pitch, Y, slopes, changes)
+    by_unknowns = linear.refined(linear.changed, linear.first, changes, refinings(pitch))
+    back = made_of(pitch, Read(start, Y, sums, at), by_unknowns, met, 0)
+    return Closed(pitch, start, Y, sums, linear, at, met, by_unknowns, back, _given(back))
 
 
 def _given(back: Array) -> Array:
