@@ -33,7 +33,6 @@ MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
-REFINED = 1  # times that what derivatives by the states hold constant is made up for
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 LONGEST = 0.3  # change of a state in one iteration, over itself
 SWING = 0.4  # of the change before, beyond which one that goes back is halved
@@ -163,9 +162,8 @@ def _linearised(pitch: Pitch, Y: Array) -> Closed:
     sums = pitch.sums(slopes.g)
     changes = [_moved(pitch, at, met, j) for j in range(len(met))]
     linear = Linear(pitch, Y, slopes, changes)
-    by_unknowns = linear.refined(linear.changed, linear.first, changes, refinings(pitch))
-    back = made_of(pitch, Read(start, Y, sums, at), by_unknowns, met, 0)
-    return Closed(pitch, start, Y, sums, linear, at, met, by_unknowns, back, _given(back))
+    back = made_of(pitch, Read(start, Y, sums, at), linear.first, met, 0)
+    return Closed(pitch, start, Y, sums, linear, at, met, linear.first, back, _given(back))
 
 
 def _given(back: Array) -> Array:
@@ -241,11 +239,6 @@ def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: in
     if whole:
         pitch.install(cycle.start, cycle.nodes)
     return found
-
-
-def refinings(pitch: Pitch) -> int:
-    """Return how often responses are refined: where the gas has an exponent that varies, which derivatives hold."""
-    return REFINED
 
 
 def reads_states(pitch: Pitch) -> bool:

@@ -80,14 +80,13 @@ class Change(NamedTuple):
         return self.numbers.nothing and self.edges is None
 
 
-def along(pitch: Pitch, Y: Array, at: Numbers, change: Change, nodes: Array | None = None) -> tuple[Array, Array]:
-    """Return the derivatives of h f and h g at the nodes along a change, of the states there, too."""
+def along(pitch: Pitch, Y: Array, at: Numbers, change: Change) -> tuple[Array, Array]:
+    """Return the derivatives of h f and h g at the nodes along a change."""
     step, found, (numbers, edges, sides) = step_of(pitch), [], change
     for sign in sides:
         pitch.put(at.plus(sign * step, numbers))
         there = pitch.slices.edges + (0.0 if edges is None else sign * step * edges)
-        states = Y if nodes is None else Y + sign * step * nodes
-        rates = pitch.rates(states, None if edges is None else there)
+        rates = pitch.rates(Y, None if edges is None else there)
         found.append([np.diff(there)[:, None, None] * each for each in rates])
     pitch.put(at)
     return tuple((above - below) / ((sides[0] - sides[1]) * step) for above, below in zip(*found, strict=True))  # type: ignore[return-value]
@@ -204,23 +203,3 @@ class Linear:
         if len(felt):
             hg += self.felt.hg[..., self._feels] @ felt
         return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))
-
-    def refined(self, sources: Sources, response: Response, changes: Sequence[Change], times: int) -> Response:
-        """Return a response to changes with what the derivatives by the states hold constant.
-
-        The rates along the whole change are asked themselves: what they have beyond the linear ones is the source.
-        """
-        pitch, widths = self.pitch, self.pitch.slices.widths[:, None, None, None]
-        for _ in range(times):
-            hf, hg = np.empty_like(sources.hf), np.empty_like(sources.hg)
-            for j, change in enumerate(changes):
-                nodes, cells = response.nodes[..., j], response.cells[:, j]
-                whole = change._replace(numbers=change.numbers.plus(1.0, pitch.cells_as_numbers(cells)))
-                hf[..., j], hg[..., j] = along(pitch, self.Y, self.at, whole, nodes)
-            hf -= widths * (self.slopes.by_states @ response.nodes)
-            hg -= widths * (self.slopes.g_by_states @ response.nodes)
-            if self._feels:
-                hf -= self.felt.hf[..., self._feels] @ response.cells[self._feels]
-                hg -= self.felt.hg[..., self._feels] @ response.cells[self._feels]
-            response = self.respond(sources._replace(hf=hf, hg=hg))
-        return response

@@ -14,6 +14,7 @@ from screwsim.model.slots import P_INJECTION
 Array = np.ndarray
 POINTS = 7  # of a step, through which a polynomial goes
 SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # shares of a step: Chebyshev's
+THROUGH = np.linalg.inv(np.vander(SAMPLES))  # coefficients of that polynomial, the highest power first
 REAL = 1e-9  # imaginary part up to which a root is one
 
 
@@ -37,8 +38,8 @@ def _highest(of: Evaluation, times: Array, i: int, limits: tuple[float, float]) 
     c = of.life.composition
     states = of.life.states_at(low + (high - low) * SAMPLES)
     p = [float(of.life.module.gas_state(float(y[0]), float(y[1]), c.P, c.TAB)[0]) for y in states]
-    of_step = np.polynomial.Polynomial.fit(SAMPLES, p, POINTS - 1, domain=(0.0, 1.0))
+    of_step = THROUGH @ np.array(p)
     from_, to = (min(1.0, max(0.0, (each - low) / (high - low))) for each in limits)
-    roots = of_step.deriv().roots()
+    roots = np.roots(np.polyder(of_step))
     turns = [float(each.real) for each in roots if abs(each.imag) < REAL and from_ < each.real < to]
-    return max(float(of_step(each)) for each in (from_, to, *turns))
+    return max(float(np.polyval(of_step, each)) for each in (from_, to, *turns))
