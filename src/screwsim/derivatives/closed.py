@@ -10,6 +10,7 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
+from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
     BEFORE,
@@ -23,6 +24,7 @@ from screwsim.derivatives.slices import (
     ringed,
 )
 from screwsim.model.run import Machinery
+from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
@@ -85,7 +87,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     pitch = Pitch(problem, machinery, between(plain))
     Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
     for left in range(ROUNDS, 0, -1):
-        pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns)))
+        pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
         Y, linear = _closed(pitch, nearly, kept)
         before, turns, errors = turns, crossings(pitch), errors_of(pitch, pitch.begin(Y), Y)
@@ -98,6 +100,12 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
         np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
         plain = refined(plain, of_plain, tolerance)
     return _linearised(pitch, Y)
+
+
+def _peak(pitch: Pitch) -> float:
+    """Return where in a pitch [rad] the pressure of the last history is highest; NaN for nowhere."""
+    c = pitch.machinery.composition
+    return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
 
 
 def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
