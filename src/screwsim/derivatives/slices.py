@@ -42,7 +42,7 @@ LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells 
 MOST = 4  # parts of a slice in one refinement
 POWER = 0.25  # of the error of a slice by its width: that of the estimate
 RING = 0.5  # widths of a layer: the first slices on both sides of where a flow turns round ...
-AROUND_PEAK = 2e-3  # rad: the slice around the highest pressure goes so far on both sides
+AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
 WIDER = 3.0  # ... and each next one over the one before
 BEFORE = 1e-3  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
 
