@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import screwsim
+from screwsim import cli
 from screwsim.faults import SceneError
 from screwsim.results.table import join, table_of
 from screwsim.study.part_files import is_whole, read_part, write_part
@@ -83,10 +84,8 @@ def test_a_part_of_a_sweep_keeps_them_and_parts_that_know_other_numbers_are_join
 
 
 def test_a_run_keeps_them_too(tmp_path):
-    from screwsim.cli import main
-
     out = tmp_path / "run.h5"
-    assert main(["run", str(POINT), "--set", "output.derivatives=all", "-o", str(out)]) == 0
+    assert cli.exit_code(["run", str(POINT), "--set", "output.derivatives=all", "-o", str(out)]) == 0
     there = screwsim.open_results(out).derivatives
     assert there[POWER, GAP] == pytest.approx(screwsim.simulate(POINT).derivatives[POWER, GAP], rel=1e-6)
 
