@@ -41,7 +41,7 @@ ROWS = 4  # of a step: both its ends, c3, c4
 class Rows:
     """Writes a function of all lanes: `written` as an emitter does."""
 
-    returns = NOTHING
+    returns: Kind | None = NOTHING
 
     def __init__(self, library: Library) -> None:
         self.library = library
@@ -87,7 +87,7 @@ class Rows:
 class Locator(Rows):
     """Writes `numerics.history.locate`: most lanes find what they look for where they found it before."""
 
-    returns = INTEGERS
+    returns: Kind | None = INTEGERS
 
     def written(self, symbol: str) -> str:
         nudge = f"splat (double {float_text(NUDGE)})"
