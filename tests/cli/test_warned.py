@@ -8,6 +8,7 @@ import screwsim
 from screwsim.cli import exit_code
 
 PLAIN = str(Path(__file__).parents[1] / "plain" / "r134a.yaml")
+PAPER = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
 ODD = "effects.tip_leakage.gap=1.2 mm"
 TOLD = "effects.tip_leakage.gap: 1.2 mm is unusual"
 SPEEDS = "sweep={effects.tip_leakage.gap: [40 um, 1.2 mm], operation.speed: [2950 rpm, 2500 rpm]}"
@@ -40,14 +41,14 @@ def test_the_first_line_of_run_tells_a_figure_that_no_machine_has(capsys):
     assert capsys.readouterr().out.splitlines()[0] == "R134a, 2/45 degC, plain"
 
 
-def test_the_first_line_of_run_tells_a_cop_above_carnot_s_and_python_names_it(capsys):
-    cold = ["oil_supply.ratio=20", "oil_supply.temperature=260 K"]
-    more = [part for each in cold for part in ("--set", each)]
-    result = screwsim.simulate(screwsim.load(PLAIN, cold))
-    assert result.status == "ok" and result.impossible
-    exit_code(["run", PLAIN, *more])
-    first = capsys.readouterr().out.splitlines()[0]
-    assert first.startswith("R134a, 2/45 degC, plain: no machine runs so, ")
+def test_the_first_line_of_run_tells_gas_hotter_than_a_machine_stands(capsys):
+    hot = ["oil_supply.ratio=0", "operation.discharge.pressure=60 bar"]
+    result = screwsim.simulate(screwsim.load(PAPER, hot))
+    assert result.status == "ok" and result.impossible == ("discharge_temperature",)
+    exit_code(["run", PAPER, *(part for each in hot for part in ("--set", each))])
+    title, status = capsys.readouterr().out.splitlines()[:2]
+    assert "oil from an independent pump: no machine runs so, discharge temperature " in title
+    assert status.startswith("status: ok, with ")
 
 
 def test_run_and_python_tell_the_same_warning(capsys):

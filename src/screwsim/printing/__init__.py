@@ -66,9 +66,10 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
-    first = ": ".join(filter(None, (title, _no_machine(result))))
-    if first:
-        console.print(printable(first), style="bold")
+    doubted = _no_machine(result)
+    if title or doubted:
+        first = ": ".join(filter(None, (title, doubted)))
+        console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
     console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
