@@ -106,6 +106,11 @@ def _pump(scene: Scene) -> Iterator[Fault]:
     for name in ("orifice_diameter", "orifice_length"):
         if getattr(supply, name) is not None:
             yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
+    if supply.orifice_count != 1.0:
+        yield Fault("oil_supply.orifice_count", "belongs to kind: displacement (remove it, or change the kind)")
+    if supply.line is not None:
+        what = "is the line of displaced oil; with kind: pump the pump pays its loss (write it under effects.oil_pump)"
+        yield Fault("oil_supply.line", what)
 
 
 def _sought(scene: Scene) -> Iterator[Fault]:
@@ -146,6 +151,9 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         what = f"is {length:.3g} diameters: no formula holds for so long a bore"
         low, high = FITTED_SLENDERNESS
         yield Fault("oil_supply.orifice_length", f"{what} (choose {low:g} to {high:g} diameters)")
+    if supply.line is not None and "oil_injection" in scene.effects:
+        what = "is that of oil which enters at one angle (write it under effects.oil_injection, whose bore it leads to)"
+        yield Fault("oil_supply.line", what)
     if scene.oil is not None and not scene.oil.knows_viscosity:
         yield Fault("oil.viscosity", "is missing (oil_supply.kind: displacement needs it, e.g. viscosity: 20 mPa s)")
 
