@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 import screwsim
 import screwsim.explain
 from screwsim.effects import catalogue
@@ -152,8 +154,8 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
         (
             "small.yaml",
             "--parameters",
-            "tip_leakage.gp",
-        ): "--parameters tip_leakage.gp: is not known; did you mean 'gap'?",
+            "tip_leakage.gapp",
+        ): "--parameters tip_leakage.gapp: is not known; did you mean 'gap'?",
         (
             "small.yaml",
             "--parameters",
