@@ -1,6 +1,7 @@
 """`screwsim new` writes scenes that load, close, and do what machines of their size do; what cannot be is one line."""
 
 import csv
+import importlib.util
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,9 @@ from screwsim.scene.typical import leaks_told
 from screwsim.template import KINDS, asked_of, new_scene
 
 ROOT = Path(__file__).parents[2]
+SPEC = importlib.util.spec_from_file_location("templates", ROOT / "scripts" / "templates.py")
+templates = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(templates)
 EVERY = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 
 
@@ -63,6 +67,17 @@ def test_air_packages_lie_between_the_least_that_may_be_sold_and_the_best_sheet_
     least = STANDARDS["fixed", "air"].least(found.free_air_delivered)
     assert least <= found.package_isentropic_efficiency <= 0.845  # validation/cagi/sheet.csv at full flow
     assert 0.80 <= found.volumetric_efficiency <= 0.92
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("condition", "superheat"), templates.RATED)
+def test_reciprocating_compressors_take_the_power_of_rated_ones(condition, superheat):
+    """Isentropic efficiency of the electrical power: within 5 points of six semi-hermetic machines on R404A."""
+    stated = {"fluid": "R404A", "condition": f"{condition} degC, {superheat} K"}
+    found, operation = figures("reciprocating", **stated), scene_of("reciprocating", **stated).operation
+    rated = templates.ratings(operation.evaporating_temperature, operation.condensing_temperature)
+    assert len(rated) == 6 and 0.69 < min(rated) and max(rated) < 0.74  # as the scene's first lines say
+    assert min(rated) - 0.05 <= found.electrical_isentropic_efficiency <= max(rated) + 0.05
 
 
 @pytest.mark.parametrize("kind", KINDS)
