@@ -126,6 +126,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
             "refrigration: is no kind of new scene; did you mean 'refrigeration'? (there are: refrigeration, "
             "heat_pump, air, booster, expander, reciprocating)",
         ),
+        ([], "KIND: is missing (there are: refrigeration, heat_pump, air, booster, expander, reciprocating; write"),
         (["refrigeration", "--fluid", "r-134A"], "--fluid r-134A: is no fluid or blend of CoolProp; did you mean"),
         (["air", "--fluid", "R134a"], "--fluid R134a: an air package is of air (write screwsim new booster for a gas)"),
         (
