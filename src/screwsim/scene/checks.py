@@ -101,8 +101,14 @@ def _pump(scene: Scene) -> Iterator[Fault]:
     assert supply is not None
     if supply.discharge_temperature is not None:
         yield from _sought(scene)
-    elif supply.ratio is None:
+    elif supply.ratio is None and supply.flow is None:
         yield Fault("oil_supply.ratio", "is missing (kind: pump needs it, e.g. ratio: 3)")
+    if supply.flow is not None:
+        beside = "oil_supply.ratio" if supply.ratio is not None and not isinstance(supply.ratio, Found) else ""
+        beside = beside or ("oil_supply.discharge_temperature" if supply.discharge_temperature is not None else "")
+        if beside:
+            what = f"is given beside {beside} (remove one of the two, null in place of a base's)"
+            yield Fault("oil_supply.flow", what)
     for name in ("orifice_diameter", "orifice_length"):
         if getattr(supply, name) is not None:
             yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
@@ -142,6 +148,8 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.discharge_temperature", what)
     if supply.ratio is not None:
         yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
+    if supply.flow is not None:
+        yield Fault("oil_supply.flow", "belongs to kind: pump; displaced oil follows from its bore (remove it)")
     if supply.source != "separator":
         yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
     if supply.orifice_diameter is None:

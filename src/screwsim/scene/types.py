@@ -167,6 +167,9 @@ class OilSupply:
         le=HOTTEST,
         hardly=(210.0, 450.0),
     )
+    flow: float | None = quantity(
+        "volume_flow", "of the oil that the pump displaces, e.g. 60 L/min, in place of ratio (M393)", None, gt=0.0
+    )
     temperature: float | None = quantity(
         "temperature",
         "temperature of the injected oil (absent: effects.separator finds it)",
