@@ -8,6 +8,7 @@ from screwsim.explain import explain
 from screwsim.explain.parameters import parameters
 from screwsim.faults import SceneError
 from screwsim.simulate import simulate, simulate_many
+from screwsim.study.local import sensitivities
 
 ACCURACY = 3e-4
 LINES = {
@@ -102,6 +103,15 @@ def test_an_oil_flow_beside_another_statement_or_out_of_reach_is_told():
         if each.startswith("with 0.02 kg of oil per kg of gas, the least that is tried, ")
     ]
     assert told.endswith("times oil_supply.flow is injected (another oil_supply.flow)")
+
+
+def test_derivatives_do_not_hold_fixed_what_is_found_with_the_cycle():
+    """By differences of closed cycles: twice the oil is twice the oil, and the power follows it."""
+    scene = make({"oil_supply.ratio": DROP, "oil_supply.flow": "45 L/min"})
+    found = sensitivities(scene, ["oil_supply.flow"], ["oil_mass_flow"])
+    assert found.method["oil_supply.flow"] == "differences" and "found with the cycle" in found.why["oil_supply.flow"]
+    slope = found.derivatives["oil_mass_flow"]["oil_supply.flow"]
+    assert slope == pytest.approx(1000.0, rel=0.02)  # the oil's density
 
 
 def test_both_are_found_together():
