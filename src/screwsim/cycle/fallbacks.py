@@ -1,4 +1,4 @@
-"""What else may close a cycle that did not close: finer steps, damping, no acceleration, continuation in the speed, a search."""
+"""What else may close a cycle that did not close: finer steps, damping, no acceleration, another speed, a search."""
 
 from __future__ import annotations
 

@@ -47,9 +47,7 @@ def possible(problem: Problem) -> bool:
     return problem.composition.chambers > 1 and not problem.composition.pulsating
 
 
-def sought_on(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int
-) -> CycleSolution:
+def sought_on(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int) -> CycleSolution:
     """Return the cycle found from the states y by searches, each begun some damped pitches after the one before."""
     budget = int(machinery.counts[2]) + most
     while True:
@@ -96,9 +94,7 @@ def searched(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -
     return None
 
 
-def _gone(
-    pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float
-) -> tuple[Place | None, float, Array]:
+def _gone(pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float) -> tuple[Place | None, float, Array]:
     """Return where a share of a step leads, the share and the step that is left there, which is shorter; or no place.
 
     The share is lessened as far as it takes.
