@@ -88,7 +88,7 @@ def searched(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -
         step = -inverse @ here.changed
         if before is not None:
             share *= _length(before[0]) * _length(before[1]) / _product(before[1] - step, step)
-        share = max(min(1.0, share, LONGEST / max(float(np.abs(step).max()), LONGEST)), LEAST_SHARE)
+        share = min(max(share, LEAST_SHARE), LONGEST / max(float(np.abs(step).max()), LONGEST))
         here, share, rest = _gone(pitch, here, step, inverse, share)
         before = step, rest
     return None
@@ -99,8 +99,8 @@ def _gone(pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float)
 
     The share is lessened as far as it takes.
     """
-    rest, length = step, _length(step)
-    while share >= LEAST_SHARE:
+    rest, length, least = step, _length(step), min(LEAST_SHARE, share)
+    while share >= least:
         there = pitch.at(here.x + share * step, here.raw)
         if there is None:
             share *= 0.5
