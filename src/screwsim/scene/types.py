@@ -191,9 +191,10 @@ class OilSupply:
 
 @dataclass(frozen=True)
 class Output:
-    """What a sweep stores."""
+    """What a sweep stores of each point; derivatives are stored of a run, too."""
 
     keep: str = choice("performance figures only, or the cycle traces too", ("performance", "cycle"), "performance")
+    derivatives: str = choice("of each point, by none or by all numbers of the scene", ("none", "all"), "none")
 
 
 @dataclass(frozen=True)
