@@ -60,7 +60,7 @@ def test_an_integration_in_time_ends_on_the_same_pitch(valve):
 
     def passed(p):
         low, high = 0.0, 10.0
-        for _ in range(60):
+        for _ in range(36):  # to 1e-10 kg/s
             u = 0.5 * (low + high)
             drop = float(valve.drop(np.array([u]), BEHIND.rho)[0][0])
             low, high = (u, high) if drop + BEHIND.impedance * (u - 0.2) < p else (low, u)
