@@ -34,6 +34,7 @@ from screwsim.cycle.fallbacks import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa:
 from screwsim.cycle.guess import leased  # noqa: E402
 from screwsim.cycle.mixing import FULL, Pace  # noqa: E402
 from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
+from screwsim.cycle.search import sought  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
 from screwsim.cycle.solution import CycleSolution  # noqa: E402
 from screwsim.cycle.wanted import Wanted  # noqa: E402
@@ -48,7 +49,7 @@ from screwsim.simulate import simulate  # noqa: E402
 from screwsim.solve.accurately import solve  # noqa: E402
 
 GUESS, OWN, TIGHTENED, FOLLOWED = COLD, "own cycle", "own cycle, tightened", "own cycle, followed for a life"
-DAMPED = "own cycle, damped"
+DAMPED, SOUGHT = "own cycle, damped", "own cycle, sought"
 FINER = 1e-2  # accuracy of scipy's cycle over the case's
 LOOSER = 1e-2  # tolerance of a step over that accuracy, where no finer one gets through
 TRIES = (
@@ -56,11 +57,13 @@ TRIES = (
     ("scipy-radau", OWN, OF_STEPS),
     ("scipy-radau", TIGHTENED, OF_STEPS),
     ("scipy-radau", DAMPED, OF_STEPS),
+    ("scipy-radau", SOUGHT, OF_STEPS),
     ("scipy-radau", FOLLOWED, OF_STEPS),
     ("scipy-bdf", TIGHTENED, OF_STEPS),
     ("scipy-lsoda", FOLLOWED, LOOSER),
 )
 BALANCED = 0.1  # bound on its balances over that accuracy: they are as good as its steps, not kept to rounding
+NOISE = 10.0  # tolerance of a cycle that pitches leave: each multiplies the noise of the steps
 STAGES = 3  # in which the own cycle is closed more tightly
 
 
@@ -101,6 +104,11 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
     finest = tightened(FINER, rtol=of_steps * accuracy, **kept)
     if start == FOLLOWED:
         cycle = followed(problem, machinery, finest, y.copy())
+    elif start == SOUGHT:
+        found = sought(problem, machinery, replace(finest, tolerance=NOISE * finest.tolerance), y.copy())
+        if found is None:
+            return "not_closed", Figures(), None
+        cycle = found
     else:
         pace = Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL
         cycle = close_together(problem, machinery, finest, y.copy(), pace)

@@ -135,6 +135,7 @@ class _Pitch:
 
     def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted) -> None:
         self.problem, self.machinery, self.rtol = problem, machinery, min(wanted.rtol, FINE)
+        self.check = wanted.check
         self.c = machinery.composition
         self.c.P[self.c.widths] = wanted.widths
 
@@ -155,7 +156,7 @@ class _Pitch:
         """Return what a pitch changes from x, left as the last history; None where its integration stops."""
         machinery, (end, met) = self.machinery, self.values(x, raw)
         set_unknowns(self.problem, machinery, met)
-        status, _, _, q = machinery.pitch(end, self.rtol, 1e-3)
+        status, _, _, q = machinery.pitch(end, self.rtol, 1e-3, check=self.check)
         if status != 0:
             return None
         made = image_of(self.problem, machinery.trajectory, q)
