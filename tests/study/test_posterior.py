@@ -126,6 +126,7 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     assert "* not fitted: " in told and "R-hat 1.00" in told
     rows = (tmp_path / "out" / "posterior.csv").read_text().splitlines()
     assert rows[0] == f"{GAP},{CAPACITY},discrepancy_shaft_power [W]" and len(rows) == 4001
+    assert {each.name for each in (tmp_path / "out").glob("posterior.*")} >= {"posterior.png", "posterior.pdf"}
     assert exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)["posterior"]
     assert set(document["parameters"]) == {GAP, CAPACITY} and len(document["predicted"]) == 10
@@ -227,3 +228,27 @@ def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monke
         screwsim.posterior(file, predict=tmp_path / "nothing.csv")
     with pytest.raises(UsageError, match="int is no fit"):
         screwsim.posterior(3)
+
+
+def test_the_pairs_are_drawn_within_the_picture_in_the_units_that_people_write(tmp_path):
+    import matplotlib.pyplot as plt
+
+    from screwsim.printing.posterior import _drawn
+    from screwsim.report.posterior import _figure
+    from screwsim.report.style import journal
+
+    found, wide = sampled(tmp_path, points(3, 8, 0, 0.1), most_steps=300)
+    two = [_drawn(found, wide, i) for i in range(2)]
+    assert [each.label for each in two] == ["gap [µm]", "heat capacity [kJ/(kg K)]"]
+    assert np.median(two[0].samples) == pytest.approx(1e6 * wide.parameters[0].median)
+    assert two[1].low == pytest.approx(1e-3 * wide.parameters[1].low)
+    with journal():
+        figure = _figure([*two, two[0], two[1], two[0]], 0.9)
+        figure.canvas.draw()
+        labels = [text for axes in figure.axes if axes.axison for text in (axes.xaxis.label, axes.yaxis.label)]
+        boxes = [text.get_window_extent() for text in labels if text.get_text()]
+        assert len(boxes) == 9  # below five, beside four
+        whole = figure.bbox
+        assert all(whole.x0 <= box.x0 and whole.y0 <= box.y0 and box.x1 <= whole.x1 for box in boxes)
+        assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
+        plt.close(figure)

@@ -6,10 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from screwsim.engineering import digits, figure_scales, shown_name
 from screwsim.figures import declared
 from screwsim.printing.fits import print_left_out
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.report.posterior import Drawn, draw
 from screwsim.results.atomic import write_csv
 from screwsim.scene import leaf_of
 from screwsim.scene.units import ZERO_CELSIUS
@@ -21,7 +24,7 @@ from screwsim.study.calibration.solve import Calibration
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import in_customary
 
-SAMPLES, PREDICTED = "posterior.csv", "predicted.h5"
+SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"
 _PARTS = {
     "median": "median of what would be measured",
     "low": f"lower end of the {LEVEL:.0%} interval",
@@ -200,4 +203,21 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     widths = [f"discrepancy_{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
+    written += draw([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
+
+
+def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
+    """Return a parameter as it is drawn, in the unit in which people write it."""
+    scene, spread = fit.fit.scene, found.parameters[number]
+    ends = np.array([spread.low, spread.high])
+    known = (in_customary(scene, spread.name, value)[0] for value in ends.tolist())
+    unit = in_customary(scene, spread.name, spread.median)[1]
+    per, zero = np.polyfit(ends, list(known), 1)
+    if unit == "mm" and spread.median < 1e-3:
+        per, zero, unit = 1e6, 0.0, "um"
+    name = fit.fit.short_names()[number].replace("_", " ")
+    label = f"{name} [{unit.replace('um', 'µm')}]" if unit else name
+    assert found.samples is not None
+    low, high = per * ends + zero
+    return Drawn(label, per * found.samples[:, number] + zero, float(low), float(high))
