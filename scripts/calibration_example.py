@@ -1,19 +1,22 @@
 """Make the data of the worked examples in configs/calibration from machines whose parameters are known.
 
-    python scripts/calibration_example.py          -> configs/calibration/points.csv, later.csv
+    python scripts/calibration_example.py -> points.csv, later.csv, less_oil.csv, stuck.csv of configs/calibration
     screwsim calibrate configs/calibration/leakage.fit.yaml
     screwsim diagnose configs/calibration/fault.fit.yaml
 
-The points of later.csv are those of the machine of configs/paper after its tip gap has grown by 10 um. Noise is normal,
-of the standard deviation that the files state as uncertainty (0.5 % of flow and power, 0.5 K), seed 1.
+The points of later.csv are those of the machine of configs/paper after its tip gap has grown by 10 um, those of
+less_oil.csv with two thirds of its oil. Those of stuck.csv are of the machine of configs/control whose slide, commanded
+to 0.3 of its travel (slide.yaml), has stuck at 0.15. Noise is normal, of the standard deviation that the files state as
+uncertainty (0.5 % of flow and power, 0.5 K), seed 1.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +32,12 @@ TRUTH = {
     "effects.hydromechanical.acceleration_factor": 0.4,
     "effects.mechanical.fraction": 0.06,
 }
-SPEEDS, PRESSURES = (1000.0, 2000.0, 4000.0), (8e5, 11.5e5)  # [rpm], [Pa]
+SPEEDS = (1000.0, 2000.0, 4000.0)  # [rpm]
+LESS, STUCK = POINTS.with_name("less_oil.csv"), POINTS.with_name("stuck.csv")
+SLIDE = POINTS.with_name("slide.yaml")
 GROWN = {"effects.tip_leakage.gap": 37.5e-6}  # of 27.5 um
+LITTLE_OIL = {"oil_supply.ratio": 2.0}  # of 3
+STILL = {"effects.slide_valve.position": 0.15}  # of 0.3
 RATIO = 1.5  # oil to gas
 SHARE, KELVIN = 0.005, 0.5
 COMMENT = (
@@ -38,20 +45,39 @@ COMMENT = (
 )
 
 
-def rows(truth: Mapping[str, float], ratio: float | None) -> list[dict[str, str]]:
+class Grid(NamedTuple):
+    """Where a machine is measured: its scene, speeds [rpm], and a second condition with the unit that it is written in.
+
+    `zero` is that of the unit [SI], `per` its size [SI].
+    """
+
+    scene: Path
+    speeds: Sequence[float]
+    path: str
+    unit: str
+    per: float
+    zero: float
+    values: Sequence[float]
+
+
+PAPER = Grid(SCENE, SPEEDS, "operation.discharge.pressure", "bar", 1e5, 0.0, (8.0, 11.5))
+CONTROL = Grid(SLIDE, (1450.0, 2950.0), "operation.condensing_temperature", "degC", 1.0, 273.15, (35.0, 45.0, 55.0))
+
+
+def rows(truth: Mapping[str, float], ratio: float | None, grid: Grid = PAPER) -> list[dict[str, str]]:
     """Return one row an operating point of a machine, with the oil ratio as a condition where it is stated."""
     random = np.random.default_rng(1)
     oil = {} if ratio is None else {"oil_supply.ratio": ratio}
-    machine = with_values(load(SCENE, ["numerics.accuracy=1e-5"]), {**truth, **oil})
+    machine = with_values(load(grid.scene, ["numerics.accuracy=1e-5"]), {**truth, **oil})
     found = []
-    for speed in SPEEDS:
-        for p_d in PRESSURES:
-            scene = with_values(machine, {"operation.speed": speed * RPM, "operation.discharge.pressure": p_d})
+    for speed in grid.speeds:
+        for value in grid.values:
+            scene = with_values(machine, {"operation.speed": speed * RPM, grid.path: value * grid.per + grid.zero})
             figures = simulate(scene, trace=False).performance
             row = {
-                "name": f"{speed:.0f} rpm, {p_d / 1e5:g} bar",
+                "name": f"{speed:.0f} rpm, {value:g} {grid.unit}",
                 "operation.speed [rpm]": f"{speed:g}",
-                "operation.discharge.pressure [bar]": f"{p_d / 1e5:g}",
+                f"{grid.path} [{grid.unit}]": f"{value:g}",
                 **{path: f"{value:g}" for path, value in oil.items()},
             }
             for name, unit, factor in (("gas_mass_flow", "kg/s", 1.0), ("shaft_power", "kW", 1e-3)):
@@ -65,9 +91,9 @@ def rows(truth: Mapping[str, float], ratio: float | None) -> list[dict[str, str]
     return found
 
 
-def text(truth: Mapping[str, float] = TRUTH, ratio: float | None = RATIO) -> str:
+def text(truth: Mapping[str, float] = TRUTH, ratio: float | None = RATIO, grid: Grid = PAPER) -> str:
     """Return the file of a machine."""
-    found = rows(truth, ratio)
+    found = rows(truth, ratio, grid)
     stream = io.StringIO()
     writer = csv.DictWriter(stream, list(found[0]), lineterminator="\n")
     writer.writeheader()
@@ -76,6 +102,7 @@ def text(truth: Mapping[str, float] = TRUTH, ratio: float | None = RATIO) -> str
 
 
 if __name__ == "__main__":
-    for file, made in ((POINTS, text()), (LATER, text(GROWN, None))):
+    faults = {LATER: text(GROWN, None), LESS: text(LITTLE_OIL, None), STUCK: text(STILL, None, CONTROL)}
+    for file, made in {POINTS: text(), **faults}.items():
         file.write_text(made, encoding="utf-8")
         print(file)

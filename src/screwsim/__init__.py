@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map, plan
+    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map, plan, posterior
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -52,6 +52,7 @@ __all__ = [
     "performance_map",
     "plan",
     "plot",
+    "posterior",
     "run_sweep",
     "schema",
     "sensitivities",
@@ -77,6 +78,7 @@ _HOMES = {
     "optimum": "screwsim.api",
     "performance_map": "screwsim.api",
     "plan": "screwsim.api",
+    "posterior": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
     "sensitivities": "screwsim.study.local",

@@ -18,11 +18,14 @@ from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
 from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.answers import Posterior
 from screwsim.study.calibration.diagnosis import UNCHANGED, Diagnosis
 from screwsim.study.calibration.diagnosis import diagnose as _diagnose
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.plan import COUNT, LEVELS, Plan, candidates_of
 from screwsim.study.calibration.plan import plan as _plan
+from screwsim.study.calibration.predict import points_to_predict
+from screwsim.study.calibration.predict import sampled as _sampled
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import Sheet, sheet_of
 from screwsim.study.progress import for_program
@@ -94,10 +97,32 @@ def calibrate(
     fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: bool | None = None
 ) -> Calibration:
     """Return parameters fitted to measured points (`screwsim calibrate`): of a fit, or the path of its file."""
-    if not isinstance(fit, Fit | str | os.PathLike):
-        raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
-    asked = fit if isinstance(fit, Fit) else read_fit(fit)
-    return _calibrate(asked, jobs=jobs, progress=for_program("calibrate", progress))
+    return _calibrate(_read(fit), jobs=jobs, progress=for_program("calibrate", progress))
+
+
+def posterior(
+    fit: Calibration | Fit | str | os.PathLike[str],
+    *,
+    predict: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool | None = None,
+) -> Posterior:
+    """Return what measured points tell of parameters as a probability (`screwsim calibrate --posterior`).
+
+        found = screwsim.posterior("x.fit.yaml", predict="later.csv")
+        found.parameters[0].low, found.parameters[0].high    the interval of 90 % [SI]
+        found.samples                                        (n, parameters) [SI]
+        found.predictions.figures[0].median                  what would be measured at the first point of later.csv [SI]
+
+    `fit` is the path of a fit's file, a fit, or what `calibrate` found, which then is not sought again. `predict` is a
+    CSV file of other operating points, columns as those of the fit's data, figures empty or absent; how well they would
+    be measured say its columns `…_uncertainty`, else the fit's points. Raises SceneError, UsageError (without emcee,
+    the extra `posterior`, too).
+    """
+    asked = fit.fit if isinstance(fit, Calibration) else _read(fit)
+    points = () if predict is None else points_to_predict(asked, predict)
+    found = fit if isinstance(fit, Calibration) else calibrate(asked, jobs=jobs, progress=progress)
+    return _sampled(found, points, jobs=jobs, progress=for_program("posterior", progress))
 
 
 def diagnose(
@@ -142,6 +167,13 @@ def plan(
     return _plan(asked, points, count=count, jobs=jobs, progress=for_program("plan", progress))
 
 
+def _read(fit: Any) -> Fit:
+    """Return a fit that is one, or that of a file; raise UsageError with what to pass."""
+    if not isinstance(fit, Fit | str | os.PathLike):
+        raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
+    return fit if isinstance(fit, Fit) else read_fit(fit)
+
+
 def _fit_of(
     fit: Fit | str | os.PathLike[str],
     scene: str | os.PathLike[str] | None = None,
@@ -166,4 +198,4 @@ def results_of(given: Any) -> Results:
     raise UsageError(f"{what} is no file of results (pass the path of one, written by screwsim.run_sweep)")
 
 
-__all__ = ["calibrate", "diagnose", "optimum", "performance_map", "plan", "results_of", "run_sweep"]
+__all__ = ["calibrate", "diagnose", "optimum", "performance_map", "plan", "posterior", "results_of", "run_sweep"]

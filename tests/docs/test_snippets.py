@@ -50,7 +50,7 @@ LONG = (
     "screwsim validate",
 )
 STAYS = "screwsim explore"  # until it is interrupted
-DRAWN = ("screwsim optimize", "--posterior")  # numbers of chains and of generations are others on another processor
+DRAWN = ("screwsim optimize", "--posterior", "--predict")  # chains and generations differ by processor
 RUN_LONG = bool(os.environ.get("SCREWSIM_LONG_SNIPPETS"))
 # what no test starts, and why
 NOT_STARTED = {

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.diagnosis import diagnose
 from screwsim.study.calibration.residuals import Objective
 
 ROOT = Path(__file__).parents[2]
@@ -31,7 +32,13 @@ def test_shipped_fit_is_read(path):
 
 def test_the_data_are_those_of_the_script():
     module = example()
-    for file, text in ((module.POINTS, module.text()), (module.LATER, module.text(module.GROWN, None))):
+    texts = {
+        module.POINTS: module.text(),
+        module.LATER: module.text(module.GROWN, None),
+        module.LESS: module.text(module.LITTLE_OIL, None),
+        module.STUCK: module.text(module.STILL, None, module.CONTROL),
+    }
+    for file, text in texts.items():
         stored = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
         made = [line.split(",") for line in text.splitlines()]
         for one, other in zip(stored[2:], made[2:], strict=True):
@@ -49,6 +56,25 @@ def test_a_known_machine_is_found_within_its_standard_errors():
         # seed 1; two thirds of seeds lie within one error each
         assert abs(found.values[parameter.path] - module.TRUTH[parameter.path]) <= error, parameter.path
     assert found.certainty.open == ()
+
+
+@pytest.mark.parametrize(
+    ("file", "data", "paths", "truth"),
+    [
+        ("slide.fit.yaml", None, ("effects.slide_valve.position", "effects.mechanical.fraction"), 0.15),
+        ("fault.fit.yaml", "less_oil.csv", ("oil_supply.ratio", "effects.tip_leakage.gap"), 2.0),
+    ],
+    ids=["a stuck slide", "less oil"],
+)
+def test_a_fault_that_was_made_is_the_most_probable_and_its_size_is_found(file, data, paths, truth):
+    fit = read_fit(FOLDER / file, data=data and FOLDER / data, fixed=False)
+    parameters = tuple(each for each in fit.parameters if each.path in paths)
+    found = diagnose(replace(fit, parameters=parameters, points=fit.points[::3]), jobs=1)
+    best = found.hypotheses[0]
+    assert best.path == paths[0] and best.probability > 0.99
+    was = found.unchanged[paths[0]]
+    assert was + best.low < truth < was + best.high
+    assert sum(each.probability for each in found.hypotheses) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_droplet_radius_and_heat_transfer_are_said_not_to_be_told_apart():

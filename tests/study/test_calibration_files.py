@@ -56,6 +56,21 @@ def test_a_fit_is_read_in_SI(tmp_path):
             "to: 100 um, prior: {mean: 50 um}}",
             "small.fit.yaml:5:54: parameters.effects.tip_leakage.gap.prior.deviation: is missing",
         ),
+        (
+            "to: 100 um}",
+            "to: 100 um, prior: {mean: 50 um, deviation: 2 bar}}",
+            "small.fit.yaml:5:86: parameters.effects.tip_leakage.gap.prior.deviation: '2 bar' is not a length",
+        ),
+        (
+            "to: 100 um}",
+            "to: 100 um, prior: {mean: 50 um, deviation: -2 um}}",
+            "small.fit.yaml:5:86: parameters.effects.tip_leakage.gap.prior.deviation: '-2 um' is out of range",
+        ),
+        (
+            "to: 100 um}",
+            "to: 100 um, prior: {mean: 120 um, deviation: 2 um}}",
+            "small.fit.yaml:5:68: parameters.effects.tip_leakage.gap.prior.mean: lies outside 0.01 mm … 0.1 mm",
+        ),
     ],
 )
 def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):

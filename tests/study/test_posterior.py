@@ -3,15 +3,20 @@
 import json
 import sys
 
+import h5py
 import numpy as np
 import pytest
 from fit_fakes import coordinates, hopeless, plane, product, write_fit
 
+import screwsim
 from screwsim.cli import exit_code
+from screwsim.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.emulator import terms
+from screwsim.study.calibration.fit import Measured, Point
 from screwsim.study.calibration.posterior import SETTLED, posterior, split_r_hat
+from screwsim.study.calibration.predict import predict
 
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 FIT = """\
@@ -121,6 +126,129 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     assert "* not fitted: " in told and "R-hat 1.00" in told
     rows = (tmp_path / "out" / "posterior.csv").read_text().splitlines()
     assert rows[0] == f"{GAP},{CAPACITY},discrepancy_shaft_power [W]" and len(rows) == 4001
+    assert {each.name for each in (tmp_path / "out").glob("posterior.*")} >= {"posterior.png", "posterior.pdf"}
     assert exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)["posterior"]
     assert set(document["parameters"]) == {GAP, CAPACITY} and len(document["predicted"]) == 10
+
+
+def fakes(monkeypatch):
+    """Solve nothing: the plane answers commands and functions."""
+    from screwsim.simulate import warm_up
+
+    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
+    monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
+
+
+def test_predictions_of_a_linear_model_are_those_of_linear_algebra(tmp_path):
+    noise, discrepancy, count = 0.05, 0.2, 60
+    found, wide = sampled(tmp_path, points(7, count, 0, discrepancy, noise), most_steps=4000)
+    rpm = np.pi / 30.0
+    new = [
+        Point("amid", {"operation.speed": 3000.0 * rpm}, {"shaft_power": Measured(np.nan, 400.0)}),
+        Point("afar", {"operation.speed": 20000.0 * rpm}, {"shaft_power": Measured(99e3, 50.0)}),
+    ]
+    told = predict(wide, new, simulate=plane, jobs=1)
+    assert told.status == "ok" and told.off < 1e-6
+    speed = np.array([point.values["operation.speed"] / rpm / 1e3 for point in found.fit.points])
+    power = np.array([point.measured["shaft_power"].value for point in found.fit.points])
+    width = wide.discrepancies[0].median
+    design = np.column_stack([np.ones(count), speed])  # power = 1 kW (gap / 10 um + capacity n)
+    best = np.linalg.lstsq(design, power)[0]
+    spread = np.linalg.inv(design.T @ design) * (width**2 + (1e3 * noise) ** 2)
+    for each, n, measuring in zip(told.figures, (3.0, 20.0), (400.0, 50.0), strict=True):
+        row = np.array([1.0, n])
+        ours = np.sqrt(row @ spread @ row)
+        assert each.parameters == pytest.approx(ours, rel=0.1)
+        assert each.discrepancy == pytest.approx(width, rel=0.1) and each.measuring == measuring
+        whole = np.sqrt(ours**2 + width**2 + measuring**2)
+        assert each.median == pytest.approx(row @ best, abs=0.1 * whole)
+        assert each.high - each.low == pytest.approx(2.0 * 1.645 * whole, rel=0.1)
+    assert told.figures[0].inside is None and told.figures[1].inside is False
+
+
+def test_a_point_without_a_solution_is_not_predicted_and_told(tmp_path):
+    _, wide = sampled(tmp_path, points(3, 6, 0, 0.0, 0.5), most_steps=500)
+
+    def torn_at_speed(scene):
+        return hopeless(scene) if coordinates(scene)[2] > 6.0 else plane(scene)
+
+    new = [Point(str(n), {"operation.speed": 1e3 * n * np.pi / 30.0}, {}) for n in (3, 7)]
+    told = predict(wide, new, simulate=torn_at_speed, jobs=1)
+    assert told.status == "failed" and told.message == "1 of 2 points have no solution"
+    assert list(told.reasons) == ["7"] and "pressure left the range" in told.reasons["7"]
+    assert [each.point for each in told.figures] == ["3"]
+
+
+def test_the_command_predicts_other_points(tmp_path, capsys, monkeypatch):
+    file, new, out = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv", tmp_path / "out"
+    fakes(monkeypatch)
+    new.write_text(
+        "name,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\nx,6000,,0.4\ny,2000,9,0.1\n"
+    )
+    asked = ["calibrate", str(file), "--predict", str(new), "--jobs", "1"]
+    assert exit_code([*asked, "-o", str(out)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "shaft power [kW] x 13." in told and "9 outside" in told and "0 of 1 measured inside" in told
+    with h5py.File(out / "predicted.h5") as data:
+        assert [data[name].attrs["units"] for name in ("shaft_power_median", "operation_speed")] == [b"W", b"rad/s"]
+        assert data["shaft_power_measuring"][...].tolist() == [400.0, 100.0]
+        ends = data["shaft_power_low"][0], data["shaft_power_median"][0], data["shaft_power_high"][0]
+    assert ends[0] < 14e3 < ends[2] and ends[0] < ends[1] < ends[2]
+    assert exit_code([*asked, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)["posterior"]["predictions"]
+    assert document["points"][0]["conditions"] == {"operation.speed": pytest.approx(200.0 * np.pi)}
+    assert document["points"][1]["inside"] is False and document["points"][0]["inside"] is None
+
+
+def test_a_program_has_posterior_and_predictions(tmp_path, monkeypatch):
+    file, new = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
+    fakes(monkeypatch)
+    new.write_text("operation.speed [rpm]\n3000\n")
+    found = screwsim.posterior(file, predict=new, jobs=1)
+    assert repr(found).startswith("Posterior: ok; R-hat 1.00") and GAP in repr(found)
+    (told,) = found.predictions.figures
+    usual = np.median([0.05 / (each.measured / 1e3) for each in found.predicted])
+    assert told.measuring == pytest.approx(usual * told.median, rel=0.02)  # as well as the fit's points, in shares
+    assert "line 2  shaft_power" in repr(found.predictions)
+    again = screwsim.posterior(screwsim.calibrate(file, jobs=1), jobs=1)
+    assert np.array_equal(again.samples, found.samples) and again.predictions is None
+
+
+def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monkeypatch):
+    file, new = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
+    fakes(monkeypatch)
+    new.write_text("operation.speed [bar]\n3000\n")
+    with pytest.raises(SceneError, match=r"new\.csv:2:1: operation\.speed: "):
+        screwsim.posterior(file, predict=new)
+    new.write_text("operation.speed [rpm],gas_mass_flow_uncertainty [kg/s]\n3000,0.1\n")
+    with pytest.raises(UsageError, match="gas_mass_flow: is measured at no fitted point"):
+        screwsim.posterior(file, predict=new)
+    with pytest.raises(UsageError, match=r"nothing\.csv: is not a file"):
+        screwsim.posterior(file, predict=tmp_path / "nothing.csv")
+    with pytest.raises(UsageError, match="int is no fit"):
+        screwsim.posterior(3)
+
+
+def test_the_pairs_are_drawn_within_the_picture_in_the_units_that_people_write(tmp_path):
+    import matplotlib.pyplot as plt
+
+    from screwsim.printing.posterior import _drawn
+    from screwsim.report.posterior import _figure
+    from screwsim.report.style import journal
+
+    found, wide = sampled(tmp_path, points(3, 8, 0, 0.1), most_steps=300)
+    two = [_drawn(found, wide, i) for i in range(2)]
+    assert [each.label for each in two] == ["gap [µm]", "heat capacity [kJ/(kg K)]"]
+    assert np.median(two[0].samples) == pytest.approx(1e6 * wide.parameters[0].median)
+    assert two[1].low == pytest.approx(1e-3 * wide.parameters[1].low)
+    with journal():
+        figure = _figure([*two, two[0], two[1], two[0]], 0.9)
+        figure.canvas.draw()
+        labels = [text for axes in figure.axes if axes.axison for text in (axes.xaxis.label, axes.yaxis.label)]
+        boxes = [text.get_window_extent() for text in labels if text.get_text()]
+        assert len(boxes) == 9  # below five, beside four
+        whole = figure.bbox
+        assert all(whole.x0 <= box.x0 and whole.y0 <= box.y0 and box.x1 <= whole.x1 for box in boxes)
+        assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])
+        plt.close(figure)

@@ -217,6 +217,10 @@ def calibrate(
     posterior: Annotated[
         bool, typer.Option("--posterior", help="Say with what probability the points tell what (extra `posterior`).")
     ] = False,
+    predict: Annotated[
+        Path | None,
+        option("POINTS.csv", "Say what would be measured at other points, with intervals (does --posterior, too)."),
+    ] = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
@@ -228,18 +232,18 @@ def calibrate(
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit
+    from screwsim.study.calibration.predict import points_to_predict, sampled
     from screwsim.study.progress import for_terminal
 
     fit = read_fit(fit_file)
+    asked = () if predict is None else points_to_predict(fit, predict, "--predict")
     if folder is not None:
         make_folder(folder)
         check_folder(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
     wide = None
-    if posterior and found.status != "interrupted":
-        from screwsim.study.calibration.posterior import posterior as sampled
-
-        wide = sampled(found, jobs=jobs, progress=for_terminal("posterior"))
+    if (posterior or asked) and found.status != "interrupted":
+        wide = sampled(found, asked, jobs=jobs, progress=for_terminal("posterior"))
     if as_json:
         print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
     else:
@@ -247,13 +251,15 @@ def calibrate(
         if wide is not None:
             print_posterior(found, wide)
     if folder is not None:
-        written = write_calibration(found, folder) + ([] if wide is None else write_posterior(found, wide, folder))
-        for path in written:
+        for path in write_calibration(found, folder) + ([] if wide is None else write_posterior(found, wide, folder)):
             say(path, err=as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED
-    return OK if found.status == "ok" and (wide is None or wide.status == "ok") else NOT_ALL_OK
+    statuses = [found.status, *([] if wide is None else [wide.status])]
+    if wide is not None and wide.predictions is not None:
+        statuses.append(wide.predictions.status)
+    return OK if all(status == "ok" for status in statuses) else NOT_ALL_OK
 
 
 def tolerance(

@@ -1,4 +1,4 @@
-"""What `screwsim calibrate --posterior` prints and writes."""
+"""What `screwsim calibrate --posterior` and `--predict` print and write."""
 
 from __future__ import annotations
 
@@ -6,17 +6,35 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from screwsim.engineering import digits, figure_scales, shown_name
 from screwsim.figures import declared
+from screwsim.printing.fits import print_left_out
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.report.posterior import Drawn, draw
 from screwsim.results.atomic import write_csv
+from screwsim.scene import leaf_of
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
-from screwsim.study.calibration.posterior import LEVEL, UNTOLD, Posterior, Predicted
+from screwsim.study.calibration.answers import LEVEL, Posterior, Predicted, Predictions
+from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.posterior import UNTOLD
 from screwsim.study.calibration.solve import Calibration
+from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import in_customary
 
-SAMPLES = "posterior.csv"
+SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"
+_PARTS = {
+    "median": "median of what would be measured",
+    "low": f"lower end of the {LEVEL:.0%} interval",
+    "high": f"upper end of the {LEVEL:.0%} interval",
+    "parameters": "standard deviation by what the parameters may be",
+    "discrepancy": "standard deviation by what the model cannot follow",
+    "measuring": "standard deviation by measuring",
+    "polynomials": "standard deviation by polynomials in place of the model",
+    "measured": "measured value",
+}
 
 
 def posterior_document(found: Posterior) -> dict[str, Any]:
@@ -35,6 +53,22 @@ def posterior_document(found: Posterior) -> dict[str, Any]:
         "largest_emulator_error_over_uncertainty": found.off,
         "solutions": found.solutions,
         "failed_solutions": found.failed,
+        **({} if found.predictions is None else {"predictions": _predictions(found.predictions)}),
+    }
+
+
+def _predictions(found: Predictions) -> dict[str, Any]:
+    conditions = {point.name: dict(point.values) for point in found.points}
+    return {
+        "status": found.status,
+        "message": found.message,
+        "points": [
+            each.__dict__ | {"inside": each.inside, "conditions": conditions[each.point]} for each in found.figures
+        ],
+        "points_without_solution": dict(found.reasons),
+        "largest_emulator_error_over_uncertainty": found.off,
+        "solutions": found.solutions,
+        "failed_solutions": found.failed,
     }
 
 
@@ -45,6 +79,12 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
         say(wrapped(f"posterior {found.status}: {found.message}"))
     if not found.parameters:
         return
+    _print_spreads(fit, found)
+    if found.predictions is not None:
+        print_predictions(found.predictions)
+
+
+def _print_spreads(fit: Calibration, found: Posterior) -> None:
     scene = fit.fit.scene
     rows = []
     for each in found.parameters:
@@ -62,6 +102,58 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
         say(wrapped(line))
 
 
+def print_predictions(found: Predictions) -> None:
+    """Print what would be measured at other points, figure by figure, and what makes it uncertain."""
+    say()
+    if found.message:
+        say(wrapped(f"predictions {found.status}: {found.message}"))
+    print_left_out(found.reasons)
+    rows = []
+    for name in dict.fromkeys(each.figure for each in found.figures):
+        of = [each for each in found.figures if each.figure == name]
+        factor, unit, zero = _shown_in(name, max(abs(each.median) for each in of))
+        rows.append([f"{shown_name(name)} [{unit}]" if unit else shown_name(name), *[""] * 5])
+        for each in of:
+            low, high = (digits(factor * value - zero) for value in (each.low, each.high))
+            sizes = (f"{factor * size:.2g}" for size in (each.parameters, each.discrepancy, each.measuring))
+            beside = "" if each.measured is None else digits(factor * each.measured - zero)
+            mark = " outside" if each.inside is False else ""
+            rows.append([f"  {each.point}", f"{low} … {high}", *sizes, beside + mark])
+    if not rows:
+        return
+    measured = [each for each in found.figures if each.measured is not None]
+    heads = ["predicted", f"{LEVEL:.0%} interval", "by parameters", "by the model", "by measuring", "measured"]
+    width = len(heads) if measured else len(heads) - 1
+    say("\n".join(plain_table(heads[:width], [row[:width] for row in rows], 1)))
+    if measured:
+        say(f"{sum(bool(each.inside) for each in measured)} of {len(measured)} measured inside")
+    off = "" if found.off is None else f"; polynomials off by at most {found.off:.2g} uncertainties at draws solved"
+    say(wrapped(f"by …: standard deviations, whose squares add up; {found.solutions} solutions{off}"))
+
+
+def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
+    """Write what would be measured, a row a point, SI units, into an HDF5 file; return the path."""
+    names = list(dict.fromkeys(each.point for each in found.figures))
+    if not names:
+        return []
+    known = {(each.point, each.figure): each for each in found.figures}
+    points = [point for point in found.points if point.name in names]
+    columns = {"point": Column(names, "", "name of the point")}
+    for path in dict.fromkeys(path for point in points for path in point.values):
+        kind = leaf_of(fit.scene, path).dimension
+        units = "1" if kind is None else kind.si
+        columns[path] = Column([point.values.get(path) for point in points], units, f"condition {path}")
+    for figure in dict.fromkeys(each.figure for each in found.figures):
+        of, units = [known[name, figure] for name in names], declared(figure).units
+        for end, meaning in _PARTS.items():
+            values = [getattr(each, end) for each in of]
+            if any(value is not None for value in values):
+                columns[f"{figure}_{end}"] = Column(values, units, f"{meaning} of {figure}")
+    path = folder / PREDICTED
+    write_columns(path, "predictions of a calibration's posterior", columns)
+    return [str(path)]
+
+
 def _width(found: Posterior, name: str) -> list[str]:
     """Return median and upper end of a discrepancy's width, over the figure's size; of temperatures in kelvins."""
     size = max(abs(each.measured) for each in found.predicted if each.figure == name)
@@ -72,15 +164,21 @@ def _width(found: Posterior, name: str) -> list[str]:
 
 
 def _row(each: Predicted) -> list[str]:
-    about, zero = declared(each.figure), 0.0
-    scales = ((f, unit) for least, f, unit in figure_scales(about) if abs(each.measured) >= least)
-    factor, unit = next(scales, (1.0, ""))
-    if about.units == "K":
-        factor, unit, zero = 1.0, "°C", ZERO_CELSIUS
+    factor, unit, zero = _shown_in(each.figure, each.measured)
     measured, low, high = (digits(factor * value - zero) for value in (each.measured, each.low, each.high))
     name = each.point + ("" if each.fitted else " *")
     mark = "" if each.inside else " outside"
     return [name, shown_name(each.figure), f"{measured} {unit}".strip(), f"{low} … {high}", mark]
+
+
+def _shown_in(figure: str, size: float) -> tuple[float, str, float]:
+    """Return factor, unit and zero in which a figure of such a size is shown; temperatures in °C."""
+    about = declared(figure)
+    if about.units == "K":
+        return 1.0, "°C", ZERO_CELSIUS
+    scales = ((f, unit) for least, f, unit in figure_scales(about) if abs(size) >= least)
+    factor, unit = next(scales, (1.0, ""))
+    return factor, unit, 0.0
 
 
 def _notes(found: Posterior) -> Iterator[str]:
@@ -104,4 +202,22 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     names = [each.path for each in fit.fit.parameters]
     widths = [f"discrepancy_{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
-    return [write_csv(folder / SAMPLES, [*names, *widths], rows)]
+    written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
+    written += draw([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
+    return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
+
+
+def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
+    """Return a parameter as it is drawn, in the unit in which people write it."""
+    scene, spread = fit.fit.scene, found.parameters[number]
+    ends = np.array([spread.low, spread.high])
+    known = (in_customary(scene, spread.name, value)[0] for value in ends.tolist())
+    unit = in_customary(scene, spread.name, spread.median)[1]
+    per, zero = np.polyfit(ends, list(known), 1)
+    if unit == "mm" and spread.median < 1e-3:
+        per, zero, unit = 1e6, 0.0, "um"
+    name = fit.fit.short_names()[number].replace("_", " ")
+    label = f"{name} [{unit.replace('um', 'µm')}]" if unit else name
+    assert found.samples is not None
+    low, high = per * ends + zero
+    return Drawn(label, per * found.samples[:, number] + zero, float(low), float(high))

@@ -69,7 +69,7 @@ def read_points(
 ) -> list[tuple[Point, Place]]:
     """Return the points of a file with their places; `taken` are paths that a parameter sets.
 
-    Of `candidates` nothing is measured yet: figures stand for nothing there, uncertainties for what would be measured.
+    Of `candidates` nothing needs to be measured: uncertainties stand for what would be, figures are NaN where empty.
     """
     start = Place(1, label)
     try:
@@ -238,7 +238,7 @@ def _point(
     if len(problems) > before:
         return None
     if candidates:
-        found["figure"] = dict.fromkeys(found["uncertainty"], 0.0)
+        found["figure"] = {name: found["figure"].get(name, math.nan) for name in found["uncertainty"]}
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
         problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
     if len(problems) > before:

@@ -67,15 +67,20 @@ def emulate(
     fit: Fit, low: Array, high: Array, simulate: Simulate | None, jobs: int | None, progress: Progress | None
 ) -> Emulator | None:
     """Return polynomials of all measured figures over a region of places; None where too few solutions have figures."""
+    places = places_within(fit, low, high)
+    call = partial(figures_at, fit, places, simulate)
+    rows = each(call, len(places), died=lambda number: Row((), "worker died"), jobs=jobs, progress=progress)
+    return fitted(fit, low, high, places, rows)
+
+
+def places_within(fit: Fit, low: Array, high: Array) -> Array:
+    """Return the places of a region that are solved for its polynomials: its middle and a Latin hypercube."""
     from scipy.stats import qmc
 
     size = len(low)
     count = PER_TERM * (size + 1) * (size + 2) // 2
     cube = qmc.LatinHypercube(size, rng=np.random.default_rng(fit.seed)).random(count)
-    places = low + (high - low) * np.vstack([np.full(size, 0.5), cube])
-    call = partial(figures_at, fit, places, simulate)
-    rows = each(call, len(places), died=lambda number: Row((), "worker died"), jobs=jobs, progress=progress)
-    return fitted(fit, low, high, places, rows)
+    return low + (high - low) * np.vstack([np.full(size, 0.5), cube])
 
 
 def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) -> Row:

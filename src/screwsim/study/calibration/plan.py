@@ -17,11 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.figures import declared
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check, with_values
-from screwsim.scene.yaml_tree import Place, Problem, scene_error
-from screwsim.study.calibration.data import read_points
+from screwsim.study.calibration.conditions import Typical, points_of, typical
 from screwsim.study.calibration.design import chosen, covariance, spread
 from screwsim.study.calibration.fit import Fit, Measured, Point
 from screwsim.study.calibration.machine import (
@@ -43,17 +41,6 @@ from screwsim.study.workers import DIED
 EVEN = 12.0  # one over the variance of what lies at any place 0 … 1 as probably
 COUNT, LEVELS = 3, 4  # points that are chosen; values of a range
 MOST = 2000  # candidates
-
-
-class Typical(NamedTuple):
-    """How well a figure is measured: a standard uncertainty [SI], of temperatures, or a share of the value."""
-
-    size: float
-    share: bool
-
-    def of(self, value: float) -> float:
-        """Return the standard uncertainty [SI] of a value [SI]."""
-        return self.size * abs(value) if self.share else self.size
 
 
 @dataclass(frozen=True)
@@ -112,25 +99,13 @@ def candidates_of(
         raise UsageError(
             "candidates are stated once (write --candidates GRID.csv, or one or more --path PATH=LOW..HIGH)"
         )
-    found = _of_file(fit, file) if file is not None else _of_ranges(fit, read_ranges(fit.scene, paths), levels)
+    if file is not None:
+        found = tuple(point for point in points_of(fit, file, "--candidates", "candidates") if point.fitted)
+    else:
+        found = _of_ranges(fit, read_ranges(fit.scene, paths), levels)
     if len(found) > MOST:
         raise UsageError(f"{len(found)} candidates are more than {MOST} (take fewer values)")
     return found
-
-
-def _of_file(fit: Fit, file: str | os.PathLike[str]) -> tuple[Point, ...]:
-    if not os.path.isfile(file):
-        raise UsageError(f"--candidates {file}: is not a file (name an existing one)")
-    problems: list[Problem] = []
-    name, values = os.fspath(file), fit.first_start()
-    rows = read_points(name, name, fit.scene, list(fit.changes(values)), problems, candidates=True)
-    for point, place in rows:
-        problems += [Problem(place, fault.path, fault.what) for fault in cross_check(fit.at(point, values))]
-    if not rows and not problems:
-        problems.append(Problem(Place(1, name), "", "has no candidates"))
-    if problems:
-        raise scene_error(problems)
-    return tuple(point for point, _ in rows if point.fitted)
 
 
 def _of_ranges(fit: Fit, ranges: Sequence[Range], levels: int) -> tuple[Point, ...]:
@@ -151,20 +126,6 @@ def _of_ranges(fit: Fit, ranges: Sequence[Range], levels: int) -> tuple[Point, .
             raise UsageError(f"--path: at {name}: {faults[0]}")
         found.append(Point(name, values, {}))
     return tuple(found)
-
-
-def typical(fit: Fit) -> dict[str, Typical]:
-    """Return how well the fit's points measure each figure: the median share; of temperatures the median itself."""
-    found = {}
-    every = [(name, one) for point in fit.points for name, one in point.measured.items()]
-    for name in dict.fromkeys(name for name, _ in every):
-        share = declared(name).units != "K"
-        sizes = [
-            one.uncertainty / (abs(one.value) if share else 1.0) for key, one in every if key == name and one.value
-        ]
-        if sizes:
-            found[name] = Typical(float(np.median(sizes)), share)
-    return found
 
 
 def plan(

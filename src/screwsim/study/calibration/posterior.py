@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
+from screwsim.study.calibration.answers import ENDS, Posterior, Predicted, Spread
 from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
 
-LEVEL = 0.9  # of the intervals
 REGION = 5.0  # standard errors of the fit to each side, in which the posterior is looked for; widened where it is cut
 CUT = 0.02  # share of the samples in the outer twentieth of the region at one side, from which on it is cut
 WALKERS, STEPS, MOST_STEPS = 6, 2000, 16000  # walkers a dimension; steps of a stretch, and in all
@@ -29,59 +29,6 @@ SETTLED = 1.01  # split-R̂ below which chains have settled (Vehtari et al. 2021
 CHECKED = 8  # draws that are solved, to see what the polynomials are off
 TOLERABLE = 0.5  # of a figure's uncertainty: further off, the posterior is that of the polynomials and not of the model
 UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on the points do not tell it
-
-
-@dataclass(frozen=True)
-class Spread:
-    """A parameter or width: median and the interval of `LEVEL`, standard deviation [SI], and that over the prior's."""
-
-    name: str
-    low: float
-    median: float
-    high: float
-    deviation: float
-    of_prior: float | None = None
-
-
-@dataclass(frozen=True)
-class Predicted:
-    """A measured figure [SI] beside what the posterior predicts of a measurement of it: median and interval."""
-
-    point: str
-    figure: str
-    fitted: bool
-    measured: float
-    low: float
-    median: float
-    high: float
-
-    @property
-    def inside(self) -> bool:
-        return self.low <= self.measured <= self.high
-
-
-@dataclass(frozen=True)
-class Posterior:
-    """The posterior: spreads of parameters and of the discrepancy's widths, predictions, and whether chains settled.
-
-    `samples` (n, parameters) are values [SI], `widths` (n, figures) those of the discrepancy [SI]. `off` is the largest
-    error of the polynomials that was met, over the figures' uncertainties. `status` ok | not converged | failed.
-    """
-
-    status: str
-    message: str
-    parameters: tuple[Spread, ...] = ()
-    discrepancies: tuple[Spread, ...] = ()
-    predicted: tuple[Predicted, ...] = ()
-    samples: Array | None = None
-    widths: Array | None = None
-    r_hat: float | None = None
-    autocorrelation: float | None = None
-    steps: int = 0
-    effective: float | None = None
-    off: float | None = None
-    solutions: int = 0
-    failed: int = 0
 
 
 @dataclass(frozen=True)
@@ -142,14 +89,14 @@ def posterior(
         remedy = "pip install 'screwsim[posterior]'"
         raise UsageError(f"emcee is not installed, which --posterior needs (install it with: {remedy})") from None
     if not found.values:
-        return Posterior("failed", f"there is no fit to begin with: {found.message}")
+        return Posterior(found.fit, "failed", f"there is no fit to begin with: {found.message}")
     low, high = _region(found)
     solutions = failed = 0
     for widened in (False, True):
         emulator = emulate(found.fit, low, high, simulate, jobs, progress)
         if emulator is None:
             why = "too few solutions have all figures near the best fit (narrow the bounds)"
-            return Posterior("failed", why, solutions=solutions, failed=failed)
+            return Posterior(found.fit, "failed", why, solutions=solutions, failed=failed)
         solutions, failed = solutions + emulator.solutions, failed + emulator.failed
         problem = _problem(found.fit, emulator)
         chain = _sampled(emcee, problem, found, most_steps)
@@ -257,7 +204,7 @@ def _judged(problem: _Problem, chain: _Chain, simulate: Simulate | None, solutio
         told.append(f"chains have not settled after {chain.steps} steps (R-hat {chain.r_hat:.3f})")
     if off is not None and off > TOLERABLE:
         told.append(f"the polynomials are off by up to {off:.2g} uncertainties (narrow the bounds)")
-    rest = {
+    rest: dict[str, Any] = {
         "samples": samples,
         "widths": widths,
         "r_hat": chain.r_hat,
@@ -267,10 +214,11 @@ def _judged(problem: _Problem, chain: _Chain, simulate: Simulate | None, solutio
         "off": off,
         "solutions": solutions + CHECKED * len(fit.points),
         "failed": failed + bad,
+        "region": (problem.emulator.low, problem.emulator.high),
     }
     predicted = tuple(_predictions(problem, places, widths, generator))
     status = "not converged" if told else "ok"
-    return Posterior(status, "; ".join(told), parameters, discrepancies, predicted, **rest)
+    return Posterior(fit, status, "; ".join(told), parameters, discrepancies, predicted, **rest)
 
 
 def _check(problem: _Problem, places: Array, simulate: Simulate | None) -> tuple[float | None, int]:
@@ -291,11 +239,8 @@ def _of_parameter(fit: Fit, number: int, values: Array) -> Spread:
 
 
 def _spread(name: str, values: Array) -> Spread:
-    low, median, high = (float(each) for each in np.quantile(values, _ENDS))
+    low, median, high = (float(each) for each in np.quantile(values, ENDS))
     return Spread(name, low, median, high, float(values.std()))
-
-
-_ENDS = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)
 
 
 def _predictions(problem: _Problem, places: Array, widths: Array, generator: np.random.Generator) -> Any:
@@ -303,7 +248,7 @@ def _predictions(problem: _Problem, places: Array, widths: Array, generator: np.
     ours = problem.emulator(places)
     variance = problem.uncertainty**2 + problem.emulator.off**2 + widths[:, problem.which] ** 2
     drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)
-    ends = np.quantile(drawn, _ENDS, axis=0)
+    ends = np.quantile(drawn, ENDS, axis=0)
     key: Key
     for i, key in enumerate(problem.emulator.keys):
         low, median, high = (float(each) for each in ends[:, i])

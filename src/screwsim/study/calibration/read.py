@@ -13,11 +13,11 @@ from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
 from screwsim.scene.files import other_file
-from screwsim.scene.values import shown, text_of
+from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie
-from screwsim.study.inputs import STEPS
+from screwsim.study.inputs import STEPS, shown_value
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
@@ -172,8 +172,12 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
     if not low < high:
         problems.append(Problem(node.place, where, "from is not below to (exchange them)"))
     elif start is not None and not low <= start <= high:
-        ends = f"{text_of(leaf, low)} … {text_of(leaf, high)}"
+        ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
         problems.append(Problem(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)"))
+    elif prior is not None and not low <= prior.mean <= high:
+        ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
+        what = f"lies outside {ends} (move it, or widen from and to)"
+        problems.append(Problem(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what))
     elif given["spacing"] == "log" and not low > 0.0:
         problems.append(Problem(node.place, where, "log spacing needs bounds above zero (choose another from)"))
     return Parameter(path, low, high, start, prior, given["spacing"] == "log", ties)

@@ -1,0 +1,131 @@
+"""What a posterior answers: spreads of parameters and discrepancies, and what would be measured, with intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from screwsim.outputs.display import About, Brief
+from screwsim.study.calibration.fit import Fit, Point
+from screwsim.study.calibration.residuals import Array
+from screwsim.study.inputs import shown_value
+
+LEVEL = 0.9  # of the intervals
+ENDS = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A parameter or width: median and the interval of `LEVEL`, standard deviation [SI], and that over the prior's."""
+
+    name: str
+    low: float
+    median: float
+    high: float
+    deviation: float
+    of_prior: float | None = None
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """A measured figure [SI] beside what the posterior predicts of a measurement of it: median and interval."""
+
+    point: str
+    figure: str
+    fitted: bool
+    measured: float
+    low: float
+    median: float
+    high: float
+
+    @property
+    def inside(self) -> bool:
+        return self.low <= self.measured <= self.high
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a measurement of a figure at another point would be [SI]: median, the interval of `LEVEL`, and why so wide.
+
+    Standard deviations, whose squares add up: `parameters` by what the parameters may be, `discrepancy` by what the
+    model cannot follow, `measuring`, and `polynomials` by those in place of the model. `measured` where it was.
+    """
+
+    point: str
+    figure: str
+    low: float
+    median: float
+    high: float
+    parameters: float
+    discrepancy: float
+    measuring: float
+    polynomials: float
+    measured: float | None = None
+
+    @property
+    def inside(self) -> bool | None:
+        return None if self.measured is None else self.low <= self.measured <= self.high
+
+
+@dataclass(frozen=True, repr=False)
+class Predictions(Brief):
+    """What would be measured at other points. `reasons` are those of points without a solution.
+
+    `off` is the largest error of the polynomials at draws that were solved, over the measurement's uncertainty.
+    `status` ok | not converged | failed.
+    """
+
+    status: str
+    message: str
+    points: tuple[Point, ...] = ()
+    figures: tuple[Prediction, ...] = ()
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    off: float | None = None
+    solutions: int = 0
+    failed: int = 0
+
+    def _about(self) -> About:
+        columns = ("point", "figure", "median [SI]", f"{LEVEL:.0%} interval")
+        rows = [(p.point, p.figure, f"{p.median:.5g}", f"{p.low:.5g} … {p.high:.5g}") for p in self.figures]
+        notes = [text for text in (self.message, *self.reasons.values()) if text]
+        return About(f"Predictions: {self.status}; {len(self.points)} points", notes, columns, rows)
+
+
+@dataclass(frozen=True, repr=False)
+class Posterior(Brief):
+    """The posterior: spreads of parameters and of the discrepancy's widths, predictions, and whether chains settled.
+
+    `samples` (n, parameters) are values [SI], `widths` (n, figures) those of the discrepancy [SI]. `off` is the largest
+    error of the polynomials that was met, over the figures' uncertainties; they hold within `region`, places of the
+    parameters. `predictions` are those at other points, where these were asked. `status` ok | not converged | failed.
+    """
+
+    fit: Fit
+    status: str
+    message: str
+    parameters: tuple[Spread, ...] = ()
+    discrepancies: tuple[Spread, ...] = ()
+    predicted: tuple[Predicted, ...] = ()
+    samples: Array | None = None
+    widths: Array | None = None
+    r_hat: float | None = None
+    autocorrelation: float | None = None
+    steps: int = 0
+    effective: float | None = None
+    off: float | None = None
+    solutions: int = 0
+    failed: int = 0
+    region: tuple[Array, Array] | None = None
+    predictions: Predictions | None = None
+
+    def _about(self) -> About:
+        scene, rows = self.fit.scene, []
+        for each in self.parameters:
+            ends = (each.low, each.median, each.high)
+            low, median, high = (shown_value(scene, each.name, value, 4) for value in ends)
+            share = "" if each.of_prior is None else f"{each.of_prior:.2f}"
+            rows.append((each.name, median, f"{low} … {high}", share))
+        chains = "" if self.r_hat is None else f"; R-hat {self.r_hat:.3f}, {self.effective:.0f} effective samples"
+        notes = [text for text in (self.fit.title, self.message) if text]
+        columns = ("parameter", "median", f"{LEVEL:.0%} interval", "of prior")
+        return About(f"Posterior: {self.status}{chains}", notes, columns, rows)

@@ -1,0 +1,158 @@
+"""What measurements at other operating points would be, by the posterior of a fit, and what makes them uncertain.
+
+A measurement there is the model at parameters of the posterior, plus a discrepancy of a width of the posterior, plus
+the measurement's own uncertainty. The figures at each point are polynomials over the region of the posterior, as those
+of the fit's points are.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.study.calibration.answers import ENDS, Posterior, Prediction, Predictions
+from screwsim.study.calibration.conditions import Typical, points_of, typical
+from screwsim.study.calibration.emulator import Row, figures_at, fitted, places_within
+from screwsim.study.calibration.fit import Fit, Measured, Point
+from screwsim.study.calibration.posterior import CHECKED, TOLERABLE, posterior
+from screwsim.study.calibration.residuals import Array, Simulate
+from screwsim.study.calibration.solve import Calibration
+from screwsim.study.each import each
+from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
+
+
+def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "predict") -> tuple[Point, ...]:
+    """Return the points of a CSV file as `predict` takes them; raise SceneError with a line a fault, UsageError."""
+    points = points_of(fit, file, option, "points to predict")
+    known_figures(fit, points)
+    return points
+
+
+def sampled(
+    found: Calibration,
+    points: Sequence[Point] = (),
+    *,
+    simulate: Simulate | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Posterior:
+    """Return the posterior of a fit, with predictions at points where there are any."""
+    wide = posterior(found, simulate=simulate, jobs=jobs, progress=progress)
+    if not points:
+        return wide
+    return replace(wide, predictions=predict(wide, points, simulate=simulate, jobs=jobs, progress=progress))
+
+
+def known_figures(fit: Fit, points: Sequence[Point]) -> tuple[str, ...]:
+    """Return the figures that the fitted points measure; raise UsageError where others are to be predicted."""
+    known = tuple(dict.fromkeys(name for point in fit.points if point.fitted for name in point.measured))
+    for point in points:
+        for name in point.measured:
+            if name not in known:
+                why = "is measured at no fitted point, so that its discrepancy is not known"
+                raise UsageError(f"{name}: {why} (known: {', '.join(known)})")
+    return known
+
+
+def predict(
+    found: Posterior,
+    points: Sequence[Point],
+    *,
+    simulate: Simulate | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Predictions:
+    """Return what would be measured at points, of every figure that the fitted points measure.
+
+    How well is the uncertainty that a point states of a figure, or that of the fit's points (the median share of the
+    value; of temperatures the median itself). A value that a point states is set beside. Raises UsageError.
+    """
+    figures = known_figures(found.fit, points)
+    if found.samples is None or found.widths is None or found.region is None:
+        return Predictions("failed", f"there is no posterior to predict by: {found.message}", tuple(points))
+    fit, usual = found.fit, typical(found.fit)
+    asked = [replace(fit, points=(replace(point, measured=dict.fromkeys(figures, _ASKED)),)) for point in points]
+    low, high = found.region
+    draws = _places(fit, found.samples)
+    places = np.vstack([places_within(fit, low, high), draws[:CHECKED]])
+    call = partial(_solved, asked, places, simulate)
+    rows = each(call, len(asked) * len(places), died=lambda number: Row((), DIED), jobs=jobs, progress=progress)
+    generator = np.random.default_rng([fit.seed, 1])
+    told: list[Prediction] = []
+    reasons: dict[str, str] = {}
+    far: dict[str, float] = {}
+    for number, (point, one) in enumerate(zip(points, asked, strict=True)):
+        own = rows[number * len(places) : (number + 1) * len(places)]
+        ours = fitted(one, low, high, places[:-CHECKED], own[:-CHECKED])
+        if ours is None:
+            reasons[point.name] = next((row.why for row in own if row.why), "a figure has no value")
+            continue
+        uncertainty = _uncertainties(point, figures, usual, np.median(ours(draws), axis=0))
+        widths = found.widths[:, [_number(found, name) for name in figures]]
+        told += _of_point(point, figures, (ours(draws), widths, uncertainty, ours.off), generator)
+        checked = [(at, row) for at, row in zip(draws, own[-CHECKED:], strict=False) if np.isfinite(row.figures).all()]
+        off = [np.max(np.abs(ours(at) - row.figures) / uncertainty) for at, row in checked if row.figures]
+        far[point.name] = float(max(off, default=np.inf))
+    failed = sum(bool(row.why) for row in rows)
+    worst = max(far.values(), default=None)
+    status, message = _judged(reasons, len(points), far)
+    return Predictions(status, message, tuple(points), tuple(told), reasons, worst, len(rows), failed)
+
+
+_ASKED = Measured(0.0, 1.0)
+
+
+def _solved(asked: Sequence[Fit], places: Array, simulate: Simulate | None, number: int) -> Row:
+    point, place = divmod(number, len(places))
+    return figures_at(asked[point], places, simulate, place)
+
+
+def _places(fit: Fit, samples: Array) -> Array:
+    return np.array([[p.place(v) for p, v in zip(fit.parameters, row, strict=True)] for row in samples.tolist()])
+
+
+def _number(found: Posterior, figure: str) -> int:
+    return [spread.name for spread in found.discrepancies].index(figure)
+
+
+def _uncertainties(point: Point, figures: Sequence[str], usual: Mapping[str, Typical], medians: Array) -> Array:
+    """Return how well each figure is measured at a point [SI]."""
+    stated = point.measured
+    pairs = zip(figures, medians.tolist(), strict=True)
+    return np.array([stated[name].uncertainty if name in stated else usual[name].of(value) for name, value in pairs])
+
+
+def _of_point(
+    point: Point, figures: Sequence[str], parts: tuple[Array, Array, Array, Array], generator: np.random.Generator
+) -> list[Prediction]:
+    """Return the predictions of a point from figures and widths at draws, measuring and the polynomials' errors."""
+    ours, widths, uncertainty, off = parts
+    variance = widths**2 + uncertainty**2 + off**2
+    drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)
+    ends = np.quantile(drawn, ENDS, axis=0)
+    spread, left = ours.std(axis=0), np.sqrt(np.mean(widths**2, axis=0))
+    found = []
+    for i, name in enumerate(figures):
+        low, median, high = (float(end) for end in ends[:, i])
+        value = point.measured[name].value if name in point.measured else np.nan
+        parameters, rest, measuring, polynomials = (float(part[i]) for part in (spread, left, uncertainty, off))
+        known = None if np.isnan(value) else float(value)
+        sizes = parameters, rest, measuring, polynomials, known
+        found.append(Prediction(point.name, name, low, median, high, *sizes))
+    return found
+
+
+def _judged(reasons: Mapping[str, str], count: int, far: Mapping[str, float]) -> tuple[str, str]:
+    if reasons:
+        return "failed", f"{len(reasons)} of {count} points have no solution"
+    bad = [name for name, off in far.items() if off > TOLERABLE]
+    if bad:
+        what = f"the polynomials are off by up to {max(far.values()):.2g} uncertainties at {', '.join(bad)}"
+        return "not converged", f"{what} (narrow the bounds)"
+    return "ok", ""
