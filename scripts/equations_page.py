@@ -97,8 +97,8 @@ def taken() -> dict[tuple[str, str], set[str]]:
     found: dict[tuple[str, str], set[str]] = defaultdict(set)
     for file in sorted(TESTS.rglob("test_*.py")):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("screwsim."):
-                module = f"{node.module.removeprefix('screwsim.').replace('.', '/')}.py"
+            if isinstance(node, ast.ImportFrom) and (taken_from := node.module or "").startswith("screwsim."):
+                module = f"{taken_from.removeprefix('screwsim.').replace('.', '/')}.py"
                 for each in node.names:
                     found[module, each.name].add(file.relative_to(TESTS).as_posix())
     return found
