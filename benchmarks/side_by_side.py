@@ -1,8 +1,8 @@
 """Print what points side by side in the lanes of a core gain over one by one, in processor time of interleaved pairs.
 
 Run: python benchmarks/side_by_side.py [PAIRS | SCENE.yaml …]. Courses of R134a over the condensing temperature, with
-errors estimated or not; points of a sample, each from its own first guess; the turns of these alone. Of scenes: by how
-much their figures differ from those of the point alone, and their evaluations.
+errors estimated or not, and what of such a point is in its turns; points of a sample, each from its own first guess;
+the turns of these alone. Of scenes: by how much figures differ from those of the point alone, and their evaluations.
 """
 
 from __future__ import annotations
@@ -10,13 +10,16 @@ from __future__ import annotations
 import statistics
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from screwsim.batch import simulate_courses, warm_up
+from screwsim.batch import simulate_courses, tasks, warm_up
 from screwsim.codegen.modules import for_speed
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
+from screwsim.model.side_by_side import Asked
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate, simulate_many
 from screwsim.simulate import warm_up as alone
@@ -58,37 +61,63 @@ def _print(name: str, found: Sequence[tuple[float, float]]) -> None:
     print(f"{name}: {1e3 * one:.3f} ms one by one, {1e3 * many:.3f} ms side by side; {gain:.2f} times as fast")
 
 
+@contextmanager
+def clocked(spent: list[float]) -> Iterator[None]:
+    """Add up the time of this process's turns [s], alone and side by side: in all, and their number and calls."""
+
+    def timed(machinery: Machinery, y: Any, rtol: float, h: float) -> object:
+        began = time.thread_time()
+        found = machinery.own_turn(y, rtol, h)
+        spent[:] = spent[0] + time.thread_time() - began, spent[1] + 1, spent[2] + 1
+        return found
+
+    def called(asked: Sequence[Asked]) -> list[object]:
+        began = time.thread_time()
+        answers = kept(asked)
+        spent[:] = spent[0] + time.thread_time() - began, spent[1] + len(asked), spent[2] + 1
+        return answers
+
+    kept = tasks._turns
+    tasks._turns, here.turn = called, timed
+    try:
+        yield
+    finally:
+        tasks._turns, here.turn = kept, None
+
+
+def parts(scene: Scene, repeats: int) -> None:
+    """Tell what of a point of a course is in its turns, one by one and side by side [us]."""
+    scenes = [case(scene, k) for k in range(POINTS)]
+    courses = [scenes[first : first + LONG_BLOCK] for first in range(0, POINTS, LONG_BLOCK)]
+    ways: tuple[Callable[[], object], ...] = (
+        lambda: [list(simulate_many(course, trace=False)) for course in courses],
+        lambda: simulate_courses(courses),
+    )
+    found: list[list[tuple[float, ...]]] = [[], []]
+    for _ in range(repeats):
+        for rows, way in zip(found, ways, strict=True):
+            spent = [0.0, 0.0, 0.0]
+            with clocked(spent):
+                whole = seconds(way)
+            rows.append((1e6 * whole / POINTS, 1e6 * spent[0] / POINTS, spent[1] / POINTS, spent[1] / spent[2]))
+    for rows, how in zip(found, ("one by one", "side by side"), strict=True):
+        whole, within, count, filled = (statistics.median(column) for column in zip(*rows, strict=True))
+        beside = f"{whole - within:.0f} us between them, {filled:.1f} turns a call"
+        print(f"  {how}: {whole:.0f} us a point, {within:.0f} us in its {count:.2f} turns, {beside}")
+
+
 def turns(scene: Scene, repeats: int) -> None:
     """Measure the turns of cases alone: what of a point is in the call."""
     scenes = [case(scene, k) for k in range(TURNS)]
-    spent = [0.0, 0]
-
-    def timed(machinery: Machinery, y: object, rtol: float, h: float) -> object:
-        began = time.thread_time()
-        found = machinery.own_turn(y, rtol, h)  # type: ignore[arg-type]
-        spent[0], spent[1] = spent[0] + time.thread_time() - began, spent[1] + 1
-        return found
-
-    from screwsim.batch import tasks
-
-    found, kept = [], tasks._turns
+    found = []
     for _ in range(repeats):
-        spent[:], here.turn = [0.0, 0], timed
-        for one in scenes:
-            list(simulate_many([one], trace=False))
-        here.turn, single = None, spent[0] / spent[1]
-        spent[:] = [0.0, 0]
-
-        def called(asked: Sequence[object]) -> list[object]:
-            began = time.thread_time()
-            answers = kept(asked)  # type: ignore[arg-type]
-            spent[0], spent[1] = spent[0] + time.thread_time() - began, spent[1] + len(asked)
-            return answers
-
-        tasks._turns = called  # type: ignore[assignment]
-        simulate_courses([[one] for one in scenes])
-        tasks._turns = kept
-        found.append((single, spent[0] / spent[1]))
+        one, many = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+        with clocked(one):
+            for each in scenes:
+                list(simulate_many([each], trace=False))
+        with clocked(many):
+            simulate_courses([[each] for each in scenes])
+        found.append((one[0] / one[1], many[0] / many[1]))
     _print("a turn", found)
 
 
@@ -114,6 +143,7 @@ def main() -> None:
     for errors in ("estimate", "none"):
         scene = load(str(PLAIN), [COURSE, f"numerics.error={errors}"])
         pairs(f"a point of a course, numerics.error: {errors}", scene, POINTS, LONG_BLOCK, repeats)
+        parts(scene, repeats)
     sample = load(str(PLAIN), [SAMPLE])
     pairs("a point of a sample", sample, TURNS, 1, repeats)
     turns(sample, repeats)

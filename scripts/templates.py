@@ -3,18 +3,24 @@
     python scripts/templates.py      the table of docs/how-to/new-machine.md
 
 Beside each refrigeration machine stands the mean volumetric efficiency of validation/bitzer at its pressure ratio,
-beside each air package what 10 CFR 431.345 asks for.
+beside each air package what 10 CFR 431.345 asks for, beside reciprocating compressors on R404A the isentropic
+efficiencies of the electrical power by the ratings of semi-hermetic ones (validation/energyplus).
 """
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping
+from pathlib import Path
+
+from CoolProp.CoolProp import PropsSI
 
 from screwsim.rating import STANDARDS
-from screwsim.scene import loads
+from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import asked_of, new_scene
 
+RATED = (("-10/40", 28.3), ("-17.8/40", 36.1), ("-6.7/48.9", 25))  # the suction gas of 18.3 degC
 OPTIONS = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
     *(("refrigeration", {"displacement": f"{flow} m^3/h"}) for flow in (100, 250, 600, 1500, 3000)),
@@ -29,7 +35,10 @@ CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
     ("booster", {"condition": "10/25 bar", "displacement": "200 m^3/h"}),
     *(("expander", {"displacement": f"{flow} m^3/h"}) for flow in (100, 375, 1200)),
     *(("reciprocating", {"displacement": f"{flow} m^3/h"}) for flow in (10, 60)),
+    *(("reciprocating", {"fluid": "R404A", "condition": f"{each} degC, {superheat} K"}) for each, superheat in RATED),
 )
+RATINGS = Path(__file__).parents[1] / "validation" / "energyplus" / "reciprocating.csv"
+SUCTION = 291.45  # [K] at which they are rated
 
 
 def row(kind: str, stated: Mapping[str, object]) -> str:
@@ -45,7 +54,8 @@ def row(kind: str, stated: Mapping[str, object]) -> str:
     shown = [f"{100.0 * value:.1f}" if value is not None else "–" for value in (filled, found.isentropic_efficiency)]
     ratio = getattr(scene.machine, "built_in_volume_ratio", None)
     cells = [kind, options, size, f"{found.pressure_ratio:.2f}", "–" if ratio is None else f"{ratio:g}", *shown]
-    cells += [f"{1e-3 * abs(found.shaft_power):.1f}", beside(kind, found), result.status]
+    source = rated(scene, found) if stated.get("fluid") == "R404A" else beside(kind, found)
+    cells += [f"{1e-3 * abs(found.shaft_power):.1f}", source, result.status]
     return f"| {' | '.join(cells)} |"
 
 
@@ -57,6 +67,31 @@ def beside(kind: str, found: Mapping[str, float]) -> str:
         asked = STANDARDS["fixed", "air"].least(found["free_air_delivered"])
         return f"package {100.0 * found['package_isentropic_efficiency']:.1f}, asked {100.0 * asked:.1f}"
     return ""
+
+
+def ratings(evaporating: float, condensing: float) -> list[float]:
+    """Return the isentropic efficiencies of the electrical power by the ratings, at saturation temperatures [K]."""
+    lines = [line for line in RATINGS.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    values: dict[str, dict[str, float]] = {}
+    x, y = evaporating - 273.15, condensing - 273.15
+    terms = (1.0, x, x * x, y, y * y, x * y, x**3, y**3, x * x * y, x * y * y)
+    for each in csv.DictReader(lines):
+        watts = sum(float(each[f"c{i}"]) * term for i, term in enumerate(terms))
+        values.setdefault(each["model"], {})[each["figure"]] = watts
+    low, high = (PropsSI("P", "T", T, "Q", 1, "R404A") for T in (evaporating, condensing))
+    h, s = (PropsSI(name, "T", SUCTION, "P", low, "R404A") for name in "HS")
+    rise = PropsSI("H", "P", high, "S", s, "R404A") - h
+    cooling = h - PropsSI("H", "T", condensing, "Q", 0, "R404A")
+    return [each["capacity"] / cooling * rise / each["power"] for each in values.values()]
+
+
+def rated(scene: Scene, found: Mapping[str, float]) -> str:
+    """Return what the ratings say beside the electrical efficiency of a reciprocating compressor on R404A."""
+    operation = scene.operation
+    assert operation.evaporating_temperature is not None and operation.condensing_temperature is not None
+    every = ratings(operation.evaporating_temperature, operation.condensing_temperature)
+    own = 100.0 * found["electrical_isentropic_efficiency"]
+    return f"electrical {own:.1f}, rated {100.0 * min(every):.1f} to {100.0 * max(every):.1f}"
 
 
 if __name__ == "__main__":

@@ -173,8 +173,9 @@ def _solved(
     overloaded, of_loads = performance.judged(problem.parts, of.known, found)
     status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
     over_angle, kept = traces(of) if trace is True else {}, book.figures() if trace and book else Figures()
+    doubts, impossible = cautions.doubts(problem, found if status == "ok" else Figures(), errors)
     warnings = (
-        *cautions.doubts(problem, found if status == "ok" else Figures(), errors),
+        *doubts,
         *of_loads,
         *((f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()),
         *of_drive,
@@ -182,7 +183,8 @@ def _solved(
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
     )
-    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, over_angle, kept)
+    figures = (found, balance, errors, numerics, notes, over_angle, kept)
+    return Result(status, message, warnings, effects, states, *figures, impossible=impossible)
 
 
 def _refused(problem: Problem, accurate: Accurate) -> str:

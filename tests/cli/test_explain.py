@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 import screwsim
 import screwsim.explain
 from screwsim.effects import catalogue
@@ -112,6 +114,28 @@ def test_parameters_tell_every_key_also_of_effects_left_out(command, folder):
         assert " ".join(leaf.doc.split()) in words or not fits or path == "title", path
 
 
+@pytest.mark.parametrize(
+    ("name", "first", "key"),
+    [
+        (
+            "oil_supply.ratio",
+            "oil_supply (not in this scene)",
+            "ratio d: oil to gas in the chamber at 360 deg (pump); unit:",
+        ),
+        (
+            "effects.economizer.area",
+            "effects.economizer (left out): vapour",
+            "area area of the port; unit: cm^2; default:",
+        ),
+    ],
+)
+def test_parameters_of_one_key_are_that_key_alone(name, first, key, command, folder):
+    lines = command("explain", "small.yaml", "--parameters", name).out.splitlines()
+    assert lines[0].startswith(first)
+    assert " ".join(" ".join(lines[1:]).split()).startswith(key)
+    assert sum(line[2:3].strip() != "" for line in lines[1:]) == 1
+
+
 def test_parameters_of_an_effect_are_its_unit_default_range_meaning_and_value(command, folder):
     words = " ".join(command("explain", "small.yaml", "--parameters", "tip_leakage").out.split())
     assert words.startswith("effects.tip_leakage (simulated): gaps between lobe tips and housing, to both neighbours")
@@ -127,6 +151,11 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "--parameters",
             "tip_lekage",
         ): "--parameters tip_lekage: is not known; did you mean 'tip_leakage'?",
+        (
+            "small.yaml",
+            "--parameters",
+            "tip_leakage.gapp",
+        ): "--parameters tip_leakage.gapp: is not known; did you mean 'gap'?",
         (
             "small.yaml",
             "--parameters",

@@ -1,4 +1,4 @@
-"""Warnings reach people: in the first line of `run`, the closing lines of `sweep`, in Python and in stored results."""
+"""Warnings reach people: in the first line of `run`, the last of `sweep`, in Python and in stored results."""
 
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import screwsim
 from screwsim.cli import exit_code
 
 PLAIN = str(Path(__file__).parents[1] / "plain" / "r134a.yaml")
+PAPER = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
 ODD = "effects.tip_leakage.gap=1.2 mm"
 TOLD = "effects.tip_leakage.gap: 1.2 mm is unusual"
 SPEEDS = "sweep={effects.tip_leakage.gap: [40 um, 1.2 mm], operation.speed: [2950 rpm, 2500 rpm]}"
@@ -31,6 +32,25 @@ def test_run_says_of_a_machine_that_sucks_nothing_so_in_its_first_line(capsys):
     assert "the volumetric efficiency is -" in status
 
 
+def test_the_first_line_of_run_tells_a_figure_that_no_machine_has(capsys):
+    exit_code(["run", PLAIN, "--set", "operation.speed=60 rpm"])
+    assert capsys.readouterr().out.splitlines()[0] == (
+        "R134a, 2/45 degC, plain: no machine runs so, volumetric efficiency -168.56 %"
+    )
+    exit_code(["run", PLAIN])
+    assert capsys.readouterr().out.splitlines()[0] == "R134a, 2/45 degC, plain"
+
+
+def test_the_first_line_of_run_tells_gas_hotter_than_a_machine_stands(capsys):
+    hot = ["oil_supply.ratio=0", "operation.discharge.pressure=60 bar"]
+    result = screwsim.simulate(screwsim.load(PAPER, hot))
+    assert result.status == "ok" and result.impossible == ("discharge_temperature",)
+    exit_code(["run", PAPER, *(part for each in hot for part in ("--set", each))])
+    title, status = capsys.readouterr().out.splitlines()[:2]
+    assert "oil from an independent pump: no machine runs so, discharge temperature " in title
+    assert status.startswith("status: ok, with ")
+
+
 def test_run_and_python_tell_the_same_warning(capsys):
     assert exit_code(["run", PLAIN, "--set", ODD]) == 0
     told = words(capsys.readouterr().out)
@@ -42,7 +62,9 @@ def test_run_and_python_tell_the_same_warning(capsys):
 
 def test_a_sweep_counts_cases_with_warnings_and_says_where_each_is_first(tmp_path, capsys):
     assert exit_code(["sweep", PLAIN, "--set", SPEEDS, "-o", str(tmp_path / "again.h5")]) == 0
-    told = words(capsys.readouterr().out)
+    out = capsys.readouterr().out
+    told = words(out)
+    assert out.splitlines()[-1].startswith("4 cases: 4 ok, 2 with warnings, ")
     assert "4 cases: 4 ok, 2 with warnings" in told
     assert f"warning in 2 cases, first at effects.tip_leakage.gap = 0.0012, operation.speed = 308.923: {TOLD}" in told
 

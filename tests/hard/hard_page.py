@@ -28,11 +28,11 @@ off*: the first guess of the cycle is multiplied, and all figures come out the s
 of each kind of failure.
 
 Where the first try does not close a cycle (`numerics.closing` other than `histories`), a tighter tolerance of the
-steps, damped closing, closing without acceleration and a continuation from four times the speed are tried, and a
-warning of the result says which one it took; those that Newton's correction does not spare have a case below (*closes
-only …*), the last one none any more (*closes by Newton, wet*). The error of such a cycle is estimated by closing it
-again, finer: one life more shows too little of it. Where no try closes, the message says how much the states still
-change and how hot the gas gets
+steps, damped closing, closing without acceleration, a continuation from four times the speed and a search by Newton's
+method are tried, and a warning of the result says which one it took; those that Newton's correction does not spare have
+a case below (*closes only …*, *heats …*), continuation none any more (*closes by Newton, wet*). The error of such a
+cycle is estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message
+says how much the states still change and how hot the gas gets
 ([numerics.md](numerics.md): cycles that are not there to be found).
 
 Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts

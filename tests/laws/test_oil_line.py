@@ -1,12 +1,13 @@
-"""The line of displaced oil: in series with the bore, its loss goes with the square of the flow."""
+"""The line of displaced oil: in series with the bore, its loss goes with the square of the flow; also at 360°."""
 
 import math
 
 import pytest
-from scenes import OIL_PORT, PUMPED_PORT, make, run
+from scenes import DROP, OIL_PORT, PUMPED_PORT, make, run
 
 from screwsim.effects.oil_injection import flow, flow_behind_line
 from screwsim.faults import SceneError
+from screwsim.fluid.orifice import orifice_flow, orifice_flow_behind_line
 
 BORE = (1000.0, 0.02, 0.006, 0.012, 1.0)  # oil's density, viscosity; diameter, length, count of the bore
 WINDOW = (1.0, 4.0)
@@ -33,6 +34,36 @@ def test_a_line_without_loss_is_none_and_nothing_flows_back():
     behind, free = through(3e5, 0.0)
     assert behind == free
     assert through(13e5, 1e5)[0] == 0.0
+
+
+@pytest.mark.parametrize("dp", [1e3, 2e5, 11e5])
+@pytest.mark.parametrize("loss", [1e3, 1e6, 1e9])
+def test_at_360_degrees_line_and_bore_lose_together_what_there_is(dp, loss):
+    behind, free = orifice_flow_behind_line(dp, loss, NOMINAL, *BORE), orifice_flow(dp, *BORE)
+    line = loss * (behind / (1000.0 * NOMINAL)) ** 2
+    assert 0.0 < behind < free
+    assert line + dp * (behind / free) ** 2 == pytest.approx(dp, rel=1e-12)
+    assert orifice_flow_behind_line(dp, 0.0, NOMINAL, *BORE) == free
+    assert orifice_flow_behind_line(-dp, loss, NOMINAL, *BORE) == 0.0
+
+
+DISPLACED = {"oil_supply": OIL_PORT["oil_supply"], "effects.oil_pump": DROP}
+
+
+def displaced_through(line):
+    return run({**DISPLACED, "oil_supply": {**OIL_PORT["oil_supply"], "line": line}})
+
+
+def test_the_oil_of_one_angle_comes_through_its_line():
+    free, none = run(DISPLACED), displaced_through({"pressure_loss": "0 bar", "flow": "30 L/min"})
+    assert dict(none.performance.items()) == dict(free.performance.items())
+    lossy = displaced_through({"pressure_loss": "2 bar", "flow": "30 L/min"})
+    assert lossy.status == "ok" and lossy.balance["energy"] < 3e-4
+    found = lossy.performance
+    dp = found.discharge_pressure - found.injection_pressure
+    assert found.oil_mass_flow < 0.95 * free.performance.oil_mass_flow
+    expected = orifice_flow_behind_line(dp, 2e5, NOMINAL, *BORE)
+    assert found.oil_mass_flow == pytest.approx(expected, rel=1e-6)
 
 
 def with_line(loss):
@@ -67,3 +98,25 @@ def test_a_line_that_has_no_place_is_refused(base, more, told):
     port = {**base["effects.oil_injection"], **more, "line": {"pressure_loss": "1 bar", "flow": "30 L/min"}}
     with pytest.raises(SceneError, match=told):
         make({**base, "effects.oil_injection": port})
+
+
+@pytest.mark.parametrize(
+    ("base", "more", "told"),
+    [
+        (
+            {},
+            {"line": {"pressure_loss": "1 bar", "flow": "30 L/min"}},
+            r"oil_supply\.line: is the line of displaced oil",
+        ),
+        ({}, {"orifice_count": 3}, r"oil_supply\.orifice_count: belongs to kind: displacement"),
+        (
+            OIL_PORT,
+            {"line": {"pressure_loss": "1 bar", "flow": "30 L/min"}},
+            r"oil_supply\.line: is that of oil which enters at one angle \(write it under effects\.oil_injection",
+        ),
+    ],
+)
+def test_no_key_of_the_supply_is_taken_and_ignored(base, more, told):
+    supply = base.get("oil_supply", {"kind": "pump", "ratio": 3, "temperature": "293 K"})
+    with pytest.raises(SceneError, match=told):
+        make({**base, "oil_supply": {**supply, **more}})

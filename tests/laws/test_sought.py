@@ -8,6 +8,7 @@ from screwsim.explain import explain
 from screwsim.explain.parameters import parameters
 from screwsim.faults import SceneError
 from screwsim.simulate import simulate, simulate_many
+from screwsim.study.local import sensitivities
 
 ACCURACY = 3e-4
 LINES = {
@@ -75,6 +76,42 @@ def test_the_oil_flow_is_the_one_that_brings_the_mixture_to_its_temperature():
     assert same(found, run({**MACHINE, "oil_supply.ratio": ratio}))
     warmer = run({**OIL, "oil_supply.discharge_temperature": "325 K"})
     assert warmer.performance.oil_ratio < ratio
+
+
+@pytest.mark.parametrize("speed", [1500, 3000])
+def test_a_stated_oil_flow_is_what_is_injected_at_any_speed(speed):
+    flowing = {"oil_supply.ratio": DROP, "oil_supply.flow": "45 L/min", "operation.speed": f"{speed} rpm"}
+    found = run(flowing)
+    assert (found.status, found.warnings) == ("ok", ())
+    assert found.performance.oil_mass_flow == pytest.approx(1000.0 * 45e-3 / 60, rel=ACCURACY)
+    stated = run({"oil_supply.ratio": found.performance.oil_ratio, "operation.speed": f"{speed} rpm"})
+    for name in ("gas_mass_flow", "shaft_power", "oil_mass_flow"):
+        assert found.performance[name] == pytest.approx(stated.performance[name], rel=2 * ACCURACY)
+
+
+def test_an_oil_flow_beside_another_statement_or_out_of_reach_is_told():
+    with pytest.raises(SceneError, match=r"oil_supply\.flow: is given beside oil_supply\.ratio"):
+        make({"oil_supply.flow": "45 L/min"})
+    with pytest.raises(SceneError, match=r"oil_supply\.flow: is given beside oil_supply\.discharge_temperature"):
+        make({**OIL, "oil_supply.flow": "45 L/min"})
+    displaced = {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm", "flow": "45 L/min"}
+    with pytest.raises(SceneError, match=r"oil_supply\.flow: belongs to kind: pump; displaced oil"):
+        make({"oil_supply": displaced, "effects.oil_pump": DROP})
+    (told,) = [
+        each
+        for each in run({"oil_supply.ratio": DROP, "oil_supply.flow": "0.05 L/min"}).warnings
+        if each.startswith("with 0.02 kg of oil per kg of gas, the least that is tried, ")
+    ]
+    assert told.endswith("times oil_supply.flow is injected (another oil_supply.flow)")
+
+
+def test_derivatives_do_not_hold_fixed_what_is_found_with_the_cycle():
+    """By differences of closed cycles: twice the oil is twice the oil, and the power follows it."""
+    scene = make({"oil_supply.ratio": DROP, "oil_supply.flow": "45 L/min"})
+    found = sensitivities(scene, ["oil_supply.flow"], ["oil_mass_flow"])
+    assert found.method["oil_supply.flow"] == "differences" and "found with the cycle" in found.why["oil_supply.flow"]
+    slope = found.derivatives["oil_mass_flow"]["oil_supply.flow"]
+    assert slope == pytest.approx(1000.0, rel=0.02)  # the oil's density
 
 
 def test_both_are_found_together():

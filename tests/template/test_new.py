@@ -1,6 +1,7 @@
 """`screwsim new` writes scenes that load, close, and do what machines of their size do; what cannot be is one line."""
 
 import csv
+import importlib.util
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,9 @@ from screwsim.scene.typical import leaks_told
 from screwsim.template import KINDS, asked_of, new_scene
 
 ROOT = Path(__file__).parents[2]
+SPEC = importlib.util.spec_from_file_location("templates", ROOT / "scripts" / "templates.py")
+templates = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(templates)
 EVERY = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 
 
@@ -65,6 +69,17 @@ def test_air_packages_lie_between_the_least_that_may_be_sold_and_the_best_sheet_
     assert 0.80 <= found.volumetric_efficiency <= 0.92
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("condition", "superheat"), templates.RATED)
+def test_reciprocating_compressors_take_the_power_of_rated_ones(condition, superheat):
+    """Isentropic efficiency of the electrical power: within 5 points of six semi-hermetic machines on R404A."""
+    stated = {"fluid": "R404A", "condition": f"{condition} degC, {superheat} K"}
+    found, operation = figures("reciprocating", **stated), scene_of("reciprocating", **stated).operation
+    rated = templates.ratings(operation.evaporating_temperature, operation.condensing_temperature)
+    assert len(rated) == 6 and 0.69 < min(rated) and max(rated) < 0.74  # as the scene's first lines say
+    assert min(rated) - 0.05 <= found.electrical_isentropic_efficiency <= max(rated) + 0.05
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_names_all_its_leaks_and_where_its_numbers_come_from(kind):
     text = new_scene(kind, asked_of(None, None, None, None, None, None))
@@ -111,6 +126,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
             "refrigration: is no kind of new scene; did you mean 'refrigeration'? (there are: refrigeration, "
             "heat_pump, air, booster, expander, reciprocating)",
         ),
+        ([], "KIND: is missing (there are: refrigeration, heat_pump, air, booster, expander, reciprocating; write"),
         (["refrigeration", "--fluid", "r-134A"], "--fluid r-134A: is no fluid or blend of CoolProp; did you mean"),
         (["air", "--fluid", "R134a"], "--fluid R134a: an air package is of air (write screwsim new booster for a gas)"),
         (

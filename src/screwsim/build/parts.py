@@ -45,6 +45,8 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
             "number": supply.orifice_count,
             "separator_pressure": at.p_d,
         }
+        if supply.line is not None and supply.line.pressure_loss > 0.0:
+            numbers |= {"line_loss": supply.line.pressure_loss, "line_flow": supply.line.flow}
     source = at.p_s if supply.source == "suction" else at.p_d
     return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers, source)
 

@@ -1,6 +1,7 @@
 """Numbers that a scene leaves open, one figure each that tells them: oil flow, economizer, valve of injected liquid.
 
 `oil_supply.discharge_temperature` asks for the oil that brings the mixture to that temperature (docs/model.md M370),
+`oil_supply.flow` for so much that it is that of a pump (M393),
 `effects.economizer.temperature: auto` for the saturation temperature at which the port draws what exchanger or flash
 tank gives off (M371), `effects.liquid_injection.discharge_temperature` for the opening of the valve that brings the
 discharge there (M391). They are found with the cycle (`solve.circuit`), each as a coordinate in kelvin.
@@ -56,7 +57,8 @@ class Span(NamedTuple):
 
 def oil_is_sought(scene: Scene) -> bool:
     """Tell whether the oil's ratio is found."""
-    return scene.oil_supply is not None and scene.oil_supply.discharge_temperature is not None
+    supply = scene.oil_supply
+    return supply is not None and (supply.discharge_temperature is not None or supply.flow is not None)
 
 
 def economizer_is_sought(scene: Scene) -> bool:
@@ -179,10 +181,7 @@ def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> list[Asked]
 def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> Iterator[tuple[float, float] | None]:
     """Yield by how much each coordinate is about wrong [K], and how much of it is a factor e of its flow."""
     if oil_is_sought(scene):
-        assert scene.oil_supply is not None
-        wanted, T = scene.oil_supply.discharge_temperature or 0.0, figures.get(MIXTURE)
-        least = 1e-3 * (wanted - T_oil)
-        yield None if T is None else (LOG * math.log(max(T - T_oil, least) / (wanted - T_oil)), LOG)
+        yield _off_oil(scene, figures, T_oil)
     if economizer_is_sought(scene):
         ratio = figures.get(DRAWN)
         yield None if ratio is None else (-GAIN * math.log(max(ratio, 1e-2)), GAIN)
@@ -196,6 +195,24 @@ def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> Iterator[tup
         yield VALVE * math.log(max(1.0 + (T - wanted) / cools, 1e-3)), VALVE
 
 
+def _off_oil(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> tuple[float, float] | None:
+    """Return by how much the oil's coordinate is about wrong [K], and how much of it is a factor e of its flow."""
+    assert scene.oil_supply is not None
+    if scene.oil_supply.flow is not None:
+        share = _share(scene, figures, T_oil)
+        return None if share is None else (-LOG * math.log(share), LOG)
+    wanted, T = scene.oil_supply.discharge_temperature or 0.0, figures.get(MIXTURE)
+    least = 1e-3 * (wanted - T_oil)
+    return None if T is None else (LOG * math.log(max(T - T_oil, least) / (wanted - T_oil)), LOG)
+
+
+def _share(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> float | None:
+    """Return the injected oil over that which is wanted; None where there is none."""
+    flow = figures.get("oil_mass_flow")
+    assert scene.oil is not None and scene.oil_supply is not None and scene.oil_supply.flow is not None
+    return flow / (scene.oil.at(T_oil).density * scene.oil_supply.flow) if flow and flow > 0.0 else None
+
+
 def _at_discharge(figures: Mapping[str, Any]) -> float | None:
     """Return the temperature [K] that a sensor at discharge has: of gas and oil, where they come to one."""
     T = figures.get(MIXTURE)
@@ -207,12 +224,8 @@ def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
     ends = list(zip(spans(scene), standing(scene), strict=True))
     if oil_is_sought(scene):
         span, x = ends.pop(0)
-        T = figures.get(MIXTURE)
-        if x is not None and span.at_end(x) and T is not None and scene.oil_supply is not None:
-            wanted, ratio = scene.oil_supply.discharge_temperature or 0.0, math.exp(x / LOG)
-            what = f"no oil flow brings the mixture to {_celsius(wanted)}"
-            end = f"with {ratio:.3g} kg per kg of gas it comes to {_celsius(T)}"
-            yield f"{what}: {end} (another oil_supply.discharge_temperature, or oil of another temperature)"
+        if x is not None and span.at_end(x):
+            yield from _of_oil(scene, figures, math.exp(x / LOG))
     if economizer_is_sought(scene):
         span, x = ends.pop(0)
         ratio = figures.get(DRAWN)
@@ -228,6 +241,21 @@ def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
         T, wanted = _at_discharge(figures), scene.effects[LIQUID].parameters.discharge_temperature
         if x is not None and span.at_end(x) and T is not None:
             yield _idle(T, wanted, x - span.low < span.high - x)
+
+
+def _of_oil(scene: Scene, figures: Mapping[str, Any], ratio: float) -> Iterator[str]:
+    """Yield that the least or most oil per gas does not do what is asked."""
+    supply, T = scene.oil_supply, figures.get(MIXTURE)
+    assert supply is not None
+    if supply.flow is not None:
+        share = _share(scene, figures, supply.temperature or 0.0)
+        if share is not None:
+            what = f"with {ratio:.3g} kg of oil per kg of gas, the {'least' if share > 1.0 else 'most'} that is tried"
+            yield f"{what}, {share:.3g} times oil_supply.flow is injected (another oil_supply.flow)"
+    elif T is not None:
+        what = f"no oil flow brings the mixture to {_celsius(supply.discharge_temperature or 0.0)}"
+        end = f"with {ratio:.3g} kg per kg of gas it comes to {_celsius(T)}"
+        yield f"{what}: {end} (another oil_supply.discharge_temperature, or oil of another temperature)"
 
 
 def _idle(T: float, wanted: float, shut: bool) -> str:

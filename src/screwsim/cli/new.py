@@ -14,13 +14,13 @@ from screwsim.screen import say
 
 def new(
     kind: Annotated[
-        str,
+        str | None,
         typer.Argument(
             metavar="KIND",
             help="refrigeration, heat_pump, air, booster (sucks at pressure), expander or reciprocating.",
             show_default=False,
         ),
-    ],
+    ] = None,
     fluid: Annotated[str | None, option("NAME", "What is compressed (default: the kind's).")] = None,
     displacement: Annotated[
         str | None, option("FLOW", "Displaced volume at the speed, e.g. '600 m^3/h' (default: the kind's).")
@@ -41,8 +41,10 @@ def new(
     if output is not None:
         _free(output)
     from screwsim.results.atomic import write_text
-    from screwsim.template import asked_of, new_scene
+    from screwsim.template import KINDS, asked_of, new_scene
 
+    if kind is None:
+        raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
     text = new_scene(kind, asked_of(fluid, displacement, vi, speed, oil, condition))
     if output is None:
         say(text.rstrip("\n"))

@@ -48,9 +48,10 @@ def run(
         result = with_uncertainty(scene, result)
     if output is not None:
         from screwsim.results import save
+        from screwsim.study.kept_slopes import kept_slopes
 
         options.check_place(output)  # again: what came there meanwhile stays
-        save(output, scene, result)
+        save(output, scene, result, derivatives=kept_slopes(scene, result))
     if as_json:
         print_json(result.as_json())
     else:
@@ -85,9 +86,10 @@ def _run_stages(
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save
+        from screwsim.study.kept_slopes import kept_slopes
 
         for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
-            save(place, scene, result)
+            save(place, scene, result, derivatives=kept_slopes(scene, result))
     if as_json:
         print_json(found.as_json())
     else:

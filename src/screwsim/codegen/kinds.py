@@ -89,6 +89,27 @@ def joined(one: Kind, other: Kind) -> Kind | None:
     return None
 
 
+def words_of(kind: Kind) -> int:
+    """Return the words of 8 bytes of an argument."""
+    if kind.name == "c":
+        return sum(words_of(each) for each in kind.of)
+    return sum(LANES if part[0] == "<" else 1 for part in kind.parts)
+
+
+def laned(kind: Kind) -> Kind:
+    """Return the kind in which every number is one of all lanes."""
+    if kind.name == "t":
+        return Kind("t", tuple(laned(each) for each in kind.of))
+    return OF_LANES.get(kind, kind)
+
+
+def floating(kind: Kind) -> Kind:
+    """Return the kind in which every float is one of all lanes."""
+    if kind.name == "t":
+        return Kind("t", tuple(floating(each) for each in kind.of))
+    return FLOATS if kind == FLOAT else kind
+
+
 class Value(NamedTuple):
     """A value in registers; `known` is that of a number that is the same in every run."""
 

@@ -43,15 +43,27 @@ class LaneExpressions(LaneOperations):
         return found
 
     def _compared(self, left: ast.expr, ops: Sequence[ast.cmpop], others: Sequence[ast.expr], node: ast.expr) -> Value:
-        values = [self.expression(each) for each in (left, *others)]
-        found = [self.compare(op, a, b, node) for op, a, b in zip(ops, values, values[1:], strict=False)]
-        if len(found) == 1:
-            return found[0]
-        whole = self.as_kind(found[0], TRUTHS)
-        for each in found[1:]:
-            both = f"and {MASK} {whole.parts[0]}, {self.as_kind(each, TRUTHS).parts[0]}"
-            whole = Value(TRUTHS, (self.new(both),))
-        return whole
+        """Return whether all hold; what follows is not worked out where no lane asks for it any more."""
+        before, after = self.expression(left), self.expression(others[0])
+        whole = self.compare(ops[0], before, after, node)
+        if len(ops) == 1:
+            return whole
+        mask, slot, end = self.mask(), self.slot(MASK), self.labels("compared")[0]
+        for op, other in zip(ops[1:], others[1:], strict=True):
+            so_far = self.both(mask, self.as_kind(whole, TRUTHS).parts[0])
+            self.add(f"store {MASK} {so_far}, ptr {slot}")
+            self.set_mask(so_far)
+            more = self.labels("more")[0]
+            self.branch(self.any_of(so_far), more, end)
+            self.start(more)
+            before, after = after, self.expression(other)
+            found = self.as_kind(self.compare(op, before, after, node), TRUTHS).parts[0]
+            whole = Value(TRUTHS, (self.both(so_far, found),))
+        self.add(f"store {MASK} {whole.parts[0]}, ptr {slot}")
+        self.jump(end)
+        self.start(end)
+        self.set_mask(mask)
+        return Value(TRUTHS, (self.new(f"load {MASK}, ptr {slot}"),))
 
     def _choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr, node: ast.expr) -> Value:
         decided = self.truth(test)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from screwsim.codegen import lane_math
-from screwsim.codegen.kinds import LANES, NOTHING, TRUTHS, Kind
-from screwsim.codegen.lane_operations import MASK, WHOLE, words_of
+from screwsim.codegen import lane_math, lane_rows
+from screwsim.codegen.kinds import LANES, NOTHING, TRUTHS, Kind, words_of
+from screwsim.codegen.lane_operations import MASK, WHOLE
 from screwsim.codegen.lanes import LaneEmitter
-from screwsim.codegen.library import Library
+from screwsim.codegen.library import Library, Writer
 from screwsim.codegen.program import Program, read
 
 
@@ -18,7 +18,9 @@ class LaneLibrary(Library):
         functions, constants = written.functions | program.functions, written.constants | program.constants
         super().__init__(Program(functions, constants))
 
-    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> LaneEmitter:
+    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Writer:
+        if lane_rows.KINDS.get(name) == kinds:
+            return lane_rows.WRITERS[name](self)
         return LaneEmitter(self, name, kinds)
 
     def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:

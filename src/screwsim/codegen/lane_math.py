@@ -1,7 +1,8 @@
 """Exponential, logarithm and power of all lanes: as kernels of arithmetic alone, which a processor does side by side.
 
-Each is what its series gives: exp to 1.5 units in the last place, log to 2, a power to as many as its exponent times
-the logarithm has whole units, and one. `bits_of` and `of_bits` take a float for the whole number of its 64 bits.
+Each is what its series gives: exp, also less one, to two units in the last place, log to 2, a power to as many as its
+exponent times the logarithm has whole units, and one. `bits_of` and `of_bits` take a float for the
+whole number of its 64 bits.
 """
 
 from __future__ import annotations
@@ -69,6 +70,25 @@ def exp_of_lanes(x):
 
 
 @kernel
+def expm1_of_lanes(x):
+    """Return the exponential less one: 2^n times what `exp_of_lanes` adds to one, and 2^n less one."""
+    held = min(max(x, LEAST), MOST)
+    shifted = held * PER_LN2 + SHIFTED
+    n = shifted - SHIFTED
+    r = (held - n * LN2_HIGH) - n * LN2_LOW
+    r2 = r * r
+    r4 = r2 * r2
+    a = E2 + r * E3 + r2 * (E4 + r * E5)
+    b = E6 + r * E7 + r2 * (E8 + r * E9)
+    c = E10 + r * E11 + r2 * (E12 + r * E13)
+    scale = of_bits(4607182418800017408 + int(n) * 4503599627370496)
+    found = scale * (r + r2 * (a + r4 * (b + r4 * c))) + (scale - 1.0)
+    found = -1.0 if x < LEAST else found
+    found = math.inf if x > MOST else found
+    return x if x != x else found
+
+
+@kernel
 def log_of_lanes(x):
     """Return the logarithm: that of a power of two, and of what is left between the root of a half and that of two."""
     bits = bits_of(x)
@@ -94,7 +114,7 @@ def power_of_lanes(x, y):
 
 def texts() -> str:
     """Return the functions as a text, under the names that the compiler calls them by."""
-    kernels: tuple[Kernel, ...] = (exp_of_lanes, log_of_lanes, power_of_lanes)
+    kernels: tuple[Kernel, ...] = (exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes)
     text = "\n\n".join(flatten(kernels, {"bits_of": "bits_of", "of_bits": "of_bits"}).values())
     for each in kernels:
         text = text.replace(each.flat_name, each.__name__)

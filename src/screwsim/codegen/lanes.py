@@ -81,6 +81,7 @@ class LaneEmitter(LaneExpressions, Emitter):
     def _write(self) -> str:
         self.results: list[str] = []
         self.lane_loops: list[_Loop] = []
+        self.sums, self.of_table = {}, {}
         self.split, self.ended = 0, False
         return super()._write()
 

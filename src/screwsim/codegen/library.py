@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -33,6 +33,19 @@ class _Written:
     declared: dict[str, None] = field(default_factory=dict)
 
 
+class Writer(Protocol):
+    """What writes a function; what that returns is known once it is `written`."""
+
+    @property
+    def returns(self) -> Kind | None:
+        """The kind of what the function returns."""
+        ...
+
+    def written(self, symbol: str) -> str:
+        """Return the function's text."""
+        ...
+
+
 class Library:
     """What functions of a program become, each written once; with `checks` every index is held within its array.
 
@@ -58,7 +71,7 @@ class Library:
             return self._arrays[name][0]
         return None if value is None else constant(value)
 
-    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Emitter:
+    def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Writer:
         """Return what writes a function."""
         return Emitter(self, name, kinds)
 

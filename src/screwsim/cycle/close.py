@@ -13,6 +13,7 @@ from screwsim.cycle.guess import begin, continued
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
+from screwsim.cycle.search import SEARCH, sought
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
@@ -54,7 +55,8 @@ def again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSo
             problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0, 1.0, cycle.contraction), cycle.tangents
         )
     else:
-        found = close_together(problem, machinery, wanted, cycle.y.copy())
+        found = sought(problem, machinery, wanted, cycle.y.copy()) if cycle.needed == SEARCH else None
+        found = found or close_together(problem, machinery, wanted, cycle.y.copy())
     return replace(found, needed=cycle.needed, first_gap=cycle.first_gap) if found.status == "ok" else found
 
 

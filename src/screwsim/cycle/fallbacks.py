@@ -1,4 +1,4 @@
-"""What else may close a cycle that did not close: finer steps, damping, no acceleration, continuation in the speed."""
+"""What else may close a cycle that did not close: finer steps, damping, no acceleration, another speed, a search."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 from screwsim.cycle.guess import begin
 from screwsim.cycle.mixing import FULL, Pace
 from screwsim.cycle.problem import Problem
+from screwsim.cycle.search import SEARCH, possible, sought_on
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
@@ -48,9 +49,16 @@ def fallbacks(
             return easier
         return close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY)
 
+    def searching() -> CycleSolution:
+        begin(problem, machinery)
+        y = chambers_at_pitches(machinery)
+        return sought_on(problem, machinery, wanted, y, Pace(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
+
     if left < OF_STEPS:
         tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
     yield "damped closing", lambda: closed(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
     yield "closing without acceleration", lambda: closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
     yield f"continuation from {FASTER:g} times the speed", faster
+    if possible(problem):
+        yield SEARCH, searching

@@ -36,14 +36,14 @@ AT_MOST = 0.1  # ... of at most so much each
 SHIFT = 1e-5  # of a coordinate, for differences
 
 
-def edges_of(machinery: Machinery) -> Array:
+def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
     """Return the edges [rad] of the slices of a pitch: as dense as the steps of the last history, of all chambers."""
     c, (times, _, _, steps) = machinery.composition, machinery.last()
     pitch = float(c.P[P_PITCH])
     ends = np.sort(np.mod(times[1:steps], pitch))
     ends = np.concatenate([[0.0], ends[(ends > LEAST * pitch) & (ends < (1.0 - LEAST) * pitch)], [pitch]])
-    places = np.linspace(0.0, len(ends) - 1.0, SLICES + 1)
-    even = np.linspace(0.0, pitch, SLICES + 1)
+    places = np.linspace(0.0, len(ends) - 1.0, slices + 1)
+    even = np.linspace(0.0, pitch, slices + 1)
     return (1.0 - EVEN) * np.interp(places, np.arange(len(ends)), ends) + EVEN * even
 
 
@@ -52,14 +52,14 @@ def angles_of(angles: Array, c: Composition) -> Array:
     return (float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + angles).ravel()
 
 
-def linearised(problem: Problem, machinery: Machinery, met: Array) -> Tangents:
-    """Return the pitch linearised along the last history, with unknowns as they are met."""
+def linearised(problem: Problem, machinery: Machinery, met: Array, count: int = SLICES) -> Tangents:
+    """Return the pitch linearised along the last history in so many slices, with unknowns as they are met."""
     c, n = machinery.composition, machinery.n
-    edges = edges_of(machinery)
+    edges = edges_of(machinery, count)
     middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
     N = n * c.chambers
-    y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, SLICES, n).transpose(1, 0, 2)
-    slices = _Slices(middles, h[:, 0, 0], y.reshape(SLICES, N), _changes(machinery, edges))
+    y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, count, n).transpose(1, 0, 2)
+    slices = _Slices(middles, h[:, 0, 0], y.reshape(count, N), _changes(machinery, edges))
     A, F, sums, sums_by_unknowns = _slopes(problem, machinery, met, slices)
     z, one = h * A, np.eye(N)
     step = np.linalg.inv(one - z + 0.5 * z @ z)
@@ -85,10 +85,10 @@ class _Slices(NamedTuple):
 
 def _changes(machinery: Machinery, edges: Array) -> Array:
     """Return by how much the coordinates of all chambers change over each slice (slices, N) along the last history."""
-    c, n = machinery.composition, machinery.n
+    c, n, count = machinery.composition, machinery.n, len(edges) - 1
     ends = np.concatenate([edges[:-1] + INSIDE, edges[1:] - INSIDE])
-    at = logarithms(machinery.states_at(angles_of(ends, c)), c).reshape(c.chambers, 2, SLICES, n)
-    return (at[:, 1] - at[:, 0]).transpose(1, 0, 2).reshape(SLICES, -1)
+    at = logarithms(machinery.states_at(angles_of(ends, c)), c).reshape(c.chambers, 2, count, n)
+    return (at[:, 1] - at[:, 0]).transpose(1, 0, 2).reshape(count, -1)
 
 
 def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices) -> tuple[Array, Array, Array, Array]:
@@ -100,7 +100,7 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
     R, P = _moved(problem, machinery, met)
     u, nq, module = len(met), machinery.nq + 1, machinery.together
-    A, Jq, F, G = (np.empty((SLICES, *size)) for size in ((N, N), (nq, N), (u, N), (u, nq)))
+    A, Jq, F, G = (np.empty((len(phi), *size)) for size in ((N, N), (nq, N), (u, N), (u, nq)))
     least_oil, led = (LEAST_OIL if c.carried else 0.0), np.array([RELAXED, AT_MOST, STRAYED], float)
     states = phi, h, y, changes, logarithmic, machinery.n, least_oil, led
     given = *states, R, P, SHIFT, machinery.coupled_context, c.n_E_all, A, Jq, F, G
@@ -110,7 +110,7 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
             module.slices__derivatives_all(*given)
         y[:] = at_first
     asked = module.slices__derivatives_all(*given)
-    machinery.counts[2:] += c.chambers * SLICES * u, c.chambers * asked
+    machinery.counts[2:] += c.chambers * len(phi) * u, c.chambers * asked
     scale = np.where(logarithmic > 0.0, np.maximum(np.abs(y), 1e-300), 1.0)
     return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
 

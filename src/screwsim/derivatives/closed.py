@@ -10,6 +10,7 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
+from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
     BEFORE,
@@ -23,6 +24,7 @@ from screwsim.derivatives.slices import (
     ringed,
 )
 from screwsim.model.run import Machinery
+from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
@@ -33,7 +35,6 @@ MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
-REFINED = 1  # times that what derivatives by the states hold constant is made up for
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 LONGEST = 0.3  # change of a state in one iteration, over itself
 SWING = 0.4  # of the change before, beyond which one that goes back is halved
@@ -84,11 +85,12 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
     plain = edges_of(machinery, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, nearly = np.empty(0), crossings(pitch), NEARLY
+    Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
     for left in range(ROUNDS, 0, -1):
-        pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns)))
-        start, Y = _closed(pitch, nearly)
-        before, turns, errors = turns, crossings(pitch), errors_of(pitch, start, Y)
+        pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns, _peak(pitch))))
+        kept = linear if linear is not None and linear.pitch.count == pitch.count else None
+        Y, linear = _closed(pitch, nearly, kept)
+        before, turns, errors = turns, crossings(pitch), errors_of(pitch, pitch.begin(Y), Y)
         good = errors.max() <= tolerance
         if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
             break
@@ -98,6 +100,12 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
         np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
         plain = refined(plain, of_plain, tolerance)
     return _linearised(pitch, Y)
+
+
+def _peak(pitch: Pitch) -> float:
+    """Return where in a pitch [rad] the pressure of the last history is highest; NaN for nowhere."""
+    c = pitch.machinery.composition
+    return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
 
 
 def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
@@ -118,31 +126,36 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
 
-def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
-    """Close the cycle up to a relative residual; return the states at the start and the nodes, installed."""
-    Y, entries, size = pitch.read(), pitch.problem.entries, np.inf
-    last, linear, sources, before = np.zeros_like(Y), None, None, np.inf
+def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[Array, Linear | None]:
+    """Close the cycle up to a relative residual; return the states at the nodes, installed, and the last slopes.
+
+    It begins with the slopes of the slices before, where these are as many.
+    """
+    Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
+    last = np.zeros_like(Y)
     for left in range(MOST, 0, -1):
-        start, slopes = pitch.begin(Y), pitch.slopes(Y)
-        sums = pitch.sums(slopes.g)
+        start, rates = pitch.begin(Y), pitch.rates(Y)
+        sums = pitch.sums(rates[1])
         pitch.install(start, Y)
         met = pitch.met
-        residual = _residual(pitch, Y, start, slopes.f)
+        residual = _residual(pitch, Y, start, rates[0])
         off = pitch.image(sums) - entries.coordinates(met)
         size = max(_size(residual, Y), float(np.max(np.abs(off), initial=0.0)))
         if size < nearly or (size < ENOUGH and left == 1):
-            return start, Y
+            return Y, linear
         if not np.isfinite(size):
             break
-        at, count = pitch.numbers, len(met)
-        if linear is None or sources is None or size > KEPT * before:
-            linear = Linear(pitch, Y, slopes)
-            sources = linear.sources([_moved(pitch, at, met, j) for j in range(count)])
+        at = pitch.numbers
+        stages = -residual[..., None]
+        if linear is None or size > KEPT * before:
+            changes = [_moved(pitch, at, met, j) for j in range(len(met))]
+            linear = Linear(pitch, Y, pitch.slopes(Y), changes, stages)
+            response = linear.first
+        else:
+            of_unknowns = Response(*(each[..., 1:] for each in linear.first))
+            none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
+            response = linear.respond(none, stages).and_then(of_unknowns)
         before = size
-        stages = np.zeros((*residual.shape, 1 + count))
-        stages[..., 0] = -residual
-        none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in sources))
-        response = linear.respond(none.and_then(sources), stages)
         back = made_of(pitch, Read(start, Y, sums, at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
         last = _tamed(response.nodes @ np.append(1.0, change), last)
@@ -153,13 +166,12 @@ def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
 
 def _linearised(pitch: Pitch, Y: Array) -> Closed:
     """Return a collocated cycle that is closed, with what its unknowns make of it and of themselves."""
-    start, slopes = pitch.begin(Y), pitch.slopes(Y)
-    sums, met, linear = pitch.sums(slopes.g), pitch.met, Linear(pitch, Y, slopes)
-    changes = [_moved(pitch, linear.at, met, j) for j in range(len(met))]
-    sources = linear.sources(changes)
-    by_unknowns = linear.refined(sources, linear.respond(sources), changes, refinings(pitch))
-    back = made_of(pitch, Read(start, Y, sums, linear.at), by_unknowns, met, 0)
-    return Closed(pitch, start, Y, sums, linear, linear.at, met, by_unknowns, back, _given(back))
+    start, slopes, at, met = pitch.begin(Y), pitch.slopes(Y), pitch.numbers, pitch.met
+    sums = pitch.sums(slopes.g)
+    changes = [_moved(pitch, at, met, j) for j in range(len(met))]
+    linear = Linear(pitch, Y, slopes, changes)
+    back = made_of(pitch, Read(start, Y, sums, at), linear.first, met, 0)
+    return Closed(pitch, start, Y, sums, linear, at, met, linear.first, back, _given(back))
 
 
 def _given(back: Array) -> Array:
@@ -235,11 +247,6 @@ def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: in
     if whole:
         pitch.install(cycle.start, cycle.nodes)
     return found
-
-
-def refinings(pitch: Pitch) -> int:
-    """Return how often responses are refined: where the gas has an exponent that varies, which derivatives hold."""
-    return REFINED
 
 
 def reads_states(pitch: Pitch) -> bool:

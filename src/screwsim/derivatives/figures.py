@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.derivatives.closed import Closed, refinings, solved
+from screwsim.derivatives.closed import Closed, solved
 from screwsim.derivatives.directions import Direction, Directions, sources_of
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.peak import peak_pressure
@@ -25,8 +25,7 @@ class Moved(NamedTuple):
 
 def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
     """Return how the cycle moves along directions, a column each, its unknowns with it."""
-    sources, changes = sources_of(cycle, list(directions)), [each.change for each in directions]
-    found = cycle.linear.refined(sources, cycle.linear.respond(sources), changes, refinings(cycle.pitch))
+    found = cycle.linear.respond(sources_of(cycle, list(directions)))
     off = np.empty((len(cycle.met), len(directions)))
     for j, direction in enumerate(directions):
         held = Moved(Response(*(each[..., j] for each in found)), np.zeros(len(cycle.met)))

@@ -44,6 +44,10 @@ class Response(NamedTuple):
     cells: Array
     sums: Array
 
+    def and_then(self, other: Response) -> Response:
+        """Return these columns and those of another behind them."""
+        return Response(*(np.concatenate(each, axis=-1) for each in zip(self, other, strict=True)))
+
     def weighted(self, weights: Array) -> Response:
         """Return sums of the columns (k, m)."""
         return Response(*(each @ weights for each in self))
@@ -76,14 +80,13 @@ class Change(NamedTuple):
         return self.numbers.nothing and self.edges is None
 
 
-def along(pitch: Pitch, Y: Array, at: Numbers, change: Change, nodes: Array | None = None) -> tuple[Array, Array]:
-    """Return the derivatives of h f and h g at the nodes along a change, of the states there, too."""
+def along(pitch: Pitch, Y: Array, at: Numbers, change: Change) -> tuple[Array, Array]:
+    """Return the derivatives of h f and h g at the nodes along a change."""
     step, found, (numbers, edges, sides) = step_of(pitch), [], change
     for sign in sides:
         pitch.put(at.plus(sign * step, numbers))
         there = pitch.slices.edges + (0.0 if edges is None else sign * step * edges)
-        states = Y if nodes is None else Y + sign * step * nodes
-        rates = pitch.rates(states, None if edges is None else there)
+        rates = pitch.rates(Y, None if edges is None else there)
         found.append([np.diff(there)[:, None, None] * each for each in rates])
     pitch.put(at)
     return tuple((above - below) / ((sides[0] - sides[1]) * step) for above, below in zip(*found, strict=True))  # type: ignore[return-value]
@@ -112,15 +115,27 @@ def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
 
 
 class Linear:
-    """The linearised pitch, at states Y and numbers as they stand."""
+    """The linearised pitch, at states Y and numbers as they stand.
 
-    def __init__(self, pitch: Pitch, Y: Array, slopes: Slopes) -> None:
+    `first` is its response to `stages`, which are added to the stage equations as they are, and to changes, a column
+    each: what is known beforehand costs little more than the matrices.
+    """
+
+    def __init__(
+        self, pitch: Pitch, Y: Array, slopes: Slopes, changes: Sequence[Change] = (), stages: Array | None = None
+    ) -> None:
         self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
         reach = max(pitch.machinery.composition.offsets, default=1)
-        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, reach)
         self.inject, self.noted = injection(pitch, Y)
-        self.felt = self._felt()
-        self._around = self._closing()
+        self.felt, self.changed = self._felt(), self.sources(changes)
+        self._feels = [i for i in range(len(self.noted)) if self.felt.hf[..., i].any() or self.felt.hg[..., i].any()]
+        felt, columns = self.felt.hf[..., self._feels], 0 if stages is None else stages.shape[-1]
+        right = [self._right(felt), *([] if stages is None else [stages]), self._right(self.changed.hf)]
+        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, reach, np.concatenate(right, axis=-1))
+        gained, count = self.blocks.first, len(self._feels)
+        self._from, self._around = self._closing(gained[..., :count])
+        nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
+        self.first = self._responded(nothing.and_then(self.changed), gained[..., count:])
 
     def _felt(self) -> Sources:
         """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
@@ -151,48 +166,40 @@ class Linear:
         shape = self.pitch.count, NODES
         return np.zeros((*shape, self.pitch.N)), np.zeros((*shape, self.pitch.q))
 
-    def _closing(self) -> Array:
-        """Return the inverse of what closes the period: start and cells less what they make of themselves."""
-        N, chambers, felt = self.pitch.N, self.pitch.machinery.composition.chambers, self.felt
-        gained = np.zeros((*felt.hf.shape[:3], N + felt.hf.shape[-1]))
-        if felt.hf.any():
-            gained[..., N:] = self._gained(felt.hf)
-        made = self.blocks.run(np.eye(N, gained.shape[-1]), gained)[-1, -1]
-        back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
-        return np.linalg.inv(np.eye(len(back)) - back)
+    def _closing(self, felt: Array) -> tuple[Array, Array]:
+        """Return what the start and felt cells make of all nodes, and the inverse of what closes the period.
 
-    def _gained(self, hf: Array, stages: Array | None = None) -> Array:
-        """Return what sources add to the nodes of their slices (slices, NODES, N, k)."""
-        right = (INTEGRALS @ hf.reshape(self.pitch.count, NODES, -1)).reshape(hf.shape)
-        return self.blocks.solve(right if stages is None else right + stages)
+        That is of start and cells less what they make of themselves; `felt` is what slices gain by these cells.
+        """
+        N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
+        gained = np.zeros((*felt.shape[:3], N + felt.shape[-1]))
+        gained[..., N:] = felt
+        nodes = self.blocks.run(np.eye(N, gained.shape[-1]), gained)
+        made = np.zeros((N, N + len(self.noted)))
+        made[:, [*range(N), *(N + i for i in self._feels)]] = nodes[-1, -1]
+        back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
+        return nodes, np.linalg.inv(np.eye(len(back)) - back)
+
+    def _right(self, hf: Array) -> Array:
+        """Return the right sides of the stage equations that sources are (slices, NODES, N, k)."""
+        return (INTEGRALS @ hf.reshape(self.pitch.count, NODES, -1)).reshape(hf.shape)
 
     def respond(self, sources: Sources, stages: Array | None = None) -> Response:
         """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
+        right = self._right(sources.hf)
+        return self._responded(sources, self.blocks.solve(right if stages is None else right + stages))
+
+    def _responded(self, sources: Sources, gained: Array) -> Response:
+        """Return what sources make that add `gained` to the nodes of their slices (slices, NODES, N, k)."""
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        gained = self._gained(sources.hf, stages)
-        end = shifted(self.blocks.run(np.zeros_like(sources.start), gained)[-1, -1], chambers)
+        nodes = self.blocks.run(np.zeros_like(sources.start), gained)
+        end = shifted(nodes[-1, -1], chambers)
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
-        if self.felt.hf.any():
-            gained = gained + self._gained(self.felt.hf @ cells)
-        nodes = self.blocks.run(start, gained)
-        hg = sources.hg + self.felt.hg @ cells
-        hg = hg + self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
+        felt = cells[self._feels]
+        nodes += self._from @ np.concatenate([start, felt])
+        hg = self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
+        hg += sources.hg
+        if len(felt):
+            hg += self.felt.hg[..., self._feels] @ felt
         return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))
-
-    def refined(self, sources: Sources, response: Response, changes: Sequence[Change], times: int) -> Response:
-        """Return a response to changes with what the derivatives by the states hold constant.
-
-        The rates along the whole change are asked themselves: what they have beyond the linear ones is the source.
-        """
-        pitch, widths = self.pitch, self.pitch.slices.widths[:, None, None]
-        for _ in range(times):
-            hf, hg = np.empty_like(sources.hf), np.empty_like(sources.hg)
-            for j, change in enumerate(changes):
-                nodes, cells = response.nodes[..., j], response.cells[:, j]
-                whole = change._replace(numbers=change.numbers.plus(1.0, pitch.cells_as_numbers(cells)))
-                hf[..., j], hg[..., j] = along(pitch, self.Y, self.at, whole, nodes)
-                hf[..., j] -= widths * (self.slopes.by_states @ nodes[..., None])[..., 0] + self.felt.hf @ cells
-                hg[..., j] -= widths * (self.slopes.g_by_states @ nodes[..., None])[..., 0] + self.felt.hg @ cells
-            response = self.respond(sources._replace(hf=hf, hg=hg))
-        return response

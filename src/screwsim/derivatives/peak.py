@@ -6,39 +6,47 @@ not for its slope, which by the envelope theorem is that at the very maximum.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.slots import P_INJECTION
+from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 POINTS = 7  # of a step, through which a polynomial goes
 SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # shares of a step: Chebyshev's
+THROUGH = np.linalg.inv(np.vander(SAMPLES))  # coefficients of that polynomial, the highest power first
 REAL = 1e-9  # imaginary part up to which a root is one
 
 
 def peak_pressure(of: Evaluation) -> float:
     """Return the highest chamber pressure [Pa] from injection to where the figure ends, by the states; NaN for none."""
-    life, geometry = of.life, of.problem.parts.geometry
+    return peak(of.life, of.problem.parts.geometry)[0]
+
+
+def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
+    """Return that pressure [Pa] and its angle [rad]; NaN for none."""
     first = float(life.composition.P[P_INJECTION])
     limit = geometry.life if geometry.expands else geometry.widest_discharge()
     times = life.times[: life.steps + 1]
     ends = life.dense[: life.steps, 1, len(life.composition.states)]
     inside = (times[1:] > first) & (times[1:] <= limit + 1e-9)
     if not inside.any():
-        return float("nan")
+        return float("nan"), float("nan")
     best = int(np.argmax(np.where(inside, ends, -np.inf)))
-    return max(_highest(of, times, i, (first, limit)) for i in range(best, min(best + 2, life.steps)))
+    return max(_highest(life, times, i, (first, limit)) for i in range(best, min(best + 2, life.steps)))
 
 
-def _highest(of: Evaluation, times: Array, i: int, limits: tuple[float, float]) -> float:
-    """Return the highest pressure [Pa] of a step within limits [rad]."""
+def _highest(life: Trajectory, times: Array, i: int, limits: tuple[float, float]) -> tuple[float, float]:
+    """Return the highest pressure [Pa] of a step within limits [rad], and its angle."""
     low, high = float(times[i]), float(times[i + 1])
-    c = of.life.composition
-    states = of.life.states_at(low + (high - low) * SAMPLES)
-    p = [float(of.life.module.gas_state(float(y[0]), float(y[1]), c.P, c.TAB)[0]) for y in states]
-    of_step = np.polynomial.Polynomial.fit(SAMPLES, p, POINTS - 1, domain=(0.0, 1.0))
+    c = life.composition
+    states = life.states_at(low + (high - low) * SAMPLES)
+    p = [float(life.module.gas_state(float(y[0]), float(y[1]), c.P, c.TAB)[0]) for y in states]
+    of_step = THROUGH @ np.array(p)
     from_, to = (min(1.0, max(0.0, (each - low) / (high - low))) for each in limits)
-    roots = of_step.deriv().roots()
+    roots = np.roots(np.polyder(of_step))
     turns = [float(each.real) for each in roots if abs(each.imag) < REAL and from_ < each.real < to]
-    return max(float(of_step(each)) for each in (from_, to, *turns))
+    return max((float(np.polyval(of_step, each)), low + (high - low) * each) for each in (from_, to, *turns))

@@ -42,6 +42,7 @@ LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells 
 MOST = 4  # parts of a slice in one refinement
 POWER = 0.25  # of the error of a slice by its width: that of the estimate
 RING = 0.5  # widths of a layer: the first slices on both sides of where a flow turns round ...
+AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
 WIDER = 3.0  # ... and each next one over the one before
 BEFORE = 1e-3  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
 
@@ -98,9 +99,16 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     return np.append(np.concatenate(found), edges[-1])
 
 
-def ringed(edges: Array, breakpoints: Array, crossings: Sequence[Crossing]) -> Array:
-    """Return edges with those around crossings in place of others near them: slices there grow with the distance."""
-    kept, added = edges, [breakpoints]
+def ringed(edges: Array, breakpoints: Array, crossings: Sequence[Crossing], peak: float = math.nan) -> Array:
+    """Return edges with those around crossings in place of others near them: slices there grow with the distance.
+
+    Where the pressure is highest [rad], if that is known, a slice is short: polynomials are good at their ends before
+    they are between them, and the highest pressure is read inside.
+    """
+    kept, added = edges[~(np.abs(edges - peak) < AROUND_PEAK)], [breakpoints]
+    if math.isfinite(peak):
+        around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
+        added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
     for angle, layer in crossings:
         at, first = angle - BEFORE * layer, RING * layer
         after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))

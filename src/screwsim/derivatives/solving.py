@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from screwsim.build.sought import is_sought
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
@@ -17,6 +18,7 @@ from screwsim.solve.circuit import solved, steady
 
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
 DRIVEN = "the speed follows from the drive"
+SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
 
 
 class Found(NamedTuple):
@@ -53,4 +55,6 @@ def _refused(problem: Problem) -> str:
     """Return why a problem's derivatives cannot be had so; empty where they can."""
     if problem.parts.shaft is not None:
         return DRIVEN
+    if is_sought(problem.scene):
+        return SOUGHT
     return ONE_CHAMBER if problem.composition.chambers == 1 else ""

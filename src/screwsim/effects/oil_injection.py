@@ -24,20 +24,11 @@ from screwsim.effects.port_window import RAMP, WindowParameters, check_window, w
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
+from screwsim.fluid.settings import OilLine
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 
 NAME = "oil_injection"
-
-
-@dataclass(frozen=True)
-class Line:
-    """What pipe, filter and cooler lose at one flow; at another one it goes with its square."""
-
-    pressure_loss: float = quantity(
-        "pressure_difference", "pressure loss of pipe, filter and cooler at that flow", ge=0.0, hardly=(None, 5e6)
-    )
-    flow: float = quantity("volume_flow", "flow of oil through the line at which it loses that", gt=0.0)
 
 
 @dataclass(frozen=True)
@@ -54,7 +45,7 @@ class Parameters(WindowParameters):
     pressure: float | None = quantity(
         "pressure", "of the oil before the bore, in place of the separator's less pressure_loss", None, gt=0.0
     )
-    line: Line | None = None
+    line: OilLine | None = None
 
 
 @kernel

@@ -87,11 +87,12 @@ def _celsius(T: float) -> str:
     return f"{T - ZERO_CELSIUS:.1f} degC"
 
 
-def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:
-    """Return what of the scene, and of the figures of its cycle, can be and hardly is."""
+def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what of the scene and of its cycle's figures can be and hardly is; the figures that no machine has."""
     scene, parts = problem.scene, problem.parts
-    told = plausible.Told(scene, parts, problem.lines, found, error)
-    return (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *plausible.doubts(told))
+    of_figures = plausible.doubts(plausible.Told(scene, parts, problem.lines, found, error))
+    words = (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *(each.words for each in of_figures))
+    return words, tuple(each.figure for each in of_figures if each.figure is not None)
 
 
 def _lost_to_suction(of: Evaluation) -> Iterator[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from screwsim.effects.base import FlowPath, HeatRate, Wall
 from screwsim.model.parts import Parts
@@ -23,6 +24,13 @@ HOT = 700.0  # [K] that oil, seals and rotors do not stand
 BURST = 20.0  # times the higher line's pressure
 NO_MACHINE = "and no machine does so (check its effects)"
 BESIDE = ("slide_valve", "bypass")  # lead to the suction line, and let no gas in
+
+
+class Doubt(NamedTuple):
+    """What hardly is so, in words, and the figure that no machine has; None where one may have it."""
+
+    words: str
+    figure: str | None = None
 
 
 @dataclass(frozen=True)
@@ -46,91 +54,95 @@ class Told:
         return value if value is not None and value > limit + slack * max(1.0, abs(limit)) else None
 
 
-def _isothermal(told: Told) -> Iterator[str]:
+def _isothermal(told: Told) -> Iterator[Doubt]:
     eta = told.above("isothermal_efficiency", 1.0)
     if eta is None or told.expands:
         return
     words = f"the isothermal efficiency of {eta:.4g} is above 1"
     oil, T_s = told.parts.oil, told.lines.T_s
     if oil is not None and oil.temperature < T_s and told.parts.all(HeatRate):
-        yield (
+        yield Doubt(
             f"{words}: the oil comes in at {oil.temperature:.5g} K, colder than the suction gas of {T_s:.5g} K, and "
             "the figure's ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
         )
     elif told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
-        yield f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?"
+        yield Doubt(f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?")
     else:
-        yield f"{words}: nothing in the scene is colder than the suction gas, {NO_MACHINE}"
+        what = f"{words}: nothing in the scene is colder than the suction gas, {NO_MACHINE}"
+        yield Doubt(what, "isothermal_efficiency")
 
 
-def _isentropic(told: Told) -> Iterator[str]:
+def _isentropic(told: Told) -> Iterator[Doubt]:
     eta = told.above("isentropic_efficiency", 1.0)
     if eta is None:
         return
     words = f"the isentropic efficiency of {eta:.4g} is above 1"
     ideal = "the gas while it is compressed, and the figure's ideal is without cooling"
     if told.expands:
-        yield f"{words}: no expander gives more than that (check its effects)"
+        yield Doubt(f"{words}: no expander gives more than that (check its effects)", "isentropic_efficiency")
     elif told.parts.all(HeatRate):
-        yield f"{words}: oil cools {ideal}"
+        yield Doubt(f"{words}: oil cools {ideal}")
     elif told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
-        yield f"{words}: walls or liquid cool {ideal}"
+        yield Doubt(f"{words}: walls or liquid cool {ideal}")
     else:
-        yield f"{words}: nothing in the scene cools the gas, {NO_MACHINE}"
+        yield Doubt(f"{words}: nothing in the scene cools the gas, {NO_MACHINE}", "isentropic_efficiency")
 
 
-def _volumetric(told: Told) -> Iterator[str]:
+def _volumetric(told: Told) -> Iterator[Doubt]:
     filled, found = told.above("volumetric_efficiency", 1.0 + RAM), told.found.get("volumetric_efficiency")
     if told.expands:
         return
     if filled is not None:
-        yield (
+        yield Doubt(
             f"the volumetric efficiency of {filled:.4g} is above 1: the chambers take in more than they hold of the "
             "suction line's gas; colder oil, or gas in motion, can do so by a few percent"
         )
     elif found is not None and found < -BACK:
-        yield (
+        yield Doubt(
             f"the volumetric efficiency is {found:.4g}: through leaks more flows back than the rotors displace; gaps "
-            "and areas that wide are none of a machine (check gaps and speed)"
+            "and areas that wide are none of a machine (check gaps and speed)",
+            "volumetric_efficiency",
         )
 
 
-def _driven(told: Told) -> Iterator[str]:
+def _driven(told: Told) -> Iterator[Doubt]:
     power, filled = told.found.get("shaft_power"), told.found.get("volumetric_efficiency")
     if not (told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
-        yield f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
+        what = f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
+        yield Doubt(what, "shaft_power")
 
 
-def _carnot(told: Told) -> Iterator[str]:
+def _carnot(told: Told) -> Iterator[Doubt]:
     operation, cop = told.scene.operation, told.found.get("cop")
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     if not (cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e)):
-        yield (
+        yield Doubt(
             f"the COP of {cop:.4g} is above Carnot's {T_e / (T_c - T_e):.4g} between both temperatures: subcooling or "
-            "oil takes away heat that no figure counts (check operation.subcooling and oil_supply.temperature)"
+            "oil takes away heat that no figure counts (check operation.subcooling and oil_supply.temperature)",
+            "cop",
         )
 
 
-def _hot(told: Told) -> Iterator[str]:
+def _hot(told: Told) -> Iterator[Doubt]:
     T = told.found.get("discharge_temperature")
     if not (T is None or T <= HOT or told.expands):
         words = f"the gas leaves at {T:.4g} K, and a machine stands no {HOT:g} K"
-        yield f"{words} (more or cooler oil, a lower pressure ratio)"
+        yield Doubt(f"{words} (more or cooler oil, a lower pressure ratio)", "discharge_temperature")
 
 
-def _burst(told: Told) -> Iterator[str]:
+def _burst(told: Told) -> Iterator[Doubt]:
     peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
     if not (peak is None or peak <= BURST * line):
         what = f"the chamber reaches {peak / 1e5:.4g} bar, {peak / line:.3g} times the higher line's pressure"
-        yield f"{what}, which no housing stands (an earlier or wider discharge port)"
+        yield Doubt(f"{what}, which no housing stands (an earlier or wider discharge port)", "peak_pressure")
 
 
 DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
 
 
-def doubts(told: Told) -> tuple[str, ...]:
+def doubts(told: Told) -> tuple[Doubt, ...]:
     """Return what hardly is so of the figures of a cycle that closed."""
-    return tuple(words for ask in DOUBTS for words in ask(told))
+    return tuple(doubt for ask in DOUBTS for doubt in ask(told))
 
 
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:

@@ -79,8 +79,10 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
     if port is not None:
         at = f"a port up to {math.degrees(port.closes):g} deg"
-    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
+    behind = "" if supply.line is None else ", behind its line (M392)"
+    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else f"the orifice decides (M30){behind}"
     equation = equation if supply.discharge_temperature is None else f"its ratio d at {at} is found (M370)"
+    equation = equation if supply.flow is None else f"its ratio d at {at} is found (M393)"
     foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
     yield row("supply", f"{supply.kind}: {equation}; {parameters_text(supply, skip=foreign)}")
     if supply.temperature is None:

@@ -20,7 +20,7 @@ from screwsim.scene.values import text_of
 def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
     """Return the keys of sections and effects of these names; without any, all that the scene's machine can have.
 
-    Raises UsageError for a name that is neither.
+    A name may go on to one key (`tip_leakage.gap`). Raises UsageError for a name that is none of these.
     """
     kind = scene.machine.kind
     fitting = {name: effect for name, effect in catalogue().items() if effect.fits(kind_of(scene.machine))}
@@ -30,6 +30,12 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
 
 
 def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
+    head, _, rest = name.partition(".")
+    if rest and (head in SECTIONS or head in known):
+        heading, *_ = _part(scene, head, known, kind)
+        yield heading
+        yield from _of_key(scene, head, rest, known, kind)
+        return
     if name in SECTIONS:
         yield f"{name}{_absent(scene, name)}"
         yield from _rows(scene, name, section_keys(name, kind))
@@ -44,6 +50,16 @@ def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Itera
     state = "simulated" if name in scene.effects else "left out"
     yield f"effects.{name} ({state}): {effect.title}"
     yield from _rows(scene, f"effects.{name}", effect_keys_of(name, effect.parameters, kind))
+
+
+def _of_key(scene: Scene, head: str, rest: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
+    """Yield what one key of a section or an effect is, or those below it."""
+    section = head in SECTIONS
+    keys = list(section_keys(head, kind) if section else effect_keys_of(head, known[head].parameters, kind))
+    asked = [key for key in keys if key.path == rest or key.path.startswith(f"{rest}.")]
+    if not asked:
+        raise UsageError(f"--parameters {head}.{rest}: {unknown(rest, [key.path for key in keys])}")
+    yield from _rows(scene, head if section else f"effects.{head}", asked)
 
 
 def _own(name: str) -> Effect:

@@ -28,7 +28,7 @@ GROUPS = {
     "oil": "Oil",
     "numerics": "Numerics",
 }
-APART = {"output.keep", "title"}
+APART = {"output.keep", "output.derivatives", "title"}
 
 
 class Span(NamedTuple):

@@ -56,6 +56,16 @@ def orifice_flow(dp, density, viscosity, diameter, length, number):
 
 
 @kernel
+def orifice_flow_behind_line(dp, line_loss, line_flow, density, viscosity, diameter, length, number):
+    """Return what `orifice_flow` does, with a line in series that loses line_loss [Pa] at line_flow [m³/s] (M392)."""
+    free = orifice_flow(dp, density, viscosity, diameter, length, number)
+    if free <= 0.0:
+        return 0.0
+    nominal = density * line_flow
+    return free / math.sqrt(1.0 + line_loss * free * free / (nominal * nominal * dp))
+
+
+@kernel
 def smooth_orifice_flow(dp, width, density, viscosity, diameter, length, number):
     """Return what `orifice_flow` does, with a continuous slope where it ends: Δp → Δp² (Δp² + ε²)^(−1/2), ε = width."""
     if dp <= 0.0:

@@ -101,3 +101,13 @@ class OilSettings:
             return OilProperties(self.density or 0.0, self.heat_capacity or 0.0, self.viscosity)
         oil = OILS[self.name]
         return OilProperties(oil.density_at(T), oil.heat_capacity_at(T), oil.viscosity_at(T))
+
+
+@dataclass(frozen=True)
+class OilLine:
+    """What pipe, filter and cooler lose at one flow; at another one it goes with its square."""
+
+    pressure_loss: float = quantity(
+        "pressure_difference", "pressure loss of pipe, filter and cooler at that flow", ge=0.0, hardly=(None, 5e6)
+    )
+    flow: float = quantity("volume_flow", "flow of oil through the line at which it loses that", gt=0.0)

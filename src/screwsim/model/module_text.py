@@ -83,6 +83,9 @@ def _written(
     if together:
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
     slots = asked | {name: each.flat_name for name, each in pasted.items()}
+    if together:  # derivatives by numbers of a scene are of all there is; of an ideal gas the integrator's are
+        exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
+        slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]
     drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
     rest = [*pasted.values(), *(() if together else (*READ_WITH, *read_with))]

@@ -15,12 +15,14 @@ import math
 
 import numpy as np
 
-from screwsim.numerics.kernel import kernel
+from screwsim.numerics.kernel import Slot, kernel
 from screwsim.numerics.linear import lu_factor, lu_solve
 from screwsim.numerics.rodas import QUADRATURES, STATES, jacobian, rates, surroundings
 
 INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
 BESIDE = 1e-7  # rad, for derivatives by the angle, which nothing here uses
+
+exact_jacobian = Slot("exact_jacobian")
 
 
 @kernel
@@ -37,13 +39,13 @@ def rates_at(angles, middles, y, context, n_e, f, g):
 
 @kernel
 def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq):
-    """Do what `rates_at` does; fill J[k] and Jq[k] with the derivatives of both by the states."""
+    """Do what `rates_at` does; fill J[k] and Jq[k] with the derivatives of both by the states, exact ones."""
     E = np.empty(n_e)
     f_phi = np.empty(STATES)
     g_phi = np.empty(QUADRATURES)
     for k in range(angles.shape[0]):
         surroundings(angles[k], middles[k], context, E)
-        jacobian(y[k], E, E, BESIDE, context, f[k], g[k], J[k], Jq[k], f_phi, g_phi)
+        exact_jacobian(y[k], E, E, BESIDE, context, f[k], g[k], J[k], Jq[k], f_phi, g_phi)
 
 
 @kernel

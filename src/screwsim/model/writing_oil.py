@@ -1,6 +1,6 @@
 """Writing what a composition says of its oil: its supply, the ports through which it comes, the gas that it gives off.
 
-Source: docs/model.md M9, M30, M104, M196, M230–M233.
+Source: docs/model.md M9, M30, M104, M196, M230–M233, M392.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import numpy as np
 
 from screwsim.effects.base import OilGas, OilPort, OilSolution
 from screwsim.fluid import solubility
-from screwsim.fluid.orifice import orifice_flow
+from screwsim.fluid.orifice import orifice_flow, orifice_flow_behind_line
 from screwsim.model.network.network import identifier
 from screwsim.model.numbers import SPAN, SUPPLY
 from screwsim.model.parts import OilPart, Parts
@@ -29,7 +29,8 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
         name = "separator_pressure"
         separator = writer.numbers.add(oil.supply[name], name, SUPPLY + name)
         writer.text.append("")
-        call = writer.call(orifice_flow, oil.supply, {}, ("dp",), SUPPLY)
+        law = orifice_flow_behind_line if "line_loss" in oil.supply else orifice_flow
+        call = writer.call(law, oil.supply, {}, ("dp",), SUPPLY)
         span = f"P[{P_PITCH}] / P[{P_OMEGA}]"
         if not writer.slow:
             span = writer.numbers.add(pitch / omega, "pitch_over_omega", SPAN)

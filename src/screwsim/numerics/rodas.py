@@ -98,6 +98,8 @@ ANGLE_STEP = 1e-6  # rad, for differences of what is smooth over the angle
 GROWTH = 2.5  # of a step over the last: faster growth jumps into regions that no error estimate has seen
 LONGEST = math.pi / 3.0  # a step: a stiff one that a port closes along sees neither its area nor its error
 SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
+AT_FIRST = 1e-7  # of that step, from an angle of none, where it is no rounding: next to no oil meets much at once ...
+NO_MORE = 1e-6  # ... up to this angle [rad]
 
 
 @kernel
@@ -213,7 +215,7 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
             if longest < trial:
                 landing = False
                 trial = longest
-            if not (trial > SMALLEST * (1.0 + phi)):
+            if not (trial > SMALLEST * min(1.0 + phi, AT_FIRST + phi / NO_MORE)):
                 return STEP_TOO_SMALL, phi, h
             if fresh:
                 delta = min(ANGLE_STEP, 0.1 * trial)

@@ -44,6 +44,18 @@ class Derivatives(Mapping[tuple[str, str], float]):
         self._find = find
         self._performance = Figures() if performance is None else performance
 
+    @classmethod
+    def of(cls, found: Slopes, performance: Figures) -> Derivatives:
+        """Return derivatives that are known already."""
+        known = cls(lambda: found, performance)
+        known.__dict__["found"] = found
+        return known
+
+    @property
+    def known(self) -> Slopes | None:
+        """What is found already; None where it would have to be found."""
+        return self.__dict__.get("found")
+
     @cached_property
     def found(self) -> Slopes:
         """All that is known of them: with the numbers themselves, and by which method each was found."""

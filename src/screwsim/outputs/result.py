@@ -26,6 +26,7 @@ class Result:
       entropy with their bound; `numerics` what the solution took.
     - `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
     - `ledger` is where the shaft power goes; empty without the cycle. `effects` and `states` name what was simulated.
+    - `impossible` names the figures of `performance` that no machine has; what is wrong with them is in `warnings`.
     - `derivatives` of the figures by the numbers of the scene are found when they are asked for.
     """
 
@@ -43,6 +44,7 @@ class Result:
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
     knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
     uncertainty: Mapping[str, Any] = field(default_factory=dict)  # of the inputs, where the scene gives tolerances
+    impossible: tuple[str, ...] = ()
     derivatives: Derivatives = field(default_factory=Derivatives, compare=False, repr=False)
 
     def __post_init__(self) -> None:

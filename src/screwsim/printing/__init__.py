@@ -66,8 +66,10 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
-    if title:
-        console.print(printable(title), style="bold")
+    doubted = _no_machine(result)
+    if title or doubted:
+        first = ": ".join(filter(None, (title, doubted)))
+        console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
     console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
@@ -83,6 +85,18 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
     console.print()
     for line in (*_account(result), *left_out):
         console.print(wrapped(printable(line)))
+
+
+def _no_machine(result: Result) -> str:
+    """Return the figures of a result that no machine has; empty where it has none of them."""
+    names = dict.fromkeys(result.impossible)
+    if (result.performance.get("volumetric_efficiency") or 0.0) < 0.0:
+        names = {"volumetric_efficiency": None} | names
+    told = ", ".join(
+        " ".join((shown_name(name), *engineering(declared(name, result.performance), result.performance[name]))).strip()
+        for name in names
+    )
+    return f"no machine runs so, {told}" if told else ""
 
 
 def _ended(result: Result) -> str:
@@ -238,13 +252,13 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
 
 
 def print_sweep(document: Mapping[str, Any]) -> None:
-    """Print how a sweep ended: the file, the numbers of cases, the first failures, the kinds of warnings."""
+    """Print how a sweep ended: the file, the first failures, the kinds of warnings, last the numbers of cases."""
     counts = f"{document['cases']} cases: {document['ok']} ok"
     for name in ("not_closed", "failed"):
         counts += f", {document[name]} {name.replace('_', ' ')}" if document[name] else ""
     counts += f", {document['warned']} with warnings" if document["warned"] else ""
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
-    say(f"{document['path']}\n{counts}, {document['seconds']:.1f} s")
+    say(document["path"])
     for failure in document["failures"]:
         say(wrapped(printable(f"{failure['status']} at {_where(failure['values'])}: {failure['message']}")))
     more = document["cases"] - document["ok"] - len(document["failures"])
@@ -259,6 +273,7 @@ def print_sweep(document: Mapping[str, Any]) -> None:
         say(f"… and {more} other kinds of warnings, in the file")
     if "uncertainty" in document:
         say(wrapped(printable(f"uncertain by the inputs alone: {ranges_text(document['uncertainty'])}")))
+    say(f"{counts}, {document['seconds']:.1f} s")
 
 
 def _where(values: Mapping[str, Any]) -> str:

@@ -88,6 +88,8 @@ def table_text(scene: Scene) -> str:
     """Return the coefficients as lines for people."""
     found = coefficients(scene)
     lines = [scene.title, ""] if scene.title else []
+    faired = laid_of(scene).rotors.chain.faired
+    lines += [f"measured points: {faired}", ""] if faired else []
     for name, (value, unit, meaning) in found.items():
         factor, shown = _SHOWN[unit]
         lines.append(f"{name.replace('_', ' '):<26}{factor * value:>11.5g} {shown:<4} {meaning}")
@@ -99,6 +101,7 @@ def document(scene: Scene, files: list[str]) -> dict[str, Any]:
     found = coefficients(scene)
     return {
         "title": scene.title,
+        **({"faired": faired} if (faired := laid_of(scene).rotors.chain.faired) else {}),
         "coefficients": {
             name: {"value": value, "units": unit, "long_name": meaning}
             for name, (value, unit, meaning) in found.items()

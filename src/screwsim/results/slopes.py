@@ -7,9 +7,11 @@ import numpy as np
 from screwsim.outputs import Figures, Variable, shown
 from screwsim.outputs.derivatives import Slopes
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes
+from screwsim.results.table import EXACT, VALUE
 
 DERIVATIVES, NUMBER = "derivatives", "number"  # the group, the dimension
-UNITS, VALUE, EXACT = "number_units", "number_value", "number_exact"
+UNITS = "number_units"
+IS_EXACT = {"units": "1", "long_name": "1: exact derivatives; 0: differences of closed cycles"}
 
 
 def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
@@ -21,13 +23,20 @@ def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
     words = sorted(set(found.units.values()))
     data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
     data[...] = [words.index(found.units[path]) for path in paths]
-    value = number_attributes(Variable("1", f"value of the number, in the unit that {UNITS} says"))
-    layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), value)
+    layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), about_value())
     exact = np.array([found.method[path] == "exact" for path in paths], np.int8)
-    says = {"units": "1", "long_name": "1: exact derivatives; 0: differences of closed cycles"}
-    layout.variable(group, EXACT, exact, (NUMBER,), says)
+    layout.variable(group, EXACT, exact, (NUMBER,), IS_EXACT)
     units = {each.name: each.units for each in shown(performance)}
     for figure, slopes in found.derivatives.items():
-        meaning = f"derivative of {figure} by the number, per unit of it ({UNITS})"
         values = np.array([slopes.get(path, np.nan) for path in paths], float)
-        layout.variable(group, figure, values, (NUMBER,), number_attributes(Variable(units[figure], meaning)))
+        layout.variable(group, figure, values, (NUMBER,), about_slope(figure, units[figure]))
+
+
+def about_slope(figure: str, units: str) -> dict[str, object]:
+    """Return the attributes of the derivatives of a figure in its units."""
+    return number_attributes(Variable(units, f"derivative of {figure} by the number, per unit of it ({UNITS})"))
+
+
+def about_value() -> dict[str, object]:
+    """Return the attributes of the numbers."""
+    return number_attributes(Variable("1", f"value of the number, in the unit that {UNITS} says"))

@@ -17,6 +17,7 @@ GROUPS = ("performance", "balance", "error", "numerics")
 Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
 TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # the status of a case without a result
+VALUE, EXACT = "number_value", "number_exact"  # beside derivatives: of the number itself, 1 where they are exact
 
 
 @lru_cache(maxsize=64)
@@ -42,7 +43,9 @@ class Table:
     `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case
     without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces;
     `inputs` the names of those with a tolerance, `changes` {figure: float64 (cases, inputs)} what one standard
-    uncertainty of each changes, NaN for a case without figures and for an input without a derivative.
+    uncertainty of each changes, NaN for a case without figures and for an input without a derivative;
+    `numbers` {path: SI unit} of those that figures have derivatives by, `slopes` {figure: float64 (cases, numbers)}
+    these, NaN where there is none, beside the numbers themselves (`VALUE`) and whether they are exact (`EXACT`).
     """
 
     status: np.ndarray
@@ -56,6 +59,8 @@ class Table:
     about: tuple[Figure, ...] = ()
     inputs: tuple[str, ...] = ()
     changes: Mapping[str, np.ndarray] = field(default_factory=dict)
+    numbers: Mapping[str, str] = field(default_factory=dict)
+    slopes: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.status)
@@ -64,7 +69,7 @@ class Table:
     def size(self) -> int:
         """Size of the numbers [byte]."""
         arrays = (self.status, self.figures, self.angle, *self.traces.values(), *self.ledger.values())
-        arrays += tuple(self.changes.values())
+        arrays += (*self.changes.values(), *self.slopes.values())
         return sum(array.nbytes for array in arrays) + sum(texts.number.nbytes for texts in self.texts.values())
 
     def column(self, group: str, name: str) -> np.ndarray:
@@ -86,6 +91,8 @@ class Table:
             self.about,
             self.inputs,
             {name: values[chosen] for name, values in self.changes.items()},
+            self.numbers,
+            {name: values[chosen] for name, values in self.slopes.items()},
         )
 
 
@@ -119,8 +126,11 @@ class InMemory:
         yield self._table
 
 
-def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
-    """Return the columns of results; a figure of another group that `outputs` does not name is a ValueError."""
+def table_of(results: Sequence[Result], *, keep_cycle: bool, keep_slopes: bool = False) -> Table:
+    """Return the columns of results; a figure of another group that `outputs` does not name is a ValueError.
+
+    `keep_slopes` keeps those derivatives that are known; none are found for it.
+    """
     about = reduce(merged, {tuple(each): each.values() for each in map(_about, results)}.values(), ())
     names = names_of(about)
     figures = np.full((len(results), len(columns_of(names))), np.nan)
@@ -139,6 +149,7 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
         ledger=_ledgers(results) if keep_cycle else {},
         about=about,
         **_uncertainties(results),
+        **(_slopes(results) if keep_slopes else {}),
     )
 
 
@@ -233,6 +244,30 @@ def _uncertainties(results: Sequence[Result]) -> dict[str, Any]:
     return {"inputs": inputs, "changes": changes}
 
 
+def _slopes(results: Sequence[Result]) -> dict[str, Any]:
+    """Return the numbers and the derivatives by them, where results know some."""
+    told = {row: found for row, result in enumerate(results) if (found := result.derivatives.known) is not None}
+    numbers = {path: unit for found in told.values() for path, unit in found.units.items()}
+    slopes: dict[str, np.ndarray] = {}
+    for row, found in told.items():
+        about = {VALUE: found.values, EXACT: {path: float(way == "exact") for path, way in found.method.items()}}
+        for name, by_path in {**about, **found.derivatives}.items():
+            there = slopes.setdefault(name, np.full((len(results), len(numbers)), np.nan))
+            there[row] = [by_path.get(path, np.nan) for path in numbers]
+    return {"numbers": numbers, "slopes": slopes}
+
+
+def slopes_of(table: Table, name: str, numbers: Iterable[str]) -> np.ndarray:
+    """Return derivatives of a figure (cases, numbers) by these numbers, NaN where the table says nothing of them."""
+    wanted, there = list(numbers), list(table.numbers)
+    found = np.full((len(table), len(wanted)), np.nan)
+    if name in table.slopes:
+        for place, path in enumerate(wanted):
+            if path in table.numbers:
+                found[:, place] = table.slopes[name][:, there.index(path)]
+    return found
+
+
 def changes_of(table: Table, name: str, inputs: int) -> np.ndarray:
     """Return what the inputs change of a figure (cases, inputs), NaN when the table says nothing of it."""
     return table.changes[name] if name in table.changes else np.full((len(table), inputs), np.nan)
@@ -263,6 +298,8 @@ def join(tables: Sequence[Table]) -> Table:
     ledger = ledger_names(name for table in tables for name in table.ledger)
     inputs = next((table.inputs for table in tables if table.inputs), ())
     changed = dict.fromkeys(name for table in tables for name in table.changes)
+    numbers = {path: unit for table in tables for path, unit in table.numbers.items()}
+    sloped = dict.fromkeys(name for table in tables for name in table.slopes)
     return Table(
         status=np.concatenate([table.status for table in tables]),
         figures=np.concatenate([_figures_of(table, about) for table in tables]),
@@ -275,6 +312,8 @@ def join(tables: Sequence[Table]) -> Table:
         about=about,
         inputs=inputs,
         changes={name: np.concatenate([changes_of(table, name, len(inputs)) for table in tables]) for name in changed},
+        numbers=numbers,
+        slopes={name: np.concatenate([slopes_of(table, name, numbers) for table in tables]) for name in sloped},
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
 from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Variable
+from screwsim.results import slopes
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
@@ -41,6 +42,8 @@ class Names:
     ledger: tuple[str, ...]
     inputs: tuple[str, ...] = ()  # with tolerances
     uncertain: tuple[str, ...] = ()  # figures of which these make an uncertainty
+    numbers: tuple[tuple[str, str], ...] = ()  # paths that there are derivatives by, and their SI units
+    sloped: tuple[str, ...] = ()  # figures that have some
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,8 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
     figures: tuple[Figure, ...] = ()
     inputs: tuple[str, ...] = ()
     uncertain: set[str] = set()
+    numbers: dict[str, str] = {}
+    sloped: dict[str, None] = {}
     for head in heads:
         figures = figures if head.about == figures else merged(figures, head.about)
         effects, states = effects or head.effects, states or head.states
@@ -74,10 +79,13 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
         ledger |= dict.fromkeys(head.ledger)
         inputs = inputs or head.inputs
         uncertain.update(head.changes)
+        numbers |= head.numbers
+        sloped |= dict.fromkeys(head.slopes)
     figures, angles = merged(figures, _ALWAYS), tuple(angle.tolist())
     spread = tuple(each.name for each in figures if each.name in uncertain)
     lists = tables.trace_names(traces), tables.ledger_names(ledger), inputs, spread
-    found = Names(figures, effects, states, angles, *lists)
+    by = tuple(numbers.items()), tuple(each.name for each in figures if each.name in sloped)
+    found = Names(figures, effects, states, angles, *lists, *by)
     return found, {name: tuple(sorted(several)) for name, several in words.items()}
 
 
@@ -100,6 +108,7 @@ class Plan:
         self.columns += list(self._ledger()) if names.ledger else []
         self.columns += list(self._uncertainty()) if names.inputs else []
         self.changes = list(self._changes()) if names.inputs else []
+        self.slopes = list(self._slopes()) if names.numbers else []
 
     def texts(self, words: Mapping[str, Sequence[str]]) -> list[Column]:
         """Make the variables of texts of which `words` are the different ones; return those with values."""
@@ -202,6 +211,24 @@ class Plan:
             attributes = number_attributes(told) | self._beside
             data = self.layout.empty(group, figure.name, shape, float, dimensions, attributes)
             yield Column(data, lambda table, name=figure.name: self._changed(table, name))
+
+    def _slopes(self) -> Iterator[Column]:
+        """Make the derivatives of the figures, over the numbers; what is told of these may differ from case to case."""
+        group, paths = self._group(slopes.DERIVATIVES), [path for path, _ in self.names.numbers]
+        about = flag_attributes(paths, "number of the scene")
+        counted = np.arange(len(paths), dtype=flag_type(len(paths)))
+        self.layout.coordinate(group, slopes.NUMBER, counted, about | {"labels": "\n".join(paths)})
+        shape, dimensions = (*self.shape, len(paths)), (*self._dimensions, slopes.NUMBER)
+        words = sorted({unit for _, unit in self.names.numbers})
+        data = self.layout.texts(group, slopes.UNITS, words, shape, dimensions, "SI unit of the number")
+        units = np.array([words.index(unit) for _, unit in self.names.numbers], np.int32)
+        yield Column(data, lambda table: np.tile(units, (len(table), 1)))
+        units_of = {each.name: each.units for each in self.names.figures}
+        told = {tables.VALUE: slopes.about_value(), tables.EXACT: slopes.IS_EXACT}
+        told |= {name: slopes.about_slope(name, units_of[name]) for name in self.names.sloped if name not in group}
+        for name, attributes in told.items():
+            data = self.layout.empty(group, name, shape, float, dimensions, attributes | self._beside)
+            yield Column(data, lambda table, name=name: tables.slopes_of(table, name, paths))
 
     def _uncertain(self) -> Iterator[Figure]:
         return (each for each in self.names.figures if each.name in self.names.uncertain)

@@ -40,6 +40,7 @@ def save(
     """Write one result, or those of all cases of the scene's sweep (last axis fastest), to an HDF5 file.
 
     Of one result the knock-out is written, too, where there is one, and derivatives that are given.
+    Of several those are written that are known, when the scene says `output.derivatives: all`.
     The cycle is kept for one result, and for a sweep when the scene says `output.keep: cycle`. An existing file
     is replaced. Raise UsageError in one line when the system refuses; the old file stays then.
     """
@@ -49,7 +50,9 @@ def save(
         with Draft(Path(path), scene, (), command) as draft:
             draft.complete(one, results.knock_out, beside)
     else:
-        table = table_of(results, keep_cycle=scene.output.keep == "cycle")
+        table = table_of(
+            results, keep_cycle=scene.output.keep == "cycle", keep_slopes=scene.output.derivatives == "all"
+        )
         write_tables(Path(path), scene, axes_of(scene), InMemory(table), command)
 
 
@@ -121,6 +124,10 @@ class Draft:
             if plan.traces:
                 full = (*plan.shape, len(names.angle))
                 for _ in _fill(plan.traces, plan.shape, full, source.tables(traces=True)):
+                    self._check()
+            if plan.slopes:
+                full = (*plan.shape, len(names.numbers))
+                for _ in _fill(plan.slopes, plan.shape, full, source.tables(traces=False)):
                     self._check()
             if plan.changes:
                 full = (*plan.shape, len(names.inputs))

@@ -101,11 +101,22 @@ def _pump(scene: Scene) -> Iterator[Fault]:
     assert supply is not None
     if supply.discharge_temperature is not None:
         yield from _sought(scene)
-    elif supply.ratio is None:
+    elif supply.ratio is None and supply.flow is None:
         yield Fault("oil_supply.ratio", "is missing (kind: pump needs it, e.g. ratio: 3)")
+    if supply.flow is not None:
+        beside = "oil_supply.ratio" if supply.ratio is not None and not isinstance(supply.ratio, Found) else ""
+        beside = beside or ("oil_supply.discharge_temperature" if supply.discharge_temperature is not None else "")
+        if beside:
+            what = f"is given beside {beside} (remove one of the two, null in place of a base's)"
+            yield Fault("oil_supply.flow", what)
     for name in ("orifice_diameter", "orifice_length"):
         if getattr(supply, name) is not None:
             yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
+    if supply.orifice_count != 1.0:
+        yield Fault("oil_supply.orifice_count", "belongs to kind: displacement (remove it, or change the kind)")
+    if supply.line is not None:
+        what = "is the line of displaced oil; with kind: pump the pump pays its loss (write it under effects.oil_pump)"
+        yield Fault("oil_supply.line", what)
 
 
 def _sought(scene: Scene) -> Iterator[Fault]:
@@ -137,6 +148,8 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.discharge_temperature", what)
     if supply.ratio is not None:
         yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
+    if supply.flow is not None:
+        yield Fault("oil_supply.flow", "belongs to kind: pump; displaced oil follows from its bore (remove it)")
     if supply.source != "separator":
         yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
     if supply.orifice_diameter is None:
@@ -146,6 +159,9 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         what = f"is {length:.3g} diameters: no formula holds for so long a bore"
         low, high = FITTED_SLENDERNESS
         yield Fault("oil_supply.orifice_length", f"{what} (choose {low:g} to {high:g} diameters)")
+    if supply.line is not None and "oil_injection" in scene.effects:
+        what = "is that of oil which enters at one angle (write it under effects.oil_injection, whose bore it leads to)"
+        yield Fault("oil_supply.line", what)
     if scene.oil is not None and not scene.oil.knows_viscosity:
         yield Fault("oil.viscosity", "is missing (oil_supply.kind: displacement needs it, e.g. viscosity: 20 mPa s)")
 

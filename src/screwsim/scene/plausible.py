@@ -15,6 +15,7 @@ from typing import Any
 from screwsim.declare import ANY, KINDS
 from screwsim.faults import UsageError
 from screwsim.fluid import constants
+from screwsim.machine.rotors.settings import Profile, unread
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, GAS_COOLER, GAS_COOLER_P, P_D, T_S
@@ -29,7 +30,7 @@ PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """Return what of a scene that `cross_check` finds in order hardly is so, each in one line led by its path."""
-    found = [*_fields(scene), *size_warnings(scene), *_lines(scene), *_oil(scene)]
+    found = [*_fields(scene), *_profile(scene), *size_warnings(scene), *_lines(scene), *_oil(scene)]
     return tuple(f"{path}: {what}; {MEANT}" for path, what in found)
 
 
@@ -104,6 +105,13 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
             here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
             what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas from {until} on"
             yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
+
+
+def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield what of the rotors' profile is stated and not read."""
+    profile = getattr(scene.machine, "profile", None)
+    if isinstance(profile, Profile):
+        yield from unread(profile)
 
 
 def _critical(scene: Scene) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.declare import Found, choice, number, quantity, word
 from screwsim.effects.base import Effect, PressureLosses
-from screwsim.fluid.settings import GasSettings, OilSettings
+from screwsim.fluid.settings import GasSettings, OilLine, OilSettings
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
@@ -167,6 +167,9 @@ class OilSupply:
         le=HOTTEST,
         hardly=(210.0, 450.0),
     )
+    flow: float | None = quantity(
+        "volume_flow", "of the oil that the pump displaces, e.g. 60 L/min, in place of ratio (M393)", None, gt=0.0
+    )
     temperature: float | None = quantity(
         "temperature",
         "temperature of the injected oil (absent: effects.separator finds it)",
@@ -183,13 +186,15 @@ class OilSupply:
     orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
     orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)
     orifice_count: float = number("number of such bores", 1.0, gt=0.0, le=1e6, hardly=(None, 100.0))
+    line: OilLine | None = None
 
 
 @dataclass(frozen=True)
 class Output:
-    """What a sweep stores."""
+    """What a sweep stores of each point; derivatives are stored of a run, too."""
 
     keep: str = choice("performance figures only, or the cycle traces too", ("performance", "cycle"), "performance")
+    derivatives: str = choice("of each point, by none or by all numbers of the scene", ("none", "all"), "none")
 
 
 @dataclass(frozen=True)

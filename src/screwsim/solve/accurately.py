@@ -11,6 +11,7 @@ import numpy as np
 from screwsim.cycle.close import again, close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.fallbacks import fallbacks
+from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
@@ -102,10 +103,14 @@ def asked_for(problem: Problem, tightness: float) -> Wanted:
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
-    """Close a closed cycle once more, with finer tolerances; the old one stays where that fails."""
-    watch, problem = Watch(machinery), accurate.evaluation.problem
+    """Close a closed cycle once more, with finer tolerances; the old one stays where that fails.
+
+    It begins with what the last turn made of the lines: a cycle may close while that is far from what the turn met,
+    where next to nothing flows back, and every first turn would do so again.
+    """
+    watch, of, problem = Watch(machinery), accurate.evaluation, accurate.evaluation.problem
     wanted = accurate.wanted.tighter(TIGHTER)
-    cycle = _tighter(problem, machinery, wanted, accurate.cycle)
+    cycle = _tighter(problem, machinery, wanted, accurate.cycle, problem.entries.possible(of.image))
     watch.lap("closing")
     counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
     accurate = accurate._replace(counts=counts, closing_time=spent)
@@ -114,9 +119,13 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), wanted=wanted)
 
 
-def _tighter(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
-    """Return a closed cycle closed again, with its drive."""
+def _tighter(
+    problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, made: Array | None = None
+) -> CycleSolution:
+    """Return a closed cycle closed again, with its drive; from what it `made` of the unknowns, where that is given."""
     machinery.put(cycle.trajectory)
+    if made is not None:
+        set_unknowns(problem, machinery, made)
     return settled(problem, machinery, wanted, again(problem, machinery, wanted, cycle))
 
 

@@ -75,7 +75,7 @@ def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
     """Return the results of blocks, cases in the order of their values."""
     began = time.perf_counter()
     results = [result for found in _found(job, blocks) for result in found]
-    return table_of(results, keep_cycle=job.keep_cycle), time.perf_counter() - began
+    return table_of(results, keep_cycle=job.keep_cycle, keep_slopes=True), time.perf_counter() - began
 
 
 def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:

@@ -34,6 +34,8 @@ def write_part(path: Path, table: Table) -> None:
         "ledger": list(table.ledger),
         "inputs": table.inputs,
         "changes": list(table.changes),
+        "by": dict(table.numbers),
+        "slopes": list(table.slopes),
         "about": [asdict(each) for each in table.about],
     }
     arrays = {
@@ -44,6 +46,7 @@ def write_part(path: Path, table: Table) -> None:
         "angle": table.angle,
         "ledger": np.array(list(table.ledger.values()), float),
         "changes": np.array(list(table.changes.values()), float),
+        "slopes": np.array(list(table.slopes.values()), float),
         **{_TRACE + name: trace for name, trace in table.traces.items()},
     }
     with replacing(path) as temporary, temporary.open("wb") as stream:
@@ -67,6 +70,7 @@ def _read(path: Path, traces: bool, cases: bool) -> Table:
         names = [name for name in stored.files if traces and name.startswith(_TRACE)]
         numbers = stored["numbers"] if cases else [none] * len(TEXTS)
         ledger = stored["ledger"] if cases and about["ledger"] else [none] * len(about["ledger"])
+        slopes = stored["slopes"] if cases and about["slopes"] else [none] * len(about["slopes"])
         changes = stored["changes"] if cases and about["changes"] else [none] * len(about["changes"])
         return Table(
             status=stored["status"] if cases else none,
@@ -80,6 +84,8 @@ def _read(path: Path, traces: bool, cases: bool) -> Table:
             about=_figures(about),
             inputs=tuple(about["inputs"]),
             changes=dict(zip(about["changes"], changes, strict=True)),
+            numbers=dict(about["by"]),
+            slopes=dict(zip(about["slopes"], slopes, strict=True)),
         )
 
 
@@ -120,16 +126,21 @@ def _is_sound(table: Table, cases: int) -> bool:
         and all(trace.shape == (cases, table.angle.size) for trace in table.traces.values())
         and all(values.shape == (cases,) for values in table.ledger.values())
         and all(values.shape == (cases, len(table.inputs)) for values in table.changes.values())
+        and all(values.shape == (cases, len(table.numbers)) for values in table.slopes.values())
         and all(each.dtype.kind == "f" for each in (table.figures, table.angle, *_more(table)))
     )
 
 
 def _names(table: Table) -> tuple[str, ...]:
-    return (*table.effects, *table.states, *table.ledger, *table.inputs, *table.changes)
+    return (*table.effects, *table.states, *table.ledger, *table.inputs, *table.changes, *_texts(table))
 
 
 def _more(table: Table) -> tuple[np.ndarray, ...]:
-    return (*table.traces.values(), *table.changes.values())
+    return (*table.traces.values(), *table.changes.values(), *table.slopes.values())
+
+
+def _texts(table: Table) -> tuple[str, ...]:
+    return (*table.numbers, *table.numbers.values(), *table.slopes)
 
 
 def _in_range(values: np.ndarray, cases: int, first: int, stop: int) -> bool:

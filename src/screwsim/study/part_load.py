@@ -173,12 +173,13 @@ def _at_best(
 
 
 def _top(cop: dict[float, float]) -> float:
-    """Return the ratio of the largest COP, of the parabola through it and its neighbours where it has two."""
+    """Return where the parabola through the largest COP and its neighbours is highest, among the three ratios."""
     tried = sorted(cop)
     i = tried.index(max(tried, key=lambda ratio: cop[ratio]))
-    if not 0 < i < len(tried) - 1:
+    if len(tried) < 3:
         return tried[i]
-    near = tried[i - 1 : i + 2]
+    first = min(max(i - 1, 0), len(tried) - 3)  # at an end: the next two
+    near = tried[first : first + 3]
     a, b, _ = np.polyfit(np.array(near) - tried[i], [cop[ratio] for ratio in near], 2)
     return tried[i] if a >= 0.0 else float(np.clip(tried[i] - 0.5 * b / a, near[0], near[2]))
 

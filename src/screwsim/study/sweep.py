@@ -271,11 +271,15 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
     from screwsim.simulate import simulate_many  # by the module's own name: the package has a function of that name
 
     many = partial(simulate_many, trace=scene.output.keep == "cycle")
-    if not scene.uncertain:
-        return many
-    from screwsim.study.uncertain import simulate_uncertain
+    if scene.uncertain:
+        from screwsim.study.uncertain import simulate_uncertain
 
-    return partial(simulate_uncertain, many)
+        many = partial(simulate_uncertain, many)
+    if scene.output.derivatives == "all":
+        from screwsim.study.kept_slopes import simulate_with_slopes
+
+        many = partial(simulate_with_slopes, many)
+    return many
 
 
 def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 
 from screwsim.declare import DerivedWord, choice, file, number, quantity
 from screwsim.faults import Fault
@@ -13,6 +14,7 @@ _NEEDS = {
     "rack": ("male_tip_radius", "female_tip_radius", "flank_radius", "pressure_angle", "root_radius"),
     "points": ("file",),
 }
+_READS = {**_NEEDS, "points": ("file", "curve", "tolerance", "smoothing")}
 
 
 @dataclass(frozen=True)
@@ -79,3 +81,13 @@ def check_settings(profile: Profile) -> list[Fault]:
         for name in _NEEDS[profile.kind]
         if getattr(profile, name) is None
     ]
+
+
+def unread(profile: Profile) -> Iterator[tuple[str, str]]:
+    """Yield (path, what) of each parameter that is stated and that this kind of profile does not read."""
+    defaults = {each.name: each.default for each in fields(profile)}
+    for name in dict.fromkeys(name for names in _READS.values() for name in names):
+        value = getattr(profile, name)
+        if name not in _READS[profile.kind] and value not in (None, defaults[name]):
+            kinds = " and ".join(kind for kind, names in _READS.items() if name in names)
+            yield f"machine.profile.{name}", f"belongs to kind: {kinds}, and kind: {profile.kind} does not read it"

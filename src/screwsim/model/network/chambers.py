@@ -28,7 +28,6 @@ from screwsim.numerics.kernel import Kernel
 CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"
 GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a place, with derivatives by T and rho
 NOZZLE = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
-SLOPES = len(GAS) * 2  # that are kept of each chamber
 BOTH = ("T", "rho")
 BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: how names of its numbers end, and the number of the chamber
 
@@ -37,16 +36,17 @@ BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: how names of its number
 def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel, ...]]:
     """Return the functions of all chambers of a network, given by its key, and the kernels that they call."""
     network = Network(*key)
-    chambers = Chambers(network)
+    chambers, exact = Chambers(network), Chambers(network, exact=True)
     of_one = [*place_texts(network), *between_texts(network), *step_texts(network)]
-    texts = chambers.rates(), chambers.jacobian(), *step_texts_together(network), *of_one
-    return texts, (*network.kernels.values(), *chambers.tangents)
+    jacobians = chambers.jacobian(), *((exact.jacobian(),) if network.varies else ())
+    texts = chambers.rates(), *jacobians, *step_texts_together(network), *of_one
+    return texts, (*network.kernels.values(), *chambers.tangents, *exact.tangents)
 
 
 def room(network: Network) -> int:
     """Return how many numbers the functions of all chambers write into their working array."""
-    n = network.chambers
-    return n * (SLOPES + len(given(network)) * (n * len(network.states) + 2))
+    n, slopes = network.chambers, len(BOTH) * len(GAS | (NOZZLE if network.varies else {}))
+    return n * (slopes + len(given(network)) * (n * len(network.states) + 2))
 
 
 def given(network: Network) -> tuple[str, ...]:
@@ -55,18 +55,24 @@ def given(network: Network) -> tuple[str, ...]:
 
 
 class Chambers(Cell):
-    """The functions of all chambers; `work` takes what each is given, slopes of its gas, and of what it is given."""
+    """The functions of all chambers; `work` takes what each is given, slopes of its gas, and of what it is given.
+
+    The integrator's Jacobian takes a gas's exponent and choking for constant; an `exact` one follows them.
+    """
 
     e = "e + "
     lines = "ALL_LINES"
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: Network, exact: bool = False) -> None:
         super().__init__(network)
+        self.jacobian_name = "exact_jacobian" if exact else "jacobian"
+        self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)  # what of a place has derivatives
+        self.of_gas = [(name, seed) for name in self.gas for seed in BOTH]
         self.n, self.width = len(network.states), len(given(network))
         self.size = f"E_AREAS + {len(network.ports) + len(network.gaps)}"
         self.columns = network.chambers * self.n + 1
         self.kept = network.chambers * self.width  # where the slopes of the gas begin
-        self.slopes = self.kept + network.chambers * SLOPES  # where those of what is given begin
+        self.slopes = self.kept + network.chambers * len(self.of_gas)  # where those of what is given begin
         self.tangents: list[Kernel] = []
 
     # ---- gaps --------------------------------------------------------------------------------------------------
@@ -80,8 +86,8 @@ class Chambers(Cell):
 
     def _read_slopes(self, to: Statements, of: str, j: str) -> None:
         """Read the derivatives of a chamber's gas by its temperature and density."""
-        for i, (name, seed) in enumerate((name, seed) for name in GAS for seed in BOTH):
-            to.add(f"{slope_name(name + of, seed + of)} = work[{self.kept} + {j} * {SLOPES} + {i}]")
+        for i, (name, seed) in enumerate(self.of_gas):
+            to.add(f"{slope_name(name + of, seed + of)} = work[{self.kept} + {j} * {len(self.of_gas)} + {i}]")
 
     def _other(self, of: str) -> Place:
         """Return the names of the numbers of another chamber's place."""
@@ -155,12 +161,12 @@ class Chambers(Cell):
 
     def _tangent(self, to: Statements, gap: Gap) -> Tangent:
         """Return what a gap gives with its derivatives."""
-        pairs = [(name + of, seed + of) for name in GAS for seed in BOTH for of, _ in BOTH_SIDES]
+        pairs = [(name + of, seed + of) for name, seed in self.of_gas for of, _ in BOTH_SIDES]
         slopes = {pair: slope_name(*pair) for pair in pairs} | {("area", "phi"): "(next_area - area) * per_delta"}
         if self.network.slow and gap.drag:
             slopes["slow", "phi"] = self.by_angle()["slow", "phi"]
         to.add(*(f"{slope_name(*pair)} = {slopes[pair]}" for pair in slopes if "phi" in pair))
-        held = [f"{name}{of}" for name in CONSTANT for of, _ in BOTH_SIDES]
+        held = [f"{name}{of}" for name in self.constant for of, _ in BOTH_SIDES]
         found = Tangent(self._given(gap), tuple(self._columns_by_seed), self.network.kernels, slopes, held)
         self.tangents += found.kernels
         return found
@@ -250,7 +256,7 @@ class Chambers(Cell):
         """Fill the places of all chambers, and keep the derivatives of their gas."""
         network, body = self.network, Statements()
         balances.gas_state(body, network)
-        tangent = Tangent(body.lines, BOTH, network.kernels, {}, CONSTANT)
+        tangent = Tangent(body.lines, BOTH, network.kernels, {}, self.constant)
         self.tangents += tangent.kernels
         with to.within(f"for j in range({network.chambers})"):
             to.add(f"T = y[j * {self.n}]", f"rho = y[j * {self.n} + 1]")
@@ -258,8 +264,8 @@ class Chambers(Cell):
             to.add(*(["phase = gas_phase(T, rho, P, TAB)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
             to.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
-            for i, (name, seed) in enumerate((name, seed) for name in GAS for seed in BOTH):
-                to.add(f"work[{self.kept} + j * {SLOPES} + {i}] = {tangent.slope(name, seed)}")
+            for i, (name, seed) in enumerate(self.of_gas):
+                to.add(f"work[{self.kept} + j * {len(self.of_gas)} + {i}] = {tangent.slope(name, seed)}")
 
     def jacobian(self) -> str:
         """Return the text of the rates of all chambers and their derivatives by the states and by the angle."""
@@ -277,17 +283,16 @@ class Chambers(Cell):
             self._taken(to)
             slopes = self.by_angle()
             to.add(*(f"{slope_name(name, 'phi')} = {slopes[name, 'phi']}" for name in ("V", "dV")))
-            slopes |= {(name, seed): slope_name(name, seed) for name in GAS for seed in BOTH}
+            slopes |= {pair: slope_name(*pair) for pair in self.of_gas}
             seeds = (*states, "phi", *(f"{quantity}_between" for quantity in quantities))
-            tangent = Tangent(self._body(True), seeds, network.kernels, slopes, CONSTANT)
+            tangent = Tangent(self._body(True), seeds, network.kernels, slopes, self.constant)
             self.tangents += tangent.kernels
             to.add(*tangent.lines)
             self._stored(to)
             self._columns(to, tangent)
         text = '"""Fill f, g and their derivatives by y and by phi, for all chambers; E_next is E at phi + delta."""'
-        return function(
-            "chambers__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)", [text, CONTEXT], to.lines
-        )
+        head = f"chambers__{self.jacobian_name}(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)"
+        return function(head, [text, CONTEXT], to.lines)
 
     def _columns(self, to: Statements, tangent: Tangent) -> None:
         """Store the derivatives of a chamber's rates, by its own states and by what the others give it."""

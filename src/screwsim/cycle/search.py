@@ -1,0 +1,202 @@
+"""A cycle sought by Newton's method from afar, where iterating the pitch leads away from it or hardly nearer.
+
+A steady cycle that a machine's own course leaves (docs/explanation/numerics.md, cycles that are not there to be found)
+is still a zero of what a pitch changes, F(x) = Φ(x) − x, in the coordinates that closing iterates on. Its derivatives
+are those of the linearised pitch (`tangents`), at every step anew. A step is as long as the next one, by the same
+derivatives, is shorter for it.
+
+Source: P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, section 3.3 (natural monotonicity test).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from screwsim.cycle.coordinates import logarithms, states_of
+from screwsim.cycle.feedback import image as image_of
+from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.linear_pitch import shifted
+from screwsim.cycle.mixing import Pace
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.simultaneous import close_together
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.tangents import linearised
+from screwsim.cycle.wanted import Wanted
+from screwsim.model.run import Machinery
+
+Array = np.ndarray
+SEARCH = "Newton's method from afar"
+FINE = 1e-5  # tolerance of a step, at most
+SLICES = 48  # of a pitch that is linearised: far from the cycle a coarse one leads astray
+FOUND = 0.1  # of the tolerance: what a pitch changes where the cycle is found
+LONGEST = 1.0  # step, in coordinates
+LEAST_SHARE = 0.01  # of a Newton step: where only less would do, this is no way to the cycle
+STEP = 1e-4  # of a change of the quadratures and unknowns, for differences of what they make of the unknowns
+SINGULAR = 1e-12  # a derivative over the largest, below which it tells of no way
+MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates from one beginning
+MOST_TO_VERIFY = 1_000_000  # and in closing what was found
+BETWEEN = 300_000  # evaluations of damped pitches from one beginning to the next
+PITCHES_BETWEEN = 400  # and so many pitches at most
+
+
+def possible(problem: Problem) -> bool:
+    """Tell whether pitches can be linearised: not of one chamber, nor what a pulsating line's swing is made of."""
+    return problem.composition.chambers > 1 and not problem.composition.pulsating
+
+
+def sought_on(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int) -> CycleSolution:
+    """Return the cycle found from the states y by searches, each begun some damped pitches after the one before."""
+    budget = int(machinery.counts[2]) + most
+    while True:
+        cycle = close_together(problem, machinery, wanted, y, pace, BETWEEN, PITCHES_BETWEEN)
+        if cycle.status != "not_closed" or machinery.counts[2] > budget:
+            return cycle
+        y, met = cycle.y, unknowns(problem, machinery)
+        found = sought(problem, machinery, wanted, y.copy())
+        if found is not None:
+            return found
+        set_unknowns(problem, machinery, met)
+
+
+def sought(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -> CycleSolution | None:
+    """Return the cycle that a search from the states y finds, closed by pitches as any other; None where none is."""
+    found = searched(problem, machinery, wanted, y)
+    if found is None:
+        return None
+    fine = replace(wanted, rtol=min(wanted.rtol, FINE))
+    cycle = close_together(problem, machinery, fine, found, most=MOST_TO_VERIFY)
+    return cycle if cycle.status == "ok" else None
+
+
+def searched(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -> Array | None:
+    """Return states of all chambers from which a pitch changes next to nothing, the unknowns set to theirs; or None."""
+    pitch = _Pitch(problem, machinery, wanted)
+    budget = int(machinery.counts[2]) + MOST_OF_A_SEARCH
+    here, share = pitch.first(y), 1.0
+    before: tuple[Array, Array] | None = None  # the last step, and the one that was to follow it
+    while here is not None and machinery.counts[2] < budget:
+        if float(np.abs(here.changed).max()) <= FOUND * wanted.tolerance:
+            found, met = pitch.values(here.x, here.raw)
+            set_unknowns(problem, machinery, met)
+            return found
+        inverse = pitch.inverse(here)
+        if inverse is None:
+            return None
+        step = -inverse @ here.changed
+        if before is not None:
+            share *= _length(before[0]) * _length(before[1]) / _product(before[1] - step, step)
+        share = min(max(share, LEAST_SHARE), LONGEST / max(float(np.abs(step).max()), LONGEST))
+        here, share, rest = _gone(pitch, here, step, inverse, share)
+        before = step, rest
+    return None
+
+
+def _gone(pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float) -> tuple[Place | None, float, Array]:
+    """Return where a share of a step leads, the share and the step that is left there, which is shorter; or no place.
+
+    The share is lessened as far as it takes.
+    """
+    rest, length, least = step, _length(step), min(LEAST_SHARE, share)
+    while share >= least:
+        there = pitch.at(here.x + share * step, here.raw)
+        if there is None:
+            share *= 0.5
+            continue
+        rest = -inverse @ there.changed
+        if _length(rest) < length:
+            return there, share, rest
+        share = min(0.5 * share, 0.5 * length * share * share / max(_length(rest - (1.0 - share) * step), 1e-300))
+    return None, share, rest
+
+
+def _length(step: Array) -> float:
+    return float(np.linalg.norm(step))
+
+
+def _product(a: Array, b: Array) -> float:
+    return max(_length(a) * _length(b), 1e-300)
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A point in coordinates, what a pitch changes there, and the states and unknowns that it made; their q."""
+
+    x: Array
+    changed: Array
+    raw: tuple[Array, Array]
+    q: Array
+
+
+class _Pitch:
+    """The map of a pitch in coordinates of states and unknowns, and its derivatives."""
+
+    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted) -> None:
+        self.problem, self.machinery, self.rtol = problem, machinery, min(wanted.rtol, FINE)
+        self.c = machinery.composition
+        self.c.P[self.c.widths] = wanted.widths
+
+    def first(self, y: Array) -> Place | None:
+        """Return the place of the states y and of the unknowns as they are set."""
+        raw = y, unknowns(self.problem, self.machinery)
+        return self.at(self._coordinates(*raw), raw)
+
+    def _coordinates(self, y: Array, met: Array) -> Array:
+        return np.concatenate([logarithms(y, self.c), self.problem.entries.coordinates(met)])
+
+    def values(self, x: Array, raw: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Return states and unknowns; what is too little to count keeps its raw value."""
+        n = len(raw[0])
+        return states_of(x[:n], raw[0], self.c), self.problem.entries.values(x[n:], raw[1])
+
+    def at(self, x: Array, raw: tuple[Array, Array]) -> Place | None:
+        """Return what a pitch changes from x, left as the last history; None where its integration stops."""
+        machinery, (end, met) = self.machinery, self.values(x, raw)
+        set_unknowns(self.problem, machinery, met)
+        status, _, _, q = machinery.pitch(end, self.rtol, 1e-3)
+        if status != 0:
+            return None
+        made = image_of(self.problem, machinery.trajectory, q)
+        to = machinery.shift(end), made
+        changed = self._coordinates(*to) - x
+        machinery.install_coupled()
+        return Place(x, changed, to, q) if np.isfinite(changed).all() else None
+
+    def inverse(self, here: Place) -> Array | None:
+        """Return the inverse of the derivatives of the change where the last pitch began; None where it has none."""
+        try:
+            J = self._derivatives(here)
+            return np.linalg.pinv(J, rcond=SINGULAR) if np.isfinite(J).all() else None
+        except np.linalg.LinAlgError:
+            return None
+
+    def _derivatives(self, here: Place) -> Array:
+        problem, machinery, entries = self.problem, self.machinery, self.problem.entries
+        y, met = self.values(here.x, here.raw)
+        tangents = linearised(problem, machinery, met, SLICES)
+        N, size = len(y), len(here.x)
+        start, sources = np.eye(N, size), np.zeros((SLICES, N, size))
+        sources[:, :, N:] = tangents.by_unknowns
+        along = tangents.along(start, sources)
+        sums = tangents.summed(along, sources)
+        sums[:, N:] += tangents.sums_by_unknowns.sum(axis=0)
+        J = np.empty((size, size))
+        J[:N] = shifted(along[-1], self.c.chambers)
+        at_met, at_made = entries.coordinates(met), entries.coordinates(here.raw[1])
+        for j, values in enumerate(self._beside(at_met, met, N)):
+            set_unknowns(problem, machinery, values)
+            made = image_of(problem, machinery.trajectory, here.q + STEP * sums[:, j])
+            J[N:, j] = (entries.coordinates(made) - at_made) / STEP
+        set_unknowns(problem, machinery, met)
+        return J - np.eye(size)
+
+    def _beside(self, coordinates: Array, met: Array, states: int) -> Iterator[Array]:
+        """Yield the unknowns as they are met, once for each state, and with each of them shifted."""
+        for _ in range(states):
+            yield met
+        for j in range(len(met)):
+            there = coordinates.copy()
+            there[j] += STEP
+            yield self.problem.entries.values(there, met)
