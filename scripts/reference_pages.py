@@ -1,12 +1,13 @@
-"""Write docs/reference/scene.md (all keys of a scene) and docs/reference/figures.md (all results) from the code.
+"""Write docs/reference: scene.md (all keys of a scene), figures.md (all results), equations.md, from the code.
 
     python scripts/reference_pages.py
 
-A test holds both pages to what this writes.
+A test holds the pages to what this writes.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,9 @@ from screwsim.figures import known, needs_of
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene import schema
 from screwsim.scene.keys import ABSENT, REQUIRED, SECTIONS, Key, effect_keys_of, section_keys
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # a test takes this file by its path
+from equations_page import equations_page
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
 SCENE_HEAD = """\
@@ -122,7 +126,7 @@ def figures_page() -> str:
     return "\n".join(parts)
 
 
-PAGES = {"scene.md": scene_page, "figures.md": figures_page}
+PAGES = {"scene.md": scene_page, "figures.md": figures_page, "equations.md": equations_page}
 
 if __name__ == "__main__":
     for file, page in PAGES.items():

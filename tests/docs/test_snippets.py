@@ -11,6 +11,7 @@ import tomllib
 from pathlib import Path
 
 import calls
+import programs
 import pytest
 import yaml
 from shown import commands, lines, missing
@@ -52,13 +53,7 @@ LONG = (
 STAYS = "screwsim explore"  # until it is interrupted
 DRAWN = ("screwsim optimize", "--posterior", "--predict")  # chains and generations differ by processor
 RUN_LONG = bool(os.environ.get("SCREWSIM_LONG_SNIPPETS"))
-# what no test starts, and why
-NOT_STARTED = {
-    "python": "scripts of the repository are other tests' and take their time: the file is there and is Python",
-    "scripts/": "programs of the repository run for long: the file is there",
-    "pip install": "asks a network: the extras that it names are there",
-    "python3 -m venv": "asks a network behind it",
-}
+INSTALLS = ("pip install", "python3 -m venv")  # run by test_installing.py
 CALL = re.compile(r"(?<!# )(?<!\S)screwsim (?=[a-z])[^;'&\n]+")  # within lines of a shell
 
 
@@ -147,15 +142,15 @@ class Page:
         words[0] = words[0].removeprefix(".venv/bin/") if words[0].endswith("screwsim") else words[0]
         said = " ".join(words)
         if words[0] != "screwsim":
-            assert any(said.startswith(begin) for begin in NOT_STARTED), f"{said}: nobody knows what to do with it"
-            script = Path(words[1] if words[0] == "python" else words[0])
-            if words[0] == "python":
-                ast.parse(script.read_text(encoding="utf-8"))
-            assert words[0] != "scripts/" or script.is_file()
+            if not said.startswith(INSTALLS):
+                programs.run(said, Path.cwd(), RUN_LONG)
             return
         arguments, into = (words[1:-2], words[-1]) if words[-2] == ">" else (words[1:], None)
-        long = said.startswith(STAYS) or (not RUN_LONG and said.startswith(LONG))
-        if long or self.promised & set(arguments):
+        if said.startswith(STAYS):
+            calls.check(arguments, self.promised)
+            programs.open_page(words, Path.cwd())
+            return
+        if (not RUN_LONG and said.startswith(LONG)) or self.promised & set(arguments):
             parameters = calls.check(arguments, self.promised)
             self.promised |= {str(parameters.get(name)) for name in ("output", "best")} - {"None"}
             return
@@ -175,8 +170,9 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
     for name in ("configs", "validation"):  # what commands may write to
         shutil.copytree(ROOT / name, tmp_path / name)
-    for name in ("scripts", "benchmarks", "tests"):
-        os.symlink(ROOT / name, tmp_path / name)
+    for name in ("scripts", "benchmarks"):  # each finds what it writes to from where it lies
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    os.symlink(ROOT / "tests", tmp_path / "tests")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -219,7 +215,7 @@ def test_a_block_that_nobody_checks_is_seen():
 
 def test_what_is_left_out_is_still_on_a_page():
     said = all_commands()
-    for begin in (*LONG, *NOT_STARTED):
+    for begin in (*LONG, *INSTALLS, *programs.PROGRAMS):
         assert any(each.startswith(begin) for each in said), begin
 
 

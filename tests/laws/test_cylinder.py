@@ -25,6 +25,7 @@ def test_wide_valves_approach_the_ideal_cycle(clearance, ratio):
     scene = cylinder(numerics__accuracy=3e-5, operation__discharge__pressure=ratio * P_S)
     scene = with_values(scene, {"machine.clearance": clearance * scene.machine.swept_volume})
     expected = ideal_volumetric_efficiency(scene)
+    # S23
     work = K / (K - 1.0) * P_S * expected * scene.machine.swept_volume * (ratio ** ((K - 1.0) / K) - 1.0)
     short = []
     for factor in (1.0, 10.0, 100.0):

@@ -1,4 +1,4 @@
-"""An expander is the machine run backwards: mirrored laws, the work of the ideal cycle, its figures and their nulls."""
+"""An expander is the machine run backwards: mirrored laws, the ideal cycle, figures (M151, M152) and their nulls."""
 
 import math
 from pathlib import Path
@@ -52,7 +52,7 @@ def volumes(scene):
 
 @pytest.mark.parametrize(("p_d", "what"), [(3.0, "over-expanded"), (2.0, "under-expanded")])
 def test_the_ideal_cycle_has_its_work(p_d, what):
-    """Filling at p_s, isentropic expansion by the built-in ratio, pushing out at p_d; the dead volume's gas swings."""
+    """M153: filling at p_s, isentropic expansion by the built-in ratio, pushing out at p_d; the dead volume swings."""
     changes = {**IDEAL, "operation.discharge": {"pressure": f"{p_d} bar"}}
     V_in, V_end, V_min = volumes(make(changes))
     p_s, p_d = 10e5, p_d * 1e5

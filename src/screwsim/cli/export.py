@@ -44,6 +44,13 @@ Most = Annotated[int | None, option("N", "Cases of the grid at most (default: 50
 RANGES = "narrow the ranges, or allow more --most-cases"
 
 
+def _told_of_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
+    from screwsim.export.polynomial_table import check_inputs
+
+    check_inputs(inputs)
+    _told(scene, inputs)
+
+
 def _told(scene: Scene, inputs: Sequence[Input]) -> None:
     from screwsim.export.inputs import range_of
 
@@ -60,6 +67,7 @@ def made(
     overrides: Overrides,
     without: Without,
     jobs: Jobs,
+    told: Callable[[Scene, Sequence[Input]], None] | None = None,
 ) -> Table:
     """Return the map that a command names, and say on stderr what is simulated for it."""
     from screwsim.export.source import map_of
@@ -75,7 +83,7 @@ def made(
         without or (),
         jobs,
         lambda: for_terminal("export"),
-        _told,
+        told or _told,
     )
 
 
@@ -102,6 +110,10 @@ def fmu(
     sources_only: Annotated[
         bool, typer.Option("--sources-only", help="Do not compile: C for whoever imports it.")
     ] = False,
+    kind: Annotated[
+        Literal["table", "polynomial"],
+        option("table|polynomial", "C1 table, or AHRI 540 polynomials of both saturation temperatures.", "--map"),
+    ] = "table",
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -115,7 +127,12 @@ def fmu(
     keep_others(output, b"PK\x03\x04")
     if not sources_only:
         compiler()  # is asked for before the map is simulated
-    table = made(source, over, figures, wanted, most, overrides, without, jobs)
+    told = _told_of_polynomials if kind == "polynomial" else None
+    table = made(source, over, figures, wanted, most, overrides, without, jobs, told)
+    if kind == "polynomial":
+        from screwsim.export.polynomial_table import polynomial_table
+
+        table = polynomial_table(table, wanted)
     make_folder(output.parent)
     write_fmu(table, output, version, compiled=not sources_only)
     return ended(table, [str(output)], as_json)

@@ -88,6 +88,7 @@ def length_area(phi, gap, TAB, curve):
     return gap * table_value(phi, TAB, curve)
 
 
+# M23
 @kernel
 def ramp(phi, start, full, fall, end):
     """Return 0 outside (start, end), 1 inside [full, fall], and C1 cubic ramps between."""

@@ -54,7 +54,7 @@ def efficiencies(
 
 @lru_cache(maxsize=8)
 def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
-    """Return isothermal, ideal isothermal and isentropic work [J/kg], and why there is no isothermal one."""
+    """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one."""
     ends = lines.p_s, lines.p_d, lines.T_s
     ideal = gas.ideal_isothermal_work(*ends)
     if lines.quality is not None:

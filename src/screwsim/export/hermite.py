@@ -67,6 +67,13 @@ def evaluate(grid: Grid, x: Array) -> tuple[Array, Array]:
     return found, inside
 
 
+def slopes(x: Array, values: Array, axis: int) -> Array:
+    """Return the slopes of values along an axis whose nodes are x, those of a cubic spline, linear in the values."""
+    y = np.moveaxis(np.asarray(values, float), axis, 0)
+    found = _run(np.asarray(x, float), y.reshape(len(x), -1), limited=False)
+    return np.moveaxis(found.reshape(y.shape), 0, axis)
+
+
 def basis(t: Array, width: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Return the weights of value and slope at both ends of a step, at its share t."""
     s = 1.0 - t

@@ -154,7 +154,7 @@ class Bending(NamedTuple):
 
 
 def bend(rod: FlexibleRod, alpha: Array, load: Array, points: int = 47) -> Bending:
-    """Return deflection, moment, shear and stress of the beam at crank angles [rad] under axial loads P [N].
+    """Return deflection, moment, shear and stress of the beam at crank angles [rad] under axial loads P [N] (S12, S13).
 
     P is positive in tension. Compression must lie below `buckling_load`; `check_rod` says so.
     """

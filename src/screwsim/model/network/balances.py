@@ -1,6 +1,6 @@
 """The balances of one chamber as text: from the sums of its streams to the rates of its states.
 
-Source: docs/model.md M1–M9, M104–M110, M170, M230, M257. `network.chamber` and `network.chambers` write them.
+Source: docs/model.md M1–M9, M104–M110, M170, M230, M253, M257. `network.chamber` and `network.chambers` write them.
 """
 
 from __future__ import annotations

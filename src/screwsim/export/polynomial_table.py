@@ -1,0 +1,116 @@
+"""A map as ten-coefficient polynomials (AHRI 540, EN 12900) of both saturation temperatures, in a table's place.
+
+One polynomial for each figure at each node of the other inputs, between which its coefficients follow a cubic spline.
+A cell of cubic Hermite polynomials holds a cubic exactly, so that the same C reads it: two nodes a temperature are
+enough where every node of the table closed; else the table's nodes stay, with its flags.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from screwsim.export.hermite import Array, Grid, evaluate, slopes
+from screwsim.export.inputs import Input
+from screwsim.export.table import Table, scales
+from screwsim.faults import UsageError
+from screwsim.scene.operation import CONDENSING, EVAPORATING
+from screwsim.study.performance_map import TERMS
+
+FITTED = 6  # values of each temperature that a polynomial is fitted to
+
+
+def polynomial_table(table: Table, wanted: float | None = None) -> Table:
+    """Return a map whose figures are polynomials fitted to another's; raise UsageError without both temperatures.
+
+    Its errors are the largest differences from that table, at the table's nodes and half-way between, on top of the
+    table's own.
+    """
+    check_inputs(table.inputs)
+    paths = [one.path for one in table.inputs]
+    temperatures = [paths.index(EVAPORATING), paths.index(CONDENSING)]
+    grid = _grid(table.grid, temperatures)
+    points = _between(table.grid.nodes)
+    there, inside = evaluate(table.grid, points)
+    found, _ = evaluate(grid, points)
+    off = np.abs(found - there)[inside] / scales(table.outputs, np.where(inside[:, None], there, np.nan))[inside]
+    errors = tuple(float(own + more) for own, more in zip(table.errors, off.max(axis=0), strict=True))
+    how = table.how
+    if math.isfinite(max(errors)):
+        how = f"largest difference from a table at {len(off)} points of its grid, and the table's own: {table.how}"
+    return replace(table, grid=grid, errors=errors, how=how, wanted=wanted)
+
+
+def check_inputs(inputs: Sequence[Input]) -> None:
+    """Raise UsageError where inputs of a map are without evaporating or condensing temperature."""
+    paths = [one.path for one in inputs]
+    missing = [path for path in (EVAPORATING, CONDENSING) if path not in paths]
+    if missing:
+        absent = " and no ".join(missing)
+        raise UsageError(f"no polynomials: the map is over no {absent}, of which they are (name ranges by --over)")
+
+
+def _grid(table: Grid, temperatures: Sequence[int]) -> Grid:
+    """Return polynomials in the two axes as a grid over all axes in their order."""
+    others = [axis for axis in range(len(table.nodes)) if axis not in temperatures]
+    ends = [(table.nodes[axis][0], table.nodes[axis][-1]) for axis in temperatures]
+    coefficients = _fitted(table, temperatures, others, ends)
+    nodes = list(table.nodes)
+    sound = table.sound
+    if sound.all():
+        for axis, both in zip(temperatures, ends, strict=True):
+            nodes[axis] = np.array(both)
+        sound = np.ones([len(x) for x in nodes], bool)
+    data = np.empty((*(2,) * len(nodes), *sound.shape, coefficients.shape[-1]))
+    for order in itertools.product((0, 1), repeat=len(nodes)):
+        here = coefficients
+        for place, axis in enumerate(others):
+            if order[axis]:
+                here = slopes(nodes[axis], here, place)
+        powers = [_powers(nodes[axis], both, order[axis]) for axis, both in zip(temperatures, ends, strict=True)]
+        terms = np.stack([powers[0][p][:, None] * powers[1][q] for p, q in TERMS], axis=-1)
+        values = np.tensordot(terms, np.moveaxis(here, -2, 0), axes=1)  # temperatures, others, outputs
+        data[order] = np.moveaxis(values, range(len(nodes)), [*temperatures, *others])
+    return Grid(tuple(nodes), data, sound)
+
+
+def _fitted(
+    table: Grid, temperatures: Sequence[int], others: Sequence[int], ends: Sequence[tuple[float, float]]
+) -> Array:
+    """Return coefficients (others …, terms, outputs) of least squares, in temperatures from −1 to 1."""
+    fitted = [np.linspace(*both, FITTED) for both in ends]
+    S, D = (x.ravel() for x in np.meshgrid(*fitted, indexing="ij"))
+    powers = [_powers(x, both, 0) for x, both in zip((S, D), ends, strict=True)]
+    design = np.stack([powers[0][p] * powers[1][q] for p, q in TERMS], axis=-1)
+    shape = [len(table.nodes[axis]) for axis in others]
+    found = np.empty((*shape, len(TERMS), table.data.shape[-1]))
+    for index in np.ndindex(*shape):
+        points = np.empty((len(S), len(table.nodes)))
+        points[:, temperatures[0]], points[:, temperatures[1]] = S, D
+        for axis, number in zip(others, index, strict=True):
+            points[:, axis] = table.nodes[axis][number]
+        values, inside = evaluate(table, points)
+        found[index], _, rank, _ = np.linalg.lstsq(design[inside], values[inside])
+        if rank < len(TERMS):
+            raise UsageError(
+                f"no polynomials: of {len(S)} points at one value of the other inputs {int(inside.sum())} lie among "
+                "closed ones (narrow the ranges)"
+            )
+    return found
+
+
+def _powers(x: Array, ends: tuple[float, float], order: int) -> list[Array]:
+    """Return 1, t, t², t³ or their derivatives by x, t from −1 to 1 between the ends."""
+    half = 0.5 * (ends[1] - ends[0])
+    t = (np.asarray(x) - ends[0]) / half - 1.0
+    return [t**n for n in range(4)] if order == 0 else [n * t ** max(n - 1, 0) / half for n in range(4)]
+
+
+def _between(nodes: Sequence[Array]) -> Array:
+    """Return the points of a grid and those half-way between (n, axes)."""
+    finer = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in nodes]
+    return np.column_stack([x.ravel() for x in np.meshgrid(*finer, indexing="ij")])
