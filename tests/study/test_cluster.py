@@ -11,12 +11,14 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
 import pytest
 from dask_programs import Program, server
 from distributed import Client
+from distributed.client import ClosedClientError
 from result_fakes import SCENE, scene
 from sweep_fakes import (
     GRID,
@@ -37,6 +39,7 @@ from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.cluster import Cluster
 from screwsim.study.sweep import run_sweep
+from screwsim.study.workers import stop
 
 pytestmark = pytest.mark.slow
 SETTINGS = {
@@ -223,6 +226,21 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(
     assert capfd.readouterr().err == ""
     assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused >= 13
     assert_same(reference, output)
+
+
+def test_an_executor_whose_client_has_closed_is_given_up_all_the_same():
+    """A lost scheduler closes it at some moment of its own, and what ends the sweep must not be that error."""
+
+    class Closed(Executor):
+        def __init__(self, error: type[Exception]) -> None:
+            self.error = error
+
+        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+            raise self.error("Client is closed. Can't send cancel-keys message.")
+
+    stop(Closed(ClosedClientError))
+    with pytest.raises(ZeroDivisionError):
+        stop(Closed(ZeroDivisionError))
 
 
 def test_a_scheduler_without_workers_is_told(started, tmp_path):
