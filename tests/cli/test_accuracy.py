@@ -11,7 +11,8 @@ def least(monkeypatch):
     """Let --quick try as little as makes a study."""
     from dataclasses import replace
 
-    extent = replace(QUICK, asked=(1e-2, 1e-3), widths=(1.0,), closures=(), dead_volumes=(), points=(1,), limit=0.3)
+    few = {"asked": (1e-2, 1e-3), "widths": (1.0,), "closures": (), "dead_volumes": (), "points": (1,)}
+    extent = replace(QUICK, **few, reference=1e-6, check=1e-7, limit=0.3, pairs=1)
     monkeypatch.setattr(accuracy, "QUICK", extent)
 
 

@@ -1,6 +1,7 @@
 """Figures of stored results: what is drawn, that all text is legible, the same bytes again, faults in one line."""
 
 import itertools
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -125,11 +126,29 @@ def _shown_ticks(axes) -> list:
     return shown
 
 
+@pytest.fixture(scope="module")
+def of_kind(tmp_path_factory):
+    """Return a function that gives the figures of one kind of file, drawn once for all tests."""
+
+    @cache
+    def draw(kind: str) -> dict:
+        text, simulate, _ = FILES[kind]
+        return drawn(file(tmp_path_factory.mktemp("report") / "x.h5", text, simulate))
+
+    return draw
+
+
 @pytest.fixture(scope="module", params=FILES)
-def figures(request, tmp_path_factory):
+def figures(request, of_kind):
     """Return the names that are expected and the figures of one kind of file."""
-    text, simulate, names = FILES[request.param]
-    return names, drawn(file(tmp_path_factory.mktemp("report") / "x.h5", text, simulate))
+    return FILES[request.param][2], of_kind(request.param)
+
+
+@pytest.fixture(scope="module")
+def plotted(tmp_path_factory) -> tuple[Path, list[Path]]:
+    """Return a file and the figures that were written of it, no folder being named."""
+    path = file(tmp_path_factory.mktemp("plotted") / "x.h5", SPEED)
+    return path, [Path(name) for name in plot(path)]
 
 
 def test_a_file_gives_the_figures_it_has_data_for(figures):
@@ -197,21 +216,20 @@ def test_the_same_data_give_the_same_bytes(tmp_path):
         assert Path(one).read_bytes() == Path(other).read_bytes(), one
 
 
-def test_figures_lie_beside_the_file_in_a_folder_of_its_name(tmp_path):
-    path = file(tmp_path / "x.h5", SPEED)
-    written = [Path(name) for name in plot(path)]
-    assert sorted(tmp_path.joinpath("x").iterdir()) == sorted(written)
+def test_figures_lie_beside_the_file_in_a_folder_of_its_name(plotted):
+    path, written = plotted
+    assert sorted(path.with_suffix("").iterdir()) == sorted(written)
     assert written[0].read_bytes()[:4] == b"\x89PNG" and written[1].read_bytes()[:4] == b"%PDF"
 
 
-def test_settings_of_the_caller_stay(tmp_path):
+def test_settings_of_the_caller_stay(plotted, tmp_path):
     import matplotlib
 
-    path = file(tmp_path / "x.h5", SPEED)
+    path, written = plotted
     with matplotlib.rc_context({"font.size": 31.0}):
         first = plot(path, tmp_path / "a")
         assert matplotlib.rcParams["font.size"] == 31.0
-    assert Path(first[0]).read_bytes() == Path(plot(path, tmp_path / "b")[0]).read_bytes()
+    assert Path(first[0]).read_bytes() == written[0].read_bytes()
 
 
 def test_the_optimum_of_a_parabola_in_ln_d_is_exact():
@@ -323,12 +341,11 @@ def expanding_ledger():
     return Figures(LEDGER, shaft_power=-2200.0, gas_exergy_rise=-3141.0, oil_exergy_rise=-58.9)
 
 
-def test_figures_tell_of_warnings(tmp_path):
-    run = drawn(file(tmp_path / "run.h5", SLOW, some_warn))
-    for figure in run.values():
+def test_figures_tell_of_warnings(of_kind):
+    for figure in of_kind("a run that warns").values():
         caption = figure.get_suptitle().replace("\n", " ")
         assert "2 warnings, the first: the estimated error of shaft_power, 0.0012" in caption
-    swept = drawn(file(tmp_path / "swept.h5", FIVE, some_warn))
+    swept = of_kind("a sweep that warns")
     marked = "△ with warnings (15)"
     for name, told in (("efficiency", marked), ("performance", marked), ("map", "15 cases with warnings")):
         assert told in swept[name].get_suptitle().replace("\n", " "), name
@@ -375,20 +392,18 @@ def test_the_waterfall_goes_from_the_shaft_power_to_the_gas():
     assert bars[0].power - spent - bars[-1].power == pytest.approx(small, rel=1e-9)
 
 
-def note_of(path: Path, name: str) -> str:
+def note_of(figure) -> str:
     """Return the note above a figure, in one line."""
-    return " ".join(drawn(path, only=name)[name].get_suptitle().split())
+    return " ".join(figure.get_suptitle().split())
 
 
-def test_cases_left_out_are_counted(tmp_path):
-    path = file(tmp_path / "x.h5", PUMP, some_fail)
-    note = note_of(path, "efficiency")
+def test_cases_left_out_are_counted(of_kind):
+    note = note_of(of_kind("some cases fail")["efficiency"])
     assert "10 of 100 cases without a result left out" in note and "not closed (5)" in note
 
 
-def test_a_spike_beyond_the_axis_is_told(tmp_path):
-    path = file(tmp_path / "x.h5", SCENE, spike)
-    assert "peak of 150 bar at 720° not shown" in note_of(path, "pressure_volume")
+def test_a_spike_beyond_the_axis_is_told(of_kind):
+    assert "peak of 150 bar at 720° not shown" in note_of(of_kind("a spike")["pressure_volume"])
 
 
 def test_the_isentropic_efficiency_stands_in_for_the_isothermal(tmp_path):

@@ -10,11 +10,15 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from dask_programs import Program, server
 from distributed import Client
+from distributed.client import ClosedClientError
 from result_fakes import SCENE, scene
 from sweep_fakes import (
     GRID,
@@ -35,24 +39,33 @@ from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.cluster import Cluster
 from screwsim.study.sweep import run_sweep
+from screwsim.study.workers import stop
 
 pytestmark = pytest.mark.slow
-QUIET = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0", "DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION": "1.0"}
+SETTINGS = {
+    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
+    "DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION": "1.0",
+    "DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD": "forkserver",  # a worker that is killed is soon another
+}
 
 ALONE = ("--nthreads", "1", "--no-nanny")  # a worker that nobody kills needs no second process to start it again
 
 
-def started(*arguments: str, folder: Path, package: Path = PACKAGE) -> subprocess.Popen:
-    """Start a program of dask that writes into a log; `package`: the folder in which it finds screwsim."""
-    variables = environment() | QUIET
-    variables["PYTHONPATH"] = os.pathsep.join([str(package), variables["PYTHONPATH"]])
-    with open(folder / "dask.log", "a") as log:
-        command = [sys.executable, "-m", "dask", *arguments]
-        return subprocess.Popen(command, env=variables, stdout=log, stderr=log, cwd=folder)
+@pytest.fixture(scope="module")
+def started() -> Iterator[Callable[..., Program]]:
+    """Return a function that starts a program of dask; `package`: the folder in which it finds screwsim."""
+    with server(os.environ | SETTINGS) as serving:
+
+        def start(*arguments: str, folder: Path, package: Path = PACKAGE) -> Program:
+            variables = environment() | SETTINGS
+            variables["PYTHONPATH"] = os.pathsep.join([str(package), variables["PYTHONPATH"]])
+            return serving.start(*arguments, variables=variables, folder=folder)
+
+        yield start
 
 
 @pytest.fixture(scope="module")
-def scheduler(tmp_path_factory):
+def scheduler(started, tmp_path_factory):
     """Run a scheduler with two workers; give its file."""
     folder = tmp_path_factory.mktemp("dask")
     os.environ["SWEEP_FAKES_PIDS"] = str(folder / "pids")
@@ -68,7 +81,7 @@ def scheduler(tmp_path_factory):
     yield file
     for program in reversed(programs):
         program.terminate()
-        program.wait(20)
+        program.wait(60)
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +131,9 @@ def other_package(tmp_path) -> Path:
 
 
 @pytest.mark.parametrize("late", [False, True])
-def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(late, other_package, reference, tmp_path):
+def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(
+    late, started, other_package, reference, tmp_path
+):
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     programs = [started("scheduler", "--port", "0", *local, folder=tmp_path)]
@@ -145,7 +160,7 @@ def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(la
     finally:
         for program in reversed(programs):
             program.terminate()
-            program.wait(20)
+            program.wait(60)
     assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused >= 13 * late
     assert_same(reference, output)
 
@@ -179,7 +194,9 @@ print(run_sweep(scene(SCENE + GRID), "out.h5", scheduler="s.json", simulate=fake
 """
 
 
-def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(reference, tmp_path, monkeypatch, capfd):
+def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(
+    started, reference, tmp_path, monkeypatch, capfd
+):
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
     monkeypatch.setattr("screwsim.study.cluster._PATIENCE", 3.0)  # and the worker is there before the sweep
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
@@ -203,15 +220,30 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(r
     finally:
         thread.join()
         program.kill()
-        program.wait(20)
+        program.wait(60)
         worker.terminate()
-        worker.wait(20)
+        worker.wait(60)
     assert capfd.readouterr().err == ""
     assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused >= 13
     assert_same(reference, output)
 
 
-def test_a_scheduler_without_workers_is_told(tmp_path):
+def test_an_executor_whose_client_has_closed_is_given_up_all_the_same():
+    """A lost scheduler closes it at some moment of its own, and what ends the sweep must not be that error."""
+
+    class Closed(Executor):
+        def __init__(self, error: type[Exception]) -> None:
+            self.error = error
+
+        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+            raise self.error("Client is closed. Can't send cancel-keys message.")
+
+    stop(Closed(ClosedClientError))
+    with pytest.raises(ZeroDivisionError):
+        stop(Closed(ZeroDivisionError))
+
+
+def test_a_scheduler_without_workers_is_told(started, tmp_path):
     file = tmp_path / "scheduler.json"
     program = started(
         "scheduler", "--host", "127.0.0.1", "--no-dashboard", "--port", "0", "--scheduler-file", str(file),
@@ -224,7 +256,7 @@ def test_a_scheduler_without_workers_is_told(tmp_path):
             pass
     finally:
         program.terminate()
-        program.wait(20)
+        program.wait(60)
 
 
 @pytest.mark.parametrize("where", ["smoke://signal", "tls://127.0.0.1:9", "tcp://127.0.0.1:port"])
@@ -264,7 +296,7 @@ def test_a_wrong_scheduler_is_told_in_one_line(where, told, tmp_path, monkeypatc
     assert "\n" not in str(caught.value)
 
 
-def test_threads_of_one_worker_give_the_file_of_the_local_pool(scheduler, tmp_path):
+def test_threads_of_one_worker_give_the_file_of_the_local_pool(started, tmp_path):
     """Solutions live side by side in one process."""
     swept = ("sweep.operation.speed=[1000 rpm, 2000 rpm, 3000 rpm]", "sweep.oil_supply.ratio=[1, 2, 3, 4]")
     paper = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml", swept)
@@ -285,7 +317,7 @@ def test_threads_of_one_worker_give_the_file_of_the_local_pool(scheduler, tmp_pa
     finally:
         for program in reversed(programs):
             program.terminate()
-            program.wait(20)
+            program.wait(60)
     here, there = open_results(tmp_path / "local.h5"), open_results(tmp_path / "out.h5")
     for group in ("performance", "balance", "error"):
         for name, values in getattr(here, group).items():

@@ -95,7 +95,7 @@ STUDIES = {
     ),
     "calibrate": lambda _, **how: screwsim.calibrate("configs/calibration/leakage.fit.yaml", jobs=1, **how),
     "sensitivities": lambda _, **how: screwsim.sensitivities(
-        "configs/rotors/a.yaml", ["machine.profile.wrap_angle"], ["shaft_power"], **how
+        "configs/drive/induction.yaml", ["machine.discharge_port.opens"], ["shaft_power"], **how
     ),  # of differences: exact derivatives have no steps
 }
 

@@ -154,8 +154,12 @@ def stop(executor: Executor) -> None:
     if processes:
         executor.shutdown(wait=False, cancel_futures=True)
         _kill(processes.values(), results)  # they hold nothing: only this process writes files
-    else:  # dask's knows no `cancel_futures`: it cancels them in any case
+        return
+    try:  # dask's knows no `cancel_futures`: it cancels them in any case
         executor.shutdown(wait=False)
+    except Exception as error:  # by its name, as below: of a lost scheduler there is nothing to cancel
+        if type(error).__name__ != "ClosedClientError":
+            raise
 
 
 def _kill(processes: Iterable[Any], results: Any) -> None:
