@@ -51,7 +51,7 @@ def test_the_reference_has_every_public_name(source):
 def test_each_piece_of_the_gallery_draws(tmp_path):
     page = site.gallery(ROOT / "docs" / "gallery.md", tmp_path)
     pieces = page.count("```python\n")
-    assert pieces == 4 == page.count("![") == len(list((tmp_path / "gallery").glob("*.png")))
+    assert pieces == 9 == page.count("![") == len(list((tmp_path / "gallery").glob("*.png")))
     for number in range(1, pieces + 1):  # each behind its own lines, and with something in it
         assert f"![what the lines above draw](gallery/{number}.png)" in page.split("```python\n")[number]
         assert (tmp_path / "gallery" / f"{number}.png").stat().st_size > 10_000
