@@ -286,6 +286,14 @@ def test_contours_of_few_values_invent_no_summit():
     assert z[np.searchsorted(fine, speeds)][:, [0, -1]] == pytest.approx(values[:, [0, -1]])
 
 
+def test_contours_of_few_values_invent_no_valley():
+    """Between 2000 and 4000 rpm a bicubic falls far, where the values rise: within them all, and yet not computed."""
+    speeds, ratios = np.array([500.0, 1000.0, 2000.0, 4000.0]), np.array([0.5, 1.0, 2.0])
+    values = np.outer([54.0, 69.0, 77.0, 81.0], [0.99, 1.0, 0.98])
+    _, _, z = maps._refined(ratios, speeds, np.ma.array(values))
+    assert np.all(np.diff(z, axis=0) > 0.0)
+
+
 def test_a_map_with_gaps_or_of_many_values_stays_as_it_is():
     places, many = np.arange(1.0, 6.0), np.arange(1.0, 101.0)
     gap = np.ma.masked_less(np.add.outer(places, places), 3.0)

@@ -13,6 +13,7 @@ import screwsim
 from screwsim.study.each import each
 from screwsim.study.notebook import NotebookBar
 from screwsim.study.progress import Silent, Surviving, for_program
+from screwsim.study.seek.told import Told
 
 ROOT = Path(__file__).parents[2]
 POINT = "configs/paper/point.yaml"
@@ -93,6 +94,7 @@ STUDIES = {
     "optimize": lambda scene, **how: screwsim.optimize(
         scene, ["oil_supply.ratio=0.5..2"], ["isothermal_efficiency"], evaluations=20, jobs=1, **how
     ),
+    "find": lambda scene, **how: screwsim.find(scene, ["operation.speed"], ["gas_mass_flow=0.3 kg/s"], **how),
     "calibrate": lambda _, **how: screwsim.calibrate("configs/calibration/leakage.fit.yaml", jobs=1, **how),
     "sensitivities": lambda _, **how: screwsim.sensitivities(
         "configs/drive/induction.yaml", ["machine.discharge_port.opens"], ["shaft_power"], **how
@@ -108,10 +110,35 @@ def test_studies_draw_a_bar_by_themselves(name, drawn):
     assert int(done) <= int(count) and '<progress max="' in drawn[-1]["data"]["text/html"]
 
 
-@pytest.mark.parametrize("name", ["sweep", "optimize"])
+@pytest.mark.parametrize("name", ["sweep", "optimize", "find"])
 def test_a_bar_that_is_not_wanted_is_not_drawn(name, drawn):
     STUDIES[name](screwsim.load(POINT), progress=False)
     assert drawn == []
+
+
+def test_a_search_counts_its_solutions_and_ends_with_as_many_as_it_took(drawn):
+    found = screwsim.find(POINT, ["operation.speed"], ["gas_mass_flow=0.3 kg/s"])
+    assert texts(drawn)[0] == "find: 0 of 10"
+    assert found.status == "ok" and texts(drawn)[-1] == f"find: {found.solutions} of {found.solutions}"
+
+
+def test_a_search_that_takes_longer_than_expected_expects_more(drawn):
+    told = []
+
+    class Kept(Silent):
+        def __getattribute__(self, name):
+            return lambda *counts: told.append((name, *counts))
+
+    with Told(lambda scene: scene, Kept(), 2) as _:
+        pass
+    assert told == [("start", 2, 0), ("more", -2), ("stop",)]
+    told.clear()
+    counted = Told(lambda scene: SimpleNamespace(status=scene), Kept(), 2)
+    with counted:
+        for status in ("ok", "failed", "ok"):
+            counted(status)
+    advanced = [("advance", 1, 0), ("advance", 1, 1), ("more", 2), ("advance", 1, 0)]
+    assert told == [("start", 2, 0), *advanced, ("more", -1), ("stop",)]
 
 
 def test_a_sweep_into_a_file_draws_one_too(drawn, tmp_path):

@@ -20,7 +20,8 @@ _FEWEST = 3  # values on each axis that make a map
 _LEVELS = 18
 _COOLING = ("cooling_capacity", "cop")
 _FINE = 61  # places along an axis between which contours are drawn: straight lines between few values make corners
-_BEYOND = 0.02  # of the values' span: a smooth surface that goes farther beyond them invents a summit
+_BEYOND = 0.02  # of the values' span: a smooth surface that goes farther beyond them invents a summit,
+_APART = 0.08  # one that is so far from the shape-preserving one a valley between values that rise
 _POINTS_SHOWN = 150  # up to so many computed points are marked
 
 
@@ -75,9 +76,9 @@ def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int,
 def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
     """Return the surface on more places, by the smooth bicubic through its values: a ridge stays one between them.
 
-    Where that rises or falls beyond all values, as through three speeds far apart, shape-preserving cubics along one
-    axis and then the other (Fritsch & Carlson 1980) take its place: no summit is drawn that was not computed. A
-    surface with gaps, or with many values, stays as it is.
+    Where that rises or falls beyond all values, or is far from them, as through few speeds far apart, shape-preserving
+    cubics along one axis and then the other (Fritsch & Carlson 1980) take its place: no summit and no valley is drawn
+    that was not computed. A surface with gaps, or with many values, stays as it is.
     """
     from scipy.interpolate import RectBivariateSpline, pchip_interpolate
 
@@ -87,8 +88,11 @@ def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarr
     u, v = (np.log(values) if log else values for values, log in zip((x, y), logs, strict=True))
     fine_u, fine_v = (np.unique(np.concatenate([np.linspace(w[0], w[-1], _FINE), w])) for w in (u, v))
     surface = RectBivariateSpline(v, u, z, kx=min(3, len(v) - 1), ky=min(3, len(u) - 1))(fine_v, fine_u)
-    if max(surface.max() - z.max(), z.min() - surface.min()) > _BEYOND * (z.max() - z.min()):
-        surface = pchip_interpolate(u, pchip_interpolate(v, z, fine_v, axis=0), fine_u, axis=1)
+    shaped = pchip_interpolate(u, pchip_interpolate(v, z, fine_v, axis=0), fine_u, axis=1)
+    span = z.max() - z.min()
+    beyond, apart = max(surface.max() - z.max(), z.min() - surface.min()), np.abs(surface - shaped).max()
+    if beyond > _BEYOND * span or apart > _APART * span:
+        surface = shaped
     fine_x, fine_y = (np.exp(w) if log else w for w, log in zip((fine_u, fine_v), logs, strict=True))
     return fine_x, fine_y, surface
 

@@ -43,6 +43,9 @@ class NotebookBar(Progress):
         self._failed += failed
         self.tick()
 
+    def more(self, cases: int) -> None:
+        self._cases += cases
+
     def tick(self) -> None:
         if self._there and time.monotonic() - self._drawn >= self._every:
             self._draw(self._pace())

@@ -20,6 +20,9 @@ class Progress:
     def advance(self, cases: int, failed: int) -> None:
         """Count cases that are done, `failed` of them without a closed cycle."""
 
+    def more(self, cases: int) -> None:
+        """Expect more cases than was said at the beginning."""
+
     def tick(self) -> None:
         """Give a sign of life, some times a second."""
 
@@ -42,6 +45,9 @@ class Surviving(Progress):
 
     def advance(self, cases: int, failed: int) -> None:
         self._try(lambda: self._told.advance(cases, failed))
+
+    def more(self, cases: int) -> None:
+        self._try(lambda: self._told.more(cases))
 
     def tick(self) -> None:
         self._try(self._told.tick)
@@ -101,6 +107,9 @@ class Bar(Progress):
         failures = f"{self._failed} not ok" if self._failed else ""
         self._bar.update(self._task, advance=cases, rate=rate, failures=failures, refresh=True)
 
+    def more(self, cases: int) -> None:
+        self._bar.update(self._task, total=self._bar.tasks[0].total + cases)
+
     def tick(self) -> None:
         self._bar.refresh()
 
@@ -149,6 +158,9 @@ class Line(Progress):
         if now - self._told >= self._every:
             self._told = now
             self._write("")
+
+    def more(self, cases: int) -> None:
+        self._cases += cases
 
     def stop(self) -> None:
         self._write("\n")

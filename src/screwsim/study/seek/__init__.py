@@ -17,10 +17,11 @@ from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_goals
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate
-from screwsim.study.progress import Progress
+from screwsim.study.progress import Progress, shown
 from screwsim.study.seek import one, several
 from screwsim.study.seek.catalogue import next_size, read_catalogue
 from screwsim.study.seek.found import Found, judged
+from screwsim.study.seek.told import Told
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import Span, read_spans, schema_range, span_of
 from screwsim.study.warm import Warm
@@ -28,6 +29,7 @@ from screwsim.study.workers import DIED
 
 __all__ = ["Found", "Question", "find", "find_each", "question"]
 
+EXPECTED = 10  # solutions for each path of a search that is told
 DIGITS = 7  # of a value that was found: far below its error
 Vary = Iterable[str] | Mapping[str, tuple[float, float] | None]
 Goals = Iterable[str] | Mapping[str, float]
@@ -93,6 +95,7 @@ def find(
     *,
     catalogue: str | Sequence[float] = (),
     simulate: Simulate | None = None,
+    progress: Progress | bool | None = None,
 ) -> Found:
     """Return the values of paths at which figures have the values wanted (a scene's sweep is left aside).
 
@@ -101,11 +104,15 @@ def find(
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. What is varied and sought
     is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and `message` says how near the
-    search came.
+    search came. `progress` counts solutions, of as many as are expected: True: a bar or a line on stderr, None: a bar
+    where a notebook shows it, False: nothing.
     """
     scene = scene_of(scene)
     asked = question(scene, vary, goals, catalogue)
-    return find_each(replace(scene, sweep={}, joints=(), text=""), asked, jobs=1, simulate=simulate)[0]
+    alone = replace(scene, sweep={}, joints=(), text="")
+    told = Told(simulate or Warm(), shown("find", progress), EXPECTED * len(asked.spans))
+    with told:
+        return find_each(alone, asked, jobs=1, simulate=told)[0]
 
 
 def find_each(
