@@ -16,7 +16,16 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from playwright.sync_api import Page
 
-PICTURED = ("index", "start/tutorial", "how-to/python", "reference/scene", "reference/api", "reference/equations", "model", "gallery")
+PICTURED = (
+    "index",
+    "start/tutorial",
+    "how-to/python",
+    "reference/scene",
+    "reference/api",
+    "reference/equations",
+    "model",
+    "gallery",
+)
 LOOKS: dict[str, tuple[int, int, Literal["light", "dark"]]] = {
     "light": (1360, 900, "light"),
     "dark": (1360, 900, "dark"),
