@@ -14,6 +14,7 @@ from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.plan import candidates_of, plan
 from screwsim.study.calibration.posterior import posterior
+from screwsim.study.calibration.schema import fit_schema
 
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
@@ -94,6 +95,13 @@ def test_none_leaves_a_tolerance_out_and_a_prior_counts_before_it(tmp_path):
     assert fitted(tmp_path, tolerant("50 um ± 5 um"), none).values == bare.values
     assert fitted(tmp_path, tolerant(), none).values == bare.values
     assert fitted(tmp_path, tolerant("50 um ± 5 um"), own).values == fitted(tmp_path, tolerant(), own).values
+
+
+def test_the_schema_knows_none_and_no_other_word(tmp_path):
+    prior = fit_schema()["properties"]["parameters"]["properties"][GAP]["properties"]["prior"]
+    assert {"const": "none"} in prior["anyOf"] and {"mean", "deviation"} == set(prior["anyOf"][0]["properties"])
+    with pytest.raises(SceneError, match=r"gap\.prior: 'free' is not a mapping .*or none"):
+        read_fit(write_fit(tmp_path, FIT.replace("to: 100 um}", "to: 100 um, prior: free}")))
 
 
 def test_a_plan_knows_beforehand_what_the_fit_does(tmp_path):
