@@ -14,6 +14,7 @@ from screwsim.study.each import each
 from screwsim.study.notebook import NotebookBar
 from screwsim.study.progress import Silent, Surviving, for_program
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 POINT = "configs/paper/point.yaml"
 
