@@ -11,6 +11,7 @@ import pytest
 
 import screwsim
 
+pytestmark = pytest.mark.around
 MAIN = "import sys; sys.argv = ['screwsim', {!r}]; from screwsim.cli import main; main()"
 FINALIZED = "class A:\n    def __del__(self): print('taken apart', flush=True)\na = A()\n"  # what Python's own end does
 

@@ -12,6 +12,7 @@ import pytest
 
 import screwsim
 
+pytestmark = pytest.mark.around
 PARTS = Path("grid.h5.parts")
 GRID = "sweep.operation.speed={from: 2000 rpm, to: 4000 rpm, count: 400}"
 COMMAND = ("sweep", "small.yaml", "--set", GRID, "--set", "numerics.accuracy=1e-5", "-o", "grid.h5")

@@ -29,7 +29,9 @@ class Program:
 
 PROGRAMS = {  # by the words of the line
     "scripts/reproduce": Program(long=True),
-    "scripts/test": Program(instead='scripts/test "$@"', by=".ci/run", why="whatever runs this test is started by it"),
+    "scripts/test": Program(
+        instead='scripts/test --all "$@"', by=".ci/run", why="whatever runs this test is started by it"
+    ),
     "python scripts/admissible.py sample 256": Program(
         long=True, instead="python scripts/admissible.py sample 2", why="256 machines take an hour"
     ),

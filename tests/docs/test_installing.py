@@ -17,9 +17,10 @@ from snippets import PAGES, ROOT, blocks
 
 INSTALLS = ("pip install", "python3 -m venv", ".venv/bin/pip", ". .venv/bin/activate")
 RELEASE = re.compile(r"screwsim-(\d+\.\d+\.\d+)")
-pytestmark = pytest.mark.skipif(
-    not os.environ.get("SCREWSIM_LONG_SNIPPETS"), reason="SCREWSIM_LONG_SNIPPETS is not set"
-)
+pytestmark = [
+    pytest.mark.around,
+    pytest.mark.skipif(not os.environ.get("SCREWSIM_LONG_SNIPPETS"), reason="SCREWSIM_LONG_SNIPPETS is not set"),
+]
 
 
 def installing(page: Path) -> list[str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 SPEC = importlib.util.spec_from_file_location("notebooks_script", ROOT / "scripts" / "notebooks.py")
 notebooks = importlib.util.module_from_spec(SPEC)

@@ -11,6 +11,7 @@ import pytest
 
 import screwsim
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 SPEC = importlib.util.spec_from_file_location("site_script", ROOT / "scripts" / "docs_site.py")
 site = importlib.util.module_from_spec(SPEC)

@@ -22,6 +22,8 @@ from screwsim.scene import load
 from screwsim.study.calibration.read import read_fit
 from screwsim.study.stages import read_stages
 
+pytestmark = pytest.mark.around
+
 # pages whose blocks of a language (None: all) another test runs
 ELSEWHERE = {
     ("docs/start/tutorial.md", None): "test_tutorial.py",

@@ -10,6 +10,7 @@ from shown import alike, commands, lines, missing
 
 from screwsim import cli
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "start" / "tutorial.md").read_text(encoding="utf-8")
 PIECES = re.compile(r"^```(?P<language>\w+)\n(?P<text>.*?)^```$|(?P<shell>(?:^    [^\n]*\n|^\n(?=    ))+)", re.M | re.S)

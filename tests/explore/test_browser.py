@@ -10,7 +10,7 @@ from explore_line import PAPER, served
 from screwsim.scene import load, loads
 from screwsim.simulate import simulate
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.around]
 
 SIZES = {"desktop": (1280, 900), "phone": (390, 844)}
 SPEED = "input[type=range][data-path='operation.speed']"

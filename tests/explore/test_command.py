@@ -18,6 +18,7 @@ from screwsim.cli import exit_code
 from screwsim.explore.serve import listen
 from screwsim.scene import load
 
+pytestmark = pytest.mark.around
 SOURCES = str(Path(__file__).parents[2] / "src")
 
 

@@ -16,7 +16,7 @@ import screwsim
 from screwsim.textfiles import CONFIGS, shipped, shipped_root
 
 ROOT = Path(__file__).parents[2]
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.around]
 
 
 def build(kind: str, root: Path, folder: Path) -> None:

@@ -16,7 +16,7 @@ from screwsim.report.rotors_scene import laid_of
 from screwsim.results import open_results
 from screwsim.scene import load
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.around]
 
 
 def apart(case):

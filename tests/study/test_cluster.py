@@ -41,7 +41,7 @@ from screwsim.study.cluster import Cluster
 from screwsim.study.sweep import run_sweep
 from screwsim.study.workers import stop
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.around]
 SETTINGS = {
     "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0",
     "DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION": "1.0",

@@ -24,6 +24,8 @@ from sweep_fakes import (
 from screwsim.results import open_results
 from screwsim.study.sweep import run_sweep
 
+pytestmark = pytest.mark.around
+
 
 def test_a_case_that_kills_its_worker_is_failed_and_no_other(tmp_path):
     summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=2, simulate_many=deadly)

@@ -13,7 +13,7 @@ from sweep_fakes import assert_same, chained, forked, grid_scene, held, slow
 
 from screwsim.study.sweep import run_sweep
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.around]
 SPAN = 0.6  # [s] that the sweep takes, on idle cores
 
 

@@ -15,6 +15,7 @@ from screwsim.study.notebook import NotebookBar
 from screwsim.study.progress import Silent, Surviving, for_program
 from screwsim.study.seek.told import Told
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 POINT = "configs/paper/point.yaml"
 

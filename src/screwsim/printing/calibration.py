@@ -16,13 +16,14 @@ from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import keep_others, make_folder, write_text
 from screwsim.screen import say
-from screwsim.study.calibration.fit import Parameter
+from screwsim.study.calibration.fit import TOLERANCE, Parameter, Prior
 from screwsim.study.calibration.judge import CORRELATED, WEAK
 from screwsim.study.calibration.scene import BEGINS, fitted_text
 from screwsim.study.calibration.solve import Calibration, Compared
 from screwsim.study.inputs import in_customary, shown_value
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
+_ABOUT_TOLERANCES = f"{TOLERANCE}: half of a 95 % interval, twice a standard deviation (prior: none leaves it out)"
 
 
 def calibration_document(found: Calibration) -> dict[str, Any]:
@@ -66,7 +67,17 @@ def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str
         "at_bound": "" if known is None else known.border[index],
         "as_good_from": low_high[0],
         "as_good_to": low_high[1],
-        "prior": None if parameter.prior is None else parameter.prior._asdict(),
+        "prior": None if parameter.prior is None else _prior(parameter.prior),
+    }
+
+
+def _prior(prior: Prior) -> dict[str, Any]:
+    """Return a prior; the deviation of a lognormal one is that of the logarithm."""
+    return {
+        "mean": prior.mean,
+        "deviation": prior.deviation,
+        "distribution": "lognormal" if prior.logarithmic else "normal",
+        "stated_in": "scene" if prior.of_scene else "fit",
     }
 
 
@@ -104,7 +115,13 @@ def print_calibration(found: Calibration) -> None:
     say()
     heads = ["", "value", "± standard error", "as good"]
     rows = [_row(found, index, each) for index, each in enumerate(found.fit.parameters)]
+    tolerances = [_tolerance(found, each) for each in found.fit.parameters]
+    if any(tolerances):
+        heads.append(TOLERANCE)
+        rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
     say("\n".join(plain_table(heads, rows, 1)))
+    if any(tolerances):
+        say(wrapped(_ABOUT_TOLERANCES))
     say()
     say("\n".join(_points(found)))
     say()
@@ -134,6 +151,17 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
     low, high = spread(found, index)
     good = "" if low is None or high is None else " … ".join(_number(found, path, each) for each in (low, high))
     return [short_names(found)[index], f"{value:.4g} {unit}".strip(), width, good]
+
+
+def _tolerance(found: Calibration, parameter: Parameter) -> str:
+    """Return the tolerance by which a parameter is held, in the unit of its value, or that one is not; '' of others."""
+    prior, path = parameter.prior, parameter.path
+    if prior is None or not prior.of_scene:
+        return "none (left out)" if parameter.unheld and path in found.fit.scene.uncertain else ""
+    mean = f"{in_customary(found.fit.scene, path, prior.mean)[0]:.4g}"
+    if prior.logarithmic:
+        return f"{mean} ×/÷ {prior.tolerance:.3g}"
+    return f"{mean} ± {prior.tolerance * _per_unit(found, parameter):.3g}"
 
 
 def short_names(found: Calibration) -> list[str]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from screwsim.scene import Scene, with_values
+from screwsim.scene import Scene, value_at, with_values
+from screwsim.scene.types import COVERAGE
 
 EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
+TOLERANCE = "prior from the scene's tolerance"
+LEAST = 1e-9  # of the mean of a logarithm: less counts as this, as bounds may begin at nothing
 
 
 class Tie(NamedTuple):
@@ -21,18 +24,44 @@ class Tie(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """What is known of a parameter beforehand: mean and standard deviation [SI]."""
+    """What is known of a parameter beforehand: normal, of that mean and standard deviation [SI].
+
+    `logarithmic`: its logarithm is normal about that of the mean, the deviation that of the logarithm. `of_scene`: it
+    is the tolerance that the scene states, and not the fit's own.
+    """
 
     mean: float
     deviation: float
+    logarithmic: bool = False
+    of_scene: bool = False
 
     def off(self, value: float) -> float:
         """Return by how many standard deviations a value [SI] is off."""
-        return (value - self.mean) / self.deviation
+        return self._beside(value) / self.deviation
 
-    def slope(self) -> float:
+    def _beside(self, value: float) -> float:
+        return math.log(max(value / self.mean, LEAST)) if self.logarithmic else value - self.mean
+
+    def slope(self, value: float) -> float:
         """Return by how much that grows with the value [1/SI]."""
-        return 1.0 / self.deviation
+        return 1.0 / self.deviation_at(value)
+
+    def deviation_at(self, value: float) -> float:
+        """Return the standard deviation [SI] around a value [SI]; of a logarithm that of small changes."""
+        return self.deviation * max(value, LEAST * self.mean) if self.logarithmic else self.deviation
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation [SI] of the whole distribution."""
+        if not self.logarithmic:
+            return self.deviation
+        square = self.deviation**2
+        return self.mean * math.exp(0.5 * square) * math.sqrt(math.expm1(square))
+
+    @property
+    def tolerance(self) -> float:
+        """Half of the 95 % interval [SI], or the factor by which that goes up and down: as scenes state it."""
+        return math.exp(COVERAGE * self.deviation) if self.logarithmic else COVERAGE * self.deviation
 
 
 class Measured(NamedTuple):
@@ -44,7 +73,10 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class Parameter:
-    """One unknown: its path in the scene, bounds [SI], and what else is known."""
+    """One unknown: its path in the scene, bounds [SI], and what else is known.
+
+    `unheld`: nothing else is, even where the scene states a tolerance (`prior: none`).
+    """
 
     path: str
     low: float
@@ -53,6 +85,7 @@ class Parameter:
     prior: Prior | None = None
     logarithmic: bool = False
     ties: tuple[Tie, ...] = ()
+    unheld: bool = False
 
     def value(self, place: float) -> float:
         """Return the value [SI] at a place between the bounds, 0 … 1."""
@@ -73,6 +106,15 @@ class Parameter:
     def values(self, value: float) -> dict[str, float]:
         """Return the values [SI] of the path and of those that follow it."""
         return {self.path: value, **{tie.path: tie.factor * value + tie.offset for tie in self.ties}}
+
+
+def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:
+    """Return what is known of a parameter beforehand: its own prior, or the tolerance that the scene states of it."""
+    tolerance = scene.uncertain.get(parameter.path)
+    if parameter.prior is not None or parameter.unheld or tolerance is None:
+        return parameter.prior
+    value = float(value_at(scene, parameter.path))
+    return Prior(value, tolerance.around(value).standard, tolerance.factor, of_scene=True)
 
 
 @dataclass(frozen=True)
@@ -113,6 +155,11 @@ class Fit:
     def at(self, point: Point, values: Mapping[str, float]) -> Scene:
         """Return the scene of an operating point with other values [SI] of the parameters."""
         return with_values(self.machine(values), point.values)
+
+    def with_priors(self) -> Fit:
+        """Return the fit with the scene's tolerances as priors of those parameters that have none."""
+        held = (replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
+        return replace(self, parameters=tuple(held))
 
     def short_names(self) -> list[str]:
         """Return the last words of the parameters' paths, as many as tell them apart."""

@@ -21,7 +21,7 @@ from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check, with_values
 from screwsim.study.calibration.conditions import Typical, points_of, typical
 from screwsim.study.calibration.design import chosen, covariance, spread
-from screwsim.study.calibration.fit import Fit, Measured, Point
+from screwsim.study.calibration.fit import Fit, Measured, Point, prior_of
 from screwsim.study.calibration.machine import (
     Group,
     by_tolerance,
@@ -180,14 +180,10 @@ def _known(fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int) -
     """Return the information of what is known beforehand, and of which parameters that is their bounds alone."""
     diagonal, even = [], []
     for one in fit.parameters:
-        value, deviation = values[one.path], None
-        if one.prior is not None:
-            deviation = one.prior.deviation
-        elif one.path in machine.uncertain:
-            deviation = machine.uncertain[one.path].standard_at(value)
-        else:
+        value, prior = values[one.path], prior_of(machine, one)
+        if prior is None:
             even.append(one.path)
-        diagonal.append(EVEN if deviation is None else (one.slope(value) / deviation) ** 2)
+        diagonal.append(EVEN if prior is None else (one.slope(value) / prior.deviation_at(value)) ** 2)
     return np.diag([*diagonal, *[1.0] * inputs]), tuple(even)
 
 

@@ -2,8 +2,9 @@
 
 Measured = model (parameters) + discrepancy + measurement. The discrepancy of each figure, what the model cannot follow
 whatever its parameters, is a normal deviation of its own at every point, of a width that is found with the parameters.
-Priors: parameters even between their bounds, or normal where the fit states a prior; widths half-Cauchy, of the scale
-of the figure's stated uncertainty (Gelman 2006: weak, and without an end). Places are 0 … 1 between the bounds.
+Priors: parameters even between their bounds, or normal where the fit states a prior, or as the tolerance that the scene
+states; widths half-Cauchy, of the scale of the figure's stated uncertainty (Gelman 2006: weak, and without an end).
+Places are 0 … 1 between the bounds.
 """
 
 from __future__ import annotations
@@ -68,9 +69,13 @@ class _Problem:
         """Return the logarithm of the parameters' priors; even priors in the value are so over the place if linear."""
         total = np.zeros(len(places))
         for i, parameter in enumerate(self.fit.parameters):
-            if parameter.prior is not None:
-                values = np.array([parameter.value(float(place)) for place in places[:, i]])
-                total -= 0.5 * ((values - parameter.prior.mean) / parameter.prior.deviation) ** 2
+            prior = parameter.prior
+            if prior is None:
+                continue
+            values = [parameter.value(float(place)) for place in places[:, i]]
+            total -= 0.5 * np.array([prior.off(value) for value in values]) ** 2
+            if prior.of_scene and prior.logarithmic != parameter.logarithmic:  # else the density over the place is even
+                total += np.log([prior.slope(value) * parameter.slope(value) for value in values])
         return total
 
 
@@ -233,7 +238,7 @@ def _check(problem: _Problem, places: Array, simulate: Simulate | None) -> tuple
 def _of_parameter(fit: Fit, number: int, values: Array) -> Spread:
     parameter = fit.parameters[number]
     even = float(np.std([parameter.value(float(u)) for u in np.linspace(0.0, 1.0, 201)]))
-    prior = even if parameter.prior is None else min(parameter.prior.deviation, even)
+    prior = even if parameter.prior is None else min(parameter.prior.spread, even)
     found = _spread(parameter.path, values)
     return Spread(found.name, found.low, found.median, found.high, found.deviation, found.deviation / float(prior))
 

@@ -16,7 +16,7 @@ from screwsim.scene.files import other_file
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
-from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie
+from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import STEPS, shown_value
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
@@ -32,6 +32,7 @@ HEAD = {
 }
 _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
 _PARAMETER = "write {from: …, to: …}"
+UNHELD = "none"  # a prior: the scene's tolerance is none either
 
 
 def read_fit(
@@ -164,7 +165,9 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
     end, optional = replace(leaf, default=dataclasses.MISSING), replace(leaf, default=None)
     fields = {"from": end, "to": end, "start": optional, "spacing": SPACING}
     given = read_fields(fields, node, where, problems, _PARAMETER, also=("prior", "also"))
-    prior = _prior(leaf, node.value.get("prior"), join(where, "prior"), problems)
+    stated = node.value.get("prior")
+    unheld = stated is not None and stated.value == UNHELD
+    prior = None if unheld else _prior(leaf, stated, join(where, "prior"), problems)
     ties = _ties(leaf, node.value.get("also"), scene, join(where, "also"), problems)
     if given is None or len(problems) > before:
         return None
@@ -180,7 +183,13 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
         problems.append(Problem(node.value["prior"].value["mean"].place, join(where, "prior.mean"), what))
     elif given["spacing"] == "log" and not low > 0.0:
         problems.append(Problem(node.place, where, "log spacing needs bounds above zero (choose another from)"))
-    return Parameter(path, low, high, start, prior, given["spacing"] == "log", ties)
+    found = Parameter(path, low, high, start, prior, given["spacing"] == "log", ties, unheld)
+    known = prior_of(scene, found)
+    if len(problems) == before and known is not None and not low <= known.mean <= high:
+        ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
+        what = f"is {shown_value(scene, path, known.mean)} with a tolerance in the scene, outside {ends}"
+        problems.append(Problem(node.place, where, f"{what} (widen from and to, or write prior: none)"))
+    return found
 
 
 def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) -> Leaf:
@@ -193,7 +202,7 @@ def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[Problem]) -
     if node is None or node.value is None:
         return None
     fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
-    given = read_fields(fields, node, where, problems, "write {mean: …, deviation: …}")
+    given = read_fields(fields, node, where, problems, "write {mean: …, deviation: …}, or none")
     return None if given is None else Prior(given["mean"], given["deviation"])
 
 
@@ -234,7 +243,7 @@ def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, p
         for fault in cross_check(fit.at(point, start)):
             problems.append(Problem(place, fault.path, fault.what))
     data = sum(len(point.measured) for point in fit.points if point.fitted)
-    priors = sum(each.prior is not None for each in fit.parameters)
+    priors = sum(prior_of(fit.scene, each) is not None for each in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot fix {len(fit.parameters)} parameters"
         problems.append(Problem(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)"))

@@ -133,7 +133,7 @@ class Objective:
         for index, each in enumerate(self.fit.parameters):
             if each.prior is not None:
                 row = np.zeros((1, len(places)))
-                row[0, index] = each.prior.slope() * each.slope(values[each.path])
+                row[0, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
                 rows.append(row)
         return np.vstack(rows)
 

@@ -7,7 +7,7 @@ from typing import Any
 from screwsim.effects import catalogue
 from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
-from screwsim.study.calibration.read import HEAD, difference
+from screwsim.study.calibration.read import HEAD, UNHELD, difference
 
 NOT_CONTINUOUS = ("choice", "count", "word", "fluid", "numbers", "file")
 
@@ -39,7 +39,7 @@ def _parameter(leaf: Leaf) -> dict[str, Any]:
         "to": value,
         "start": value,
         "spacing": {"enum": ["linear", "log"], "default": "linear"},
-        "prior": prior,
+        "prior": {"anyOf": [prior, {"const": UNHELD}]},
         "also": {"type": "object", "additionalProperties": follows},
     }
     return mapping(names, ["from", "to"], leaf.doc)

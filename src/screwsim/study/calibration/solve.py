@@ -17,7 +17,7 @@ from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import descend
-from screwsim.study.calibration.fit import DIFFERENCES, Fit, Measured, Point
+from screwsim.study.calibration.fit import DIFFERENCES, TOLERANCE, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
 from screwsim.study.each import each
@@ -100,7 +100,10 @@ class Calibration(Brief):
             error = None if known is None else known.errors[i]
             told = "not known" if error is None else f"{100.0 * error / abs(value):.2g} %" if value else f"{error:.2g}"
             border = known.border[i] if known is not None else ""
-            rows.append((path, shown_value(scene, path, value), told, f"at the {border} bound" if border else ""))
+            prior = self.fit.parameters[i].prior
+            beside = [f"at the {border} bound"] if border else []
+            beside += [TOLERANCE] if prior is not None and prior.of_scene else []
+            rows.append((path, shown_value(scene, path, value), told, ", ".join(beside)))
         left = "" if self.chi_squared is None else f"; chi² {self.chi_squared:.4g} of {self.freedom} degrees of freedom"
         heading = f"Calibration: {self.status}{left}; {len(self.fit.points)} points, {len(self.starts)} starts"
         notes = [text for text in (self.fit.title, self.message) if text]
@@ -122,7 +125,11 @@ def first_places(fit: Fit) -> Array:
 def calibrate(
     fit: Fit, *, jobs: int | None = None, simulate: Simulate | None = None, progress: Progress | None = None
 ) -> Calibration:
-    """Return the best fit of all starts; interrupted, the best so far. The same for any number of workers."""
+    """Return the best fit of all starts; interrupted, the best so far. The same for any number of workers.
+
+    Held by its tolerance is a parameter of which the scene states one, and the fit no prior.
+    """
+    fit = fit.with_priors()
     places = first_places(fit)
     if simulate is None:
         from screwsim.simulate import warm_up
