@@ -67,13 +67,13 @@ def test_tables_have_a_column_of_the_standard_uncertainty(swept):
     assert results.to_xarray("contributions").shaft_power.dims == ("oil_supply_ratio", "contributor")
 
 
-def test_the_last_line_of_a_sweep_says_how_sure_it_is(swept, capsys):
+def test_a_sweep_says_how_sure_it_is_before_it_counts_its_cases(swept, capsys):
     scene, summary, results = swept
     print_sweep(sweep_document(scene, summary))
     words = " ".join(capsys.readouterr().out.split())
     largest = 200.0 * results.uncertainty["isothermal_efficiency"].max()
     assert f"{largest:.2g} points" in words
-    assert words.endswith("all in the file)")
+    assert "all in the file) 3 cases: 3 ok" in words
 
 
 def test_a_band_lies_around_the_curve_and_is_said_to_be_one(swept):
