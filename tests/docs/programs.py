@@ -95,6 +95,19 @@ def run(line: str, folder: Path, run_long: bool) -> None:
     assert done.stdout.strip(), f"{words} says nothing"
 
 
+def run_script(text: str, folder: Path) -> None:
+    """Run lines of a shell in a folder, and end what they leave in the background; raise where one fails."""
+    pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    command = ["bash", "-euc", text]
+    with subprocess.Popen(command, cwd=folder, env=environment(folder), start_new_session=True, **pipes) as process:
+        try:
+            code = process.wait(SECONDS)
+        finally:
+            with suppress(ProcessLookupError):  # nothing is left
+                os.killpg(process.pid, signal.SIGTERM)
+        assert code == 0, process.stderr.read().decode()[-2000:]
+
+
 def open_page(words: list[str], folder: Path) -> None:
     """Start the live page as its line says, load it, and end it as a hand would."""
     command = [sys.executable, "-m", *words]

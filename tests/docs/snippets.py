@@ -6,6 +6,7 @@ A note is a comment of the page, `<!-- snippet: … -->`, directly above a block
 - `file NAME`: the file of that name, for the blocks behind it; so does a first line `# NAME.yaml` in the block
 - `given PYTHON`: what those lines make is there when the block runs
 - `printed above`: what the command above prints
+- `long, REASON`: it is run, as one script, where SCREWSIM_LONG_SNIPPETS is set, and else read as one that is not run
 - `not run, REASON`: no more is checked than that a shell can read it and that the commands of screwsim in it exist
 """
 
@@ -17,7 +18,7 @@ from markdown_it import MarkdownIt
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-NOTE = re.compile(r"<!-- snippet: (part of|file|given|printed above|not run,)\s*(.*?)\s*-->", re.S)
+NOTE = re.compile(r"<!-- snippet: (part of|file|given|printed above|long,|not run,)\s*(.*?)\s*-->", re.S)
 SHELL = ("bash", "sh", "console")
 NAMED = re.compile(r"# (\S+\.yaml)$")
 COMMAND = re.compile(r"(?:\$ )?(?:\.venv/bin/)?(?:screwsim|python3?|pip|scripts/\w+) ?")
@@ -40,7 +41,7 @@ class Block:
     @property
     def kind(self) -> str:
         """`python`, `yaml` or `shell`; `noted` where only a note says what it is; `unknown` has no check."""
-        if self.notes.keys() & {"printed above", "not run,"}:
+        if self.notes.keys() & {"printed above", "long,", "not run,"}:
             return "noted"
         if self.language in ("python", "yaml"):
             return self.language

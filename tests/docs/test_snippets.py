@@ -17,6 +17,7 @@ import yaml
 from shown import commands, lines, missing
 from snippets import PAGES, ROOT, SHELL, blocks, named_commands, unchecked
 
+import screwsim
 from screwsim import cli
 from screwsim.scene import load
 from screwsim.study.calibration.read import read_fit
@@ -85,8 +86,10 @@ class Page:
         if "printed above" in block.notes:
             assert self.printed, "no command above is run"
             self.compare(lines(block.text), "above")
-        elif "not run," in block.notes:
-            self.read(block)
+        elif reason := block.notes.get("not run,", block.notes.get("long,")):
+            self.read(block, reason)
+            if RUN_LONG and "long," in block.notes:
+                self.run_whole(block)
         elif block.kind == "noted":
             rows = list(csv.reader(block.text.splitlines()))
             assert len({len(row) for row in rows}) == 1 < len(rows)
@@ -99,9 +102,9 @@ class Page:
             for command, shown in commands(block.text):
                 self.command(command, shown)
 
-    def read(self, block):
+    def read(self, block, reason):
         """Hold a block that is not run against what reads it."""
-        assert len(block.notes["not run,"].split()) > 3, "a note says why"
+        assert len(reason.split()) > 3, "a note says why"
         if block.language == "python":
             ast.parse(block.text)
         elif block.language == "yaml":
@@ -111,6 +114,13 @@ class Page:
         if block.language in ("", *SHELL):
             for line in CALL.findall(block.text):
                 calls.taken(shlex.split(line)[1:])
+
+    def run_whole(self, block):
+        """Run a block as one script."""
+        if block.language == "python":
+            exec(compile(block.text, block.place, "exec"), {"screwsim": screwsim} | self.names)
+        else:
+            programs.run_script(block.text, Path.cwd())
 
     def load(self, block):
         """Load a scene, the part of one, what is fitted to what, or two stages."""
