@@ -51,18 +51,24 @@ of_bits = _OfBits("of_bits", _float)
 
 
 @kernel
+def less_one(r):
+    """Return the exponential less one, on half a logarithm of two to both sides."""
+    r2 = r * r
+    r4 = r2 * r2
+    a = E2 + r * E3 + r2 * (E4 + r * E5)
+    b = E6 + r * E7 + r2 * (E8 + r * E9)
+    c = E10 + r * E11 + r2 * (E12 + r * E13)
+    return r + r2 * (a + r4 * (b + r4 * c))
+
+
+@kernel
 def exp_of_lanes(x):
     """Return the exponential: 2^n times a polynomial on half a logarithm of two to both sides."""
     held = min(max(x, LEAST), MOST)
     shifted = held * PER_LN2 + SHIFTED
     n = shifted - SHIFTED
     r = (held - n * LN2_HIGH) - n * LN2_LOW
-    r2 = r * r
-    r4 = r2 * r2
-    a = E2 + r * E3 + r2 * (E4 + r * E5)
-    b = E6 + r * E7 + r2 * (E8 + r * E9)
-    c = E10 + r * E11 + r2 * (E12 + r * E13)
-    p = 1.0 + (r + r2 * (a + r4 * (b + r4 * c)))
+    p = 1.0 + less_one(r)
     found = of_bits(bits_of(p) + int(n) * 4503599627370496)
     found = 0.0 if x < LEAST else found
     found = math.inf if x > MOST else found
@@ -71,18 +77,13 @@ def exp_of_lanes(x):
 
 @kernel
 def expm1_of_lanes(x):
-    """Return the exponential less one: 2^n times what `exp_of_lanes` adds to one, and 2^n less one."""
+    """Return the exponential less one: 2^n times that of the rest, and 2^n less one."""
     held = min(max(x, LEAST), MOST)
     shifted = held * PER_LN2 + SHIFTED
     n = shifted - SHIFTED
     r = (held - n * LN2_HIGH) - n * LN2_LOW
-    r2 = r * r
-    r4 = r2 * r2
-    a = E2 + r * E3 + r2 * (E4 + r * E5)
-    b = E6 + r * E7 + r2 * (E8 + r * E9)
-    c = E10 + r * E11 + r2 * (E12 + r * E13)
     scale = of_bits(4607182418800017408 + int(n) * 4503599627370496)
-    found = scale * (r + r2 * (a + r4 * (b + r4 * c))) + (scale - 1.0)
+    found = scale * less_one(r) + (scale - 1.0)
     found = -1.0 if x < LEAST else found
     found = math.inf if x > MOST else found
     return x if x != x else found
@@ -114,7 +115,7 @@ def power_of_lanes(x, y):
 
 def texts() -> str:
     """Return the functions as a text, under the names that the compiler calls them by."""
-    kernels: tuple[Kernel, ...] = (exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes)
+    kernels: tuple[Kernel, ...] = (less_one, exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes)
     text = "\n\n".join(flatten(kernels, {"bits_of": "bits_of", "of_bits": "of_bits"}).values())
     for each in kernels:
         text = text.replace(each.flat_name, each.__name__)
