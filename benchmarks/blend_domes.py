@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.codegen.modules import load
-from screwsim.faults import UsageError
 from screwsim.fluid.blend_dome import surface_kernel
 from screwsim.fluid.blend_flash import Flashes, dome, references
 from screwsim.fluid.composition import composition, predefined
 from screwsim.fluid.description import describe
 from screwsim.fluid.helmholtz import entropy_kernel, potentials_kernel, vectorised
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kernel import HEADER, flatten
 
 Array = np.ndarray

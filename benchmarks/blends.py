@@ -23,12 +23,12 @@ from screwsim.codegen.modules import for_speed
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.composition import composition, predefined
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import load
 
 POINT = Path(__file__).resolve().parent.parent / "configs" / "r454b" / "point.yaml"

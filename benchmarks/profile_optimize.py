@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import screwsim
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.optimize import Optimum, question, run, spans_of
 from screwsim.study.progress import Progress
 from screwsim.study.workers import cores

@@ -10,7 +10,7 @@ from pathlib import Path
 import screwsim
 from screwsim.cycle.guess import begin, leased
 from screwsim.cycle.problem import problem_of
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 

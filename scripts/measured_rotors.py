@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.export import profile_csv
 from screwsim.machine.rotors.families import FAMILIES
 from screwsim.machine.rotors.rotors import Rotors, make_rotors

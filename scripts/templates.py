@@ -15,7 +15,7 @@ from pathlib import Path
 
 from CoolProp.CoolProp import PropsSI
 
-from screwsim.rating import STANDARDS
+from screwsim.effects.parts.rating import STANDARDS
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import asked_of, new_scene

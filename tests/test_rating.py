@@ -5,7 +5,15 @@ from math import log
 import pytest
 from scipy.integrate import quad
 
-from screwsim.rating import CFM, PSI, STANDARDS, WEIGHTS, isentropic_power, outside_scope, part_load_efficiency
+from screwsim.effects.parts.rating import (
+    CFM,
+    PSI,
+    STANDARDS,
+    WEIGHTS,
+    isentropic_power,
+    outside_scope,
+    part_load_efficiency,
+)
 
 FIXED, VARIABLE = (-0.00928, 0.13911, 0.27110), (-0.01549, 0.21573, 0.00905)  # as the regulation prints them
 PRINTED = {

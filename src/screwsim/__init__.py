@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from screwsim import plot
     from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map, plan, posterior
-    from screwsim.faults import SceneError, UsageError
+    from screwsim.inputs.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
@@ -64,8 +64,8 @@ __all__ = [
 _HOMES = {
     "Result": "screwsim.outputs",
     "Scene": "screwsim.scene",
-    "SceneError": "screwsim.faults",
-    "UsageError": "screwsim.faults",
+    "SceneError": "screwsim.inputs.faults",
+    "UsageError": "screwsim.inputs.faults",
     "calibrate": "screwsim.api",
     "datasheet": "screwsim.api",
     "diagnose": "screwsim.api",

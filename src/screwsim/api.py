@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_of

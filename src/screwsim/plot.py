@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle, families, maps, sweeps
 from screwsim.report import plot as write

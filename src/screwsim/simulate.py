@@ -18,8 +18,8 @@ from screwsim.evaluate import cautions, own_effects, performance, plausible, ver
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
 from screwsim.evaluate.traces import traces
-from screwsim.faults import Impossible, UsageError
 from screwsim.figures import Performance
+from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model import compiled, leases
 from screwsim.model.run import Machinery
 from screwsim.numerics import compiling, sources

@@ -55,7 +55,8 @@ def test_points_on_a_gpu_come_to_the_same_bits_in_the_simulator():
 def test_a_gpu_that_is_not_there_is_told_in_one_line(monkeypatch):
     environment = os.environ | {"NUMBA_ENABLE_CUDASIM": "0"}
     text = (
-        "from screwsim.batch import simulate_courses; from screwsim.scene import load; from screwsim.faults import *\n"
+        "from screwsim.batch import simulate_courses; from screwsim.scene import load\n"
+        "from screwsim.inputs.faults import *\n"
         f"try: simulate_courses([[load({str(POINT)!r})]], gpu=True)\n"
         "except UsageError as error: print(error)\n"
     )

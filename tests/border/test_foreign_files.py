@@ -10,11 +10,11 @@ import report_fakes
 from result_fakes import SCENE
 
 import screwsim
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text
 from screwsim.scene import load, loads
 from screwsim.scene.load import MOST_BASES
 from screwsim.scene.yaml_tree import MOST_LEVELS, MOST_NODES
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 NO_FILE = "cannot be read: it is a pipe or a device, not a file"
 

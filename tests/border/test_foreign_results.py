@@ -6,7 +6,7 @@ import pytest
 import report_fakes
 from result_fakes import GRID, SCENE
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.report import style
 from screwsim.results import open_results
 from screwsim.results.read import count_statuses

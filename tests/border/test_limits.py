@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from screwsim.inputs.sheets import MOST_ROWS
+from screwsim.inputs.textfiles import MOST_TABLE, MOST_YAML
 from screwsim.scene.load import MOST_BASES
 from screwsim.scene.yaml_tree import MOST_LEVELS, MOST_NODES
-from screwsim.sheets import MOST_ROWS
-from screwsim.textfiles import MOST_TABLE, MOST_YAML
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "sweeps.md"
 

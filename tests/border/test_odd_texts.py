@@ -7,7 +7,7 @@ import pytest
 import report_fakes
 from result_fakes import SCENE
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.printing import print_result
 from screwsim.printing.stages import print_stages
 from screwsim.scene import loads

@@ -3,11 +3,11 @@
 import pytest
 
 from screwsim.effects.motor import read_table as read_motor
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.sheets import MOST_ROWS, BadSheet, read_sheet, sheet_of
 from screwsim.machine.rotors.imported import read_profile
 from screwsim.numerics.spline import read_curve
 from screwsim.scene import load
-from screwsim.sheets import MOST_ROWS, BadSheet, read_sheet, sheet_of
 from screwsim.study.validation import NotRun, read_table
 
 DECIMAL_COMMAS = "has 3 cells, the first line 2 (write decimal points, no decimal commas: one cell a column)"

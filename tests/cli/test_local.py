@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 
 

@@ -12,7 +12,7 @@ from screwsim.results import open_results
 OWN = """\
 import os
 from dataclasses import dataclass
-from screwsim.declare import number
+from screwsim.inputs.declare import number
 from screwsim.effects.base import Effect, PowerLoss
 {on_import}
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from screwsim.engineering import SCALES, scale
 from screwsim.figures import known
+from screwsim.figures.engineering import SCALES, scale
 from screwsim.outputs import Figures, Result
 from screwsim.printing import engineering, plain, print_result
 from screwsim.printing.stages import print_stages

@@ -6,7 +6,7 @@ import json
 import pytest
 
 import screwsim
-from screwsim.engineering import shown_name
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, Figures, Result
 
 

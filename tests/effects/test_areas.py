@@ -10,7 +10,7 @@ from scenes import make
 from screwsim.build import build_parts
 from screwsim.effects import blow_hole, catalogue, find_effect, gap, interlobe_leakage, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.profile_law import lay
 from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve

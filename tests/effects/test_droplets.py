@@ -7,9 +7,9 @@ from scenes import DROP, make, run
 
 from screwsim.effects import droplets, oil_heat
 from screwsim.effects.base import Around
-from screwsim.faults import SceneError
 from screwsim.fluid.constants import gas_constant, ideal_heat_capacity, transport
 from screwsim.fluid.settings import OilProperties
+from screwsim.inputs.faults import SceneError
 
 LAMBDA, MU, PR = transport("R134a", 6e5, 310.0)
 CARRIED = {"oil.transport": "carried"}

@@ -18,11 +18,11 @@ from screwsim.build import build_parts
 from screwsim.cycle.powers import power_losses
 from screwsim.effects import catalogue
 from screwsim.effects.base import PowerLoss
-from screwsim.engineering import engineering
-from screwsim.errors import error_scale
 from screwsim.explain import explain
-from screwsim.faults import UsageError
 from screwsim.figures import Performance, called_for, declared, known, merged, packed, unpacked
+from screwsim.figures.engineering import engineering
+from screwsim.figures.errors import error_scale
+from screwsim.inputs.faults import UsageError
 from screwsim.model.parts import Effects
 from screwsim.outputs import EFFICIENCY, ITSELF, PERFORMANCE, Figure, Figures, Result, Scale, over
 from screwsim.report.page import data, tables
@@ -176,7 +176,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.declare import number
+from screwsim.inputs.declare import number
 from screwsim.effects.base import Effect, PowerLoss, Reading
 from screwsim.outputs import Figure, Scale, Trace, power_figure
 

@@ -8,8 +8,8 @@ from scenes import make
 
 from screwsim.effects import bearings, motor, oil_drag
 from screwsim.evaluate.performance import valued
-from screwsim.faults import SceneError
 from screwsim.fluid.oils import OILS
+from screwsim.inputs.faults import SceneError
 
 SIZE = SimpleNamespace(male_lobes=4, female_lobes=6, rotor_diameter=0.16, rotor_length=0.176, profile=None)
 MACHINE = SimpleNamespace(settings=SIZE)

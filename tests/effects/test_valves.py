@@ -9,7 +9,7 @@ from scenes import closed
 
 from screwsim.effects import check_valves, reed_valves
 from screwsim.effects.reed_valves import discharge_push, opened, push_of, reed_acceleration, suction_push
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.slots import FREE, LOOSE
 from screwsim.numerics.rodas import dense_value
 from screwsim.scene import with_values

@@ -16,7 +16,7 @@ from screwsim.explore.changes import (
     shell_command,
     yaml_text,
 )
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.scene.units import Refused
 

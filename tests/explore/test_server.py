@@ -20,7 +20,7 @@ import os
 import time
 from dataclasses import dataclass
 
-from screwsim.declare import number
+from screwsim.inputs.declare import number
 from screwsim.effects.base import Effect
 
 

@@ -13,7 +13,7 @@ from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
 from screwsim.export.rotor_surface import ALONG, areas, centres, chamber_angles, positions, surfaces
 from screwsim.export.run_of import run_of, spans_of
 from screwsim.export.spectra import flows_of, harmonics
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import lay
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area

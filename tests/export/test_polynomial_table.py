@@ -18,7 +18,7 @@ from screwsim.export.inputs import Input
 from screwsim.export.polynomial_table import polynomial_table
 from screwsim.export.source import map_of
 from screwsim.export.table import scales
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many
 from screwsim.study.performance_map import TERMS, performance_maps, polynomial

@@ -10,7 +10,7 @@ from screwsim.export.rotor_balance import contact, end_forces, face, slope_at_pi
 from screwsim.export.rotor_loads import NAMES, POINTS, Pressures, _at, loads_of
 from screwsim.export.rotor_surface import ALONG, surfaces
 from screwsim.export.run_of import spans_of
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import Laid, lay
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area

@@ -9,7 +9,7 @@ import pytest
 from screwsim.export.inputs import Output, read_inputs, read_outputs
 from screwsim.export.source import map_of
 from screwsim.export.table import KELVIN, scales, table_of, tabulate
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, with_values

@@ -13,7 +13,7 @@ from screwsim.export.csv_table import csv_table
 from screwsim.export.en12900 import BTU, FIGURES, MOTOR, POUND, en12900_csv, en12900_document
 from screwsim.export.polynomials import polynomials, rated, swept
 from screwsim.export.table import table_of
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import NAMES, polynomial
 
 S, D = 2.0, 44.0  # [°C] inside

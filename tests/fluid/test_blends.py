@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import screwsim.fluid
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.composition import composition, own_blend, predefined
@@ -24,6 +23,7 @@ from screwsim.fluid.mixture import departure_terms, paired
 from screwsim.fluid.phase_envelope import envelope
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
 
 OWN = own_blend(("R32", "R1234yf"), (0.689, 0.311), by_mole=False)
 BLENDS = ("R454B", "R513A", "R448A", OWN)

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from own_gases.covolume import CovolumeGas
 
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.verdict import REMEDIES
 from screwsim.explain import explain
-from screwsim.faults import SceneError, UsageError
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.real_gas import RealGas
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.numerics.kernel import Kernel
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads

@@ -136,14 +136,14 @@ def test_a_torn_cache_file_is_asked_again(fresh):
 
 
 def test_an_unknown_fluid_is_named(fresh):
-    from screwsim.faults import UsageError
+    from screwsim.inputs.faults import UsageError
 
     with pytest.raises(UsageError, match="no pure fluid 'R134z'"):
         constants.gas_constant("R134z")
 
 
 def test_saturation_above_the_critical_pressure_is_refused(fresh):
-    from screwsim.faults import UsageError
+    from screwsim.inputs.faults import UsageError
 
     with pytest.raises(UsageError, match="no saturation"):
         constants.saturation_temperature("R134a", 60e5)

@@ -6,11 +6,11 @@ from pathlib import Path
 import CoolProp.CoolProp as coolprop
 import pytest
 
-from screwsim.faults import UsageError
 from screwsim.fluid import constants, water
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.moist_air import MoistAir, moist_air, saturated_ratio
 from screwsim.fluid.real_gas import RealGas
+from screwsim.inputs.faults import UsageError
 
 P_S, T_S, HUMIDITY = 1e5, 298.15, 0.6
 IDEAL = IdealGas(constants.gas_constant("Air"), constants.isentropic_exponent("Air", T_S))

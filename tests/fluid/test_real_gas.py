@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
-from screwsim.faults import UsageError
 from screwsim.fluid import description, terms
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Limit
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kernel import Kernel
 
 FLUIDS = ("R134a", "R1234yf", "R1234ze(E)", "R32", "Ammonia", "CarbonDioxide", "n-Propane", "Nitrogen", "Air")

@@ -6,7 +6,7 @@ from scenes import DROP, make, run
 
 from screwsim import outputs
 from screwsim.cycle import coordinates, relaxation
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import places, slots
 from screwsim.model.balance import oil_temperature_slope
 from screwsim.model.network.network import Network

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scenes import make
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
 
 SCENES = {  # a sample of each structure; tests/hard/fuzz_outcome.json holds what became of 20 000

@@ -9,7 +9,7 @@ import pytest
 from hard_page import OF_FLUIDS
 from scenes import make
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
 
 SEED, COUNT = 2, 12  # of the draws here; those of the stored outcome are of seed 1

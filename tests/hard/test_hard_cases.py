@@ -15,9 +15,9 @@ from screwsim.cycle.fallbacks import fallbacks
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import evaluate
-from screwsim.faults import SceneError
+from screwsim.figures.errors import relative_errors, worst
+from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -10,7 +10,7 @@ import pytest
 from hard_cases import CASES
 from scenes import HELD_GAPS, make
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
 
 ON = {

@@ -13,7 +13,7 @@ from markdown_it import MarkdownIt
 from packaging.metadata import Metadata
 
 import screwsim
-from screwsim.textfiles import CONFIGS, shipped, shipped_root
+from screwsim.inputs.textfiles import CONFIGS, shipped, shipped_root
 
 ROOT = Path(__file__).parents[2]
 pytestmark = [pytest.mark.slow, pytest.mark.around]

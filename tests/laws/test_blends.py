@@ -15,8 +15,8 @@ from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
 from screwsim.explain import explain
-from screwsim.faults import SceneError
 from screwsim.fluid import constants
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.simulate import simulate

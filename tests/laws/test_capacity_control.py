@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from scenes import ECONOMIZER, make, run
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
 from screwsim.scene.grid import case, case_count

@@ -11,8 +11,8 @@ from screwsim.cycle.balances import crossed, streams_of
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import evaluate
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import load
 from screwsim.simulate import simulate
 

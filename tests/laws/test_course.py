@@ -7,7 +7,7 @@ import pytest
 from scenes import make
 
 from screwsim.cycle.continuation import _weights
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
 

@@ -7,7 +7,7 @@ import pytest
 from scenes import FILM, FILMS, OIL_VOLUME, PUMPED_PORT, SOLUBLE_RATE, closed, make, run
 
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.sliding import wall_speeds
 from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
 from screwsim.scene import load

@@ -13,7 +13,7 @@ from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
 from screwsim.evaluate.evaluation import evaluate
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.model.compose import compose
 from screwsim.model.slots import P_OMEGA
 from screwsim.solve import drive

@@ -9,8 +9,8 @@ from scenes import closed, make, run
 
 from screwsim.build import build_parts
 from screwsim.cycle.close import again
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import evaluate
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.compose import compose
 from screwsim.scene import load
 from screwsim.simulate import simulate

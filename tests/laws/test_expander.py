@@ -9,7 +9,7 @@ from scenes import DROP, make, run
 
 from screwsim.build import build_parts
 from screwsim.cycle.pitch import _slopes
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.geometry import Geometry
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load

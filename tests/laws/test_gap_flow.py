@@ -5,8 +5,8 @@ from scenes import FRICTION, HELD_GAPS, make, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
-from screwsim.faults import SceneError
 from screwsim.fluid.gap_flow import flank_divisor, radial_divisor
+from screwsim.inputs.faults import SceneError
 from screwsim.model.compose import compose
 
 CARRIED = {"oil.transport": "carried"}

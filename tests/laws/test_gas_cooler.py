@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from CoolProp.CoolProp import PT_INPUTS, AbstractState, PropsSI, iphase_supercritical
 
-from screwsim.faults import SceneError
 from screwsim.fluid import constants
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import case, case_count, load, loads
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.plausible import scene_warnings

@@ -14,7 +14,7 @@ from screwsim.cycle.guess import leased
 from screwsim.cycle.newton import Corrections, Residual, corrected
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.tangents import linearised, shifted
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 

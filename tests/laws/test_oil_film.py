@@ -6,8 +6,8 @@ from scenes import DROP, FILM, FILMS, OIL_VOLUME, SOLUBLE_RATE, TOGETHER, closed
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
-from screwsim.faults import SceneError
 from screwsim.fluid.gap_flow import film_flux
+from screwsim.inputs.faults import SceneError
 from screwsim.model.compose import compose
 from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
 

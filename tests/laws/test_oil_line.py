@@ -6,8 +6,8 @@ import pytest
 from scenes import DROP, OIL_PORT, PUMPED_PORT, make, run
 
 from screwsim.effects.oil_injection import flow, flow_behind_line
-from screwsim.faults import SceneError
 from screwsim.fluid.orifice import orifice_flow, orifice_flow_behind_line
+from screwsim.inputs.faults import SceneError
 
 BORE = (1000.0, 0.02, 0.006, 0.012, 1.0)  # oil's density, viscosity; diameter, length, count of the bore
 WINDOW = (1.0, 4.0)

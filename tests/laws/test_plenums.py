@@ -9,7 +9,7 @@ from screwsim.effects.base import LineFlow
 from screwsim.effects.plenums import offset, pulsation
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.model.slots import DENSITY, DISCHARGE_IN, EXPONENT, P_OMEGA, P_PITCH, PLACE, PRESSURE
 from screwsim.scene import loads
 from screwsim.simulate import simulate

@@ -7,9 +7,9 @@ import pytest
 from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, TOGETHER, make, run
 
 from screwsim import load
-from screwsim.faults import SceneError
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import discharge_coefficient
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 

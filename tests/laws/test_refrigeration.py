@@ -6,8 +6,8 @@ import pytest
 from scenes import DROP, make, run
 
 from screwsim.build import build_gas
-from screwsim.errors import relative_errors
 from screwsim.evaluate.performance import refrigeration
+from screwsim.figures.errors import relative_errors
 from screwsim.outputs import Figures
 from screwsim.scene import lines, refrigerating_effect, suction_enthalpy
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import lay
 from screwsim.report.rotors_scene import table_files
 from screwsim.scene import load

@@ -8,10 +8,10 @@ import pytest
 from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make, run
 
 from screwsim.build import build_gas
-from screwsim.engineering import engineering
-from screwsim.errors import relative_errors
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.figures.engineering import engineering
+from screwsim.figures.errors import relative_errors
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many

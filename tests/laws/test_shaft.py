@@ -10,7 +10,7 @@ from scenes import DROP, closed, make, run
 from screwsim.cycle.pitch import POINTS, Pitch, _slopes
 from screwsim.effects import gas_torque
 from screwsim.evaluate.evaluation import evaluate
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.geometry import Geometry
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load

@@ -6,7 +6,7 @@ from scenes import DROP, PUMPED_PORT, SOLUBLE, make, run
 
 from screwsim.effects import refrigerant_solubility as effect
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass", "oil_mass_flow")
 ACCURACY = 3e-4

@@ -11,8 +11,8 @@ from screwsim.build import build_parts, build_site
 from screwsim.effects import refrigerant_solubility as effect
 from screwsim.effects.base import OilSolution
 from screwsim.explain import explain
-from screwsim.faults import SceneError
 from screwsim.fluid.solubility import given_off
+from screwsim.inputs.faults import SceneError
 from screwsim.model import compiled
 from screwsim.model.compose import compose
 from screwsim.numerics.spline import pack_curve

@@ -6,7 +6,7 @@ from scenes import DROP, ECONOMIZER, make, run
 import screwsim
 from screwsim.explain import explain
 from screwsim.explain.parameters import parameters
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study.local import sensitivities
 

@@ -13,7 +13,7 @@ from screwsim.cycle.problem import problem_of
 from screwsim.cycle.suction_line import Stream, held_of, mixed
 from screwsim.effects.base import OilSolution
 from screwsim.effects.refrigerant_solubility import content
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.model.slots import ENTHALPY, R_SUCTION
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load

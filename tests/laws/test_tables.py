@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.machine import paper_law
 from screwsim.machine.geometry import Geometry, area_breakpoints
 from screwsim.scene import load, value_at

@@ -4,7 +4,7 @@ import pytest
 from CoolProp.CoolProp import PropsSI
 
 from screwsim import load
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
 
 CONFIG = "tests/plain/r134a.yaml"

@@ -5,7 +5,7 @@ from scenes import FILMS, HELD_GAPS, make, run
 
 from screwsim.effects.wall_heat import coefficient
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads
 
 ACCURACY = 3e-4

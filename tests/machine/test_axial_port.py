@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import load
 

@@ -6,7 +6,7 @@ import pytest
 from blowers import GAPS, blower
 
 from screwsim import simulate
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads
 

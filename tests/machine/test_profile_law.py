@@ -11,7 +11,7 @@ import pytest
 
 from screwsim.build import build_parts
 from screwsim.effects.base import FlowPath
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine import profile_law, table_law
 from screwsim.machine.profile_law import lay
 from screwsim.machine.profile_tables import BEND, KINK

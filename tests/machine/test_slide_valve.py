@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.rotors.curves import closed_in
 from screwsim.scene import load

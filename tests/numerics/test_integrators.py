@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import screwsim
-from screwsim.errors import relative_errors, worst
-from screwsim.faults import SceneError
+from screwsim.figures.errors import relative_errors, worst
+from screwsim.inputs.faults import SceneError
 from screwsim.numerics.integrators import RODAS3, RODAS4, find_integrator
 from screwsim.results.schema import identity_of
 from screwsim.simulate import simulate

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.spline import differences, pack_curve, read_curve, side_slopes, table_slope, table_value
 
 ROUNDING = 1e-13

@@ -24,7 +24,7 @@ from report_fakes import (
 )
 
 from screwsim.cli import exit_code
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import page
 from screwsim.report.page import data, pack, report, tables

@@ -29,7 +29,7 @@ from report_fakes import (
     without_warnings,
 )
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
 from screwsim.report import ledger, maps, outcome, plot, samples, sweeps

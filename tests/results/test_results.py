@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from result_fakes import CYCLE, GRID, SCENE, fake_simulate, scene
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import BALANCE, KNOCK_OUT, KNOCK_OUT_STATUSES, NUMERICS, PERFORMANCE, Figures, Result
 from screwsim.results import open_results, save
 from screwsim.scene import case, case_count

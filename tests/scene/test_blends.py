@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from screwsim.faults import SceneError
 from screwsim.fluid.composition import is_blend, predefined
 from screwsim.fluid.settings import GasSettings
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, loads
 from screwsim.scene.fluids import fluid_faults
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import case_count, case_values, dimensions, loads, only
 from screwsim.scene.designs import draw
 

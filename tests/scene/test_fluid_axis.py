@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import case, load, loads
 from screwsim.scene.grid import first_by_fluid
 from screwsim.study.inputs import check_continuous

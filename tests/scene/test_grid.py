@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import (
     axis_label,
     case,

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from screwsim.build import build_gas
-from screwsim.faults import SceneError
 from screwsim.fluid.moist_air import MoistAir
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, loads
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, loads, scene_text, with_values
 
 
@@ -144,7 +144,7 @@ def test_without_removes_an_effect(example):
 
 OWN_EFFECT = """\
 from dataclasses import dataclass
-from screwsim.declare import quantity
+from screwsim.inputs.declare import quantity
 from screwsim.effects.base import Effect
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import load, loads
 
 

@@ -5,7 +5,7 @@ from itertools import chain
 import pytest
 
 from screwsim.effects import catalogue
-from screwsim.near import containing, ending, nearest
+from screwsim.inputs.near import containing, ending, nearest
 from screwsim.outputs import PERFORMANCE
 from screwsim.scene.fields import leaf_paths, unknown
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from screwsim.faults import SceneError
 from screwsim.fluid import constants
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import case, case_count, lines, loads
 
 PRESSURES = "  suction:\n    pressure: 1.5 bar\n    temperature: 283 K\n  discharge:\n    pressure: 12 bar\n"

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.faults import SceneError
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import MACHINES
 from screwsim.machine.profile_law import lay
 from screwsim.machine.rotors.export import lobe_csv

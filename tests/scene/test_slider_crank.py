@@ -3,7 +3,7 @@
 import pytest
 
 from screwsim.explain import explain
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import case_count, loads
 
 SCENE = """\

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import screwsim
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import case, scene_text

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads, value_at
 from screwsim.scene.types import Tolerance
 

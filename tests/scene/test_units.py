@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from screwsim.declare import KINDS
+from screwsim.inputs.declare import KINDS
 from screwsim.scene.numerals import odd_number
 from screwsim.scene.units import Refused, format_quantity, parse_quantity, readable_quantity
 

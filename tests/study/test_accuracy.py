@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from screwsim.errors import relative_errors, worst
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Figures, Result
 from screwsim.printing import accuracy_drawing
 from screwsim.report.accuracy import draw

@@ -7,7 +7,7 @@ from fit_fakes import FIT, POINTS, SCENE, write_fit
 from ruamel.yaml import YAML
 
 import screwsim
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.outputs import PERFORMANCE
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.data import UNITS

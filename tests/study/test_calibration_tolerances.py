@@ -9,7 +9,7 @@ import pytest
 from fit_fakes import FIT, POINTS, SCENE, plane, write_fit
 
 from screwsim.cli import exit_code
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.plan import candidates_of, plan

@@ -34,7 +34,7 @@ from sweep_fakes import (
     wait_for_parts,
 )
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.cluster import Cluster

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from result_fakes import GRID, SCENE, fake_simulate
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.results import open_results, save
 from screwsim.scene import loads

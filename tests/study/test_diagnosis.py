@@ -11,7 +11,7 @@ from fit_fakes import SCENE, coordinates, plane, product, torn, write_fit
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate

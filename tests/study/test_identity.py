@@ -12,7 +12,7 @@ import pytest
 from result_fakes import GRID, SCENE, fake_simulate, scene
 from sweep_fakes import StopAfter, assert_same, forbidden, grid_scene
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors import rotors
 from screwsim.numerics import sources
 from screwsim.results import identity, open_results
@@ -24,7 +24,7 @@ from screwsim.study.sweep import run_sweep
 
 EFFECT = """\
 from dataclasses import dataclass
-from screwsim.declare import quantity
+from screwsim.inputs.declare import quantity
 from screwsim.effects.base import Effect
 from {package} import shared
 
@@ -43,7 +43,7 @@ import sys
 sys.path.insert(0, {tests!r})
 from result_fakes import GRID, SCENE, fake_simulate
 from sweep_fakes import StopAfter
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
 from screwsim.study.sweep import run_sweep
 scene = loads(SCENE + "  identity_effects.mine:\\n" + GRID)
@@ -109,7 +109,9 @@ def test_an_effect_that_another_import_made_anew_is_noted_anew(package, monkeypa
 def test_only_modules_of_the_users_own_are_noted(package, monkeypatch):
     monkeypatch.syspath_prepend(str(package.parent))
     (package.parent / "helpers.py").write_text("import json, numpy.linalg\n")
-    (package / "mine.py").write_text("import helpers\nfrom . import shared\nimport screwsim.faults, scipy.optimize\n")
+    (package / "mine.py").write_text(
+        "import helpers\nfrom . import shared\nimport screwsim.inputs.faults, scipy.optimize\n"
+    )
     importlib.invalidate_caches()
     importlib.import_module("identity_effects.mine")
     sources.note("identity_effects.mine", object())

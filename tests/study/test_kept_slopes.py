@@ -7,7 +7,7 @@ import pytest
 
 import screwsim
 from screwsim import cli
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.results.table import join, table_of
 from screwsim.study.part_files import is_whole, read_part, write_part
 

@@ -12,7 +12,7 @@ from result_fakes import GRID, SCENE, fake_simulate, scene
 from sweep_fakes import assert_same, chained, forbidden, grid_scene
 
 from screwsim.cli import exit_code
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results import atomic
 from screwsim.scene.grid import MOST_CASES
 from screwsim.study.progress import Silent, Surviving, for_terminal

@@ -13,7 +13,7 @@ from seek_fakes import RPM, chiller, choosing, deadly
 from study_fakes import gappy, parabola, two_tops
 
 import screwsim
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated

@@ -8,7 +8,7 @@ import pytest
 from result_fakes import SCENE
 from study_fakes import deadly, gappy, parabola, raising, rough, two_tops
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate
 from screwsim.study.optimum import optimum, question

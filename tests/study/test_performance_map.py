@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from screwsim.cli import exit_code
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, loads

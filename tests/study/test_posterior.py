@@ -10,7 +10,7 @@ from fit_fakes import coordinates, hopeless, plane, product, write_fit
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.emulator import terms

@@ -8,7 +8,7 @@ from result_fakes import SCENE
 from seek_fakes import RPM, leaping, saturating, torn, turning
 
 import screwsim
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
 from screwsim.study.seek import find, find_each, question
 from screwsim.study.written import write_found

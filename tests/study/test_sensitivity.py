@@ -6,7 +6,7 @@ import pytest
 from result_fakes import SCENE
 from study_fakes import gappy, ishigami, noisy
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
 from screwsim.study.sensitivity import read_ranges, sensitivity
 

@@ -10,8 +10,8 @@ import pytest
 
 from screwsim.build import build_gas
 from screwsim.cli import exit_code
-from screwsim.faults import SceneError, UsageError
 from screwsim.fluid import constants
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import lines
 from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages

@@ -13,7 +13,7 @@ import xarray as xr
 from result_fakes import CYCLE, SCENE, fake_simulate, scene
 from sweep_fakes import StopAfter, assert_same, chained, grid_scene, held, parts_of
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.report import plot
 from screwsim.results import open_results
 from screwsim.results.schema import axes_of

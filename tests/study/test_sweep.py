@@ -27,7 +27,7 @@ from sweep_fakes import (
     wait_for_parts,
 )
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.study.sweep import run_sweep, sweep
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.slider_crank.tolerance import tolerance
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads

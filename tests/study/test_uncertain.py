@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.uncertain import checked, uncertainty
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"

@@ -8,7 +8,7 @@ import pytest
 
 import screwsim
 from screwsim import cli
-from screwsim.rating import STANDARDS
+from screwsim.effects.parts.rating import STANDARDS
 from screwsim.scene.typical import leaks_told
 from screwsim.template import KINDS, asked_of, new_scene
 

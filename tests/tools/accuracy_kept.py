@@ -20,7 +20,7 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")
 import effects_space  # noqa: E402
 from true_error import RADAU, Kept, account, drawn, kept  # noqa: E402
 
-from screwsim.faults import SceneError  # noqa: E402
+from screwsim.inputs.faults import SceneError  # noqa: E402
 from screwsim.scene import Scene, load, with_values  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 

@@ -22,11 +22,11 @@ from scenes import make  # noqa: E402
 from screwsim.build import build_gas  # noqa: E402
 from screwsim.cycle.guess import begin, leased  # noqa: E402
 from screwsim.cycle.problem import problem_of  # noqa: E402
-from screwsim.faults import SceneError, UsageError  # noqa: E402
 from screwsim.fluid import constants  # noqa: E402
 from screwsim.fluid.blend_border import blend_border  # noqa: E402
 from screwsim.fluid.composition import composition, predefined  # noqa: E402
 from screwsim.fluid.saturation import saturation  # noqa: E402
+from screwsim.inputs.faults import SceneError, UsageError  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 

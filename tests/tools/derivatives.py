@@ -24,7 +24,7 @@ from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.derivatives.around import derivatives
 from screwsim.derivatives.closed import NotClosed, collocated
 from screwsim.derivatives.figures import figures_of
-from screwsim.faults import Impossible, UsageError
+from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.scene import Scene, cross_check, load, with_values
 from screwsim.solve.accurately import solve
 from screwsim.study.local import numeric_paths

@@ -27,7 +27,7 @@ import scenes  # noqa: E402
 import search  # noqa: E402
 from search import Row, largest  # noqa: E402
 
-from screwsim.errors import relative_errors, worst  # noqa: E402
+from screwsim.figures.errors import relative_errors, worst  # noqa: E402
 from screwsim.outputs import Figures, Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402

@@ -38,8 +38,8 @@ from screwsim.cycle.search import sought  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
 from screwsim.cycle.solution import CycleSolution  # noqa: E402
 from screwsim.cycle.wanted import Wanted  # noqa: E402
-from screwsim.errors import relative_errors  # noqa: E402
 from screwsim.evaluate.evaluation import evaluate  # noqa: E402
+from screwsim.figures.errors import relative_errors  # noqa: E402
 from screwsim.model.run import Machinery  # noqa: E402
 from screwsim.numerics.integrators import check_of  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402

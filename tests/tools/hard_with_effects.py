@@ -31,7 +31,7 @@ from hard_cases import CASES  # noqa: E402
 from judging import Stopped, finite, limited  # noqa: E402
 from scenes import DROP, FILMS, HELD_GAPS, make  # noqa: E402
 
-from screwsim.faults import SceneError  # noqa: E402
+from screwsim.inputs.faults import SceneError  # noqa: E402
 from screwsim.simulate import simulate, warm_up  # noqa: E402
 
 DEAREST = 1_000_000  # evaluations that a case may take without the effects

@@ -32,7 +32,7 @@ import report_fakes  # noqa: E402
 import result_fakes  # noqa: E402
 
 from screwsim import cli  # noqa: E402
-from screwsim.faults import SceneError, UsageError  # noqa: E402
+from screwsim.inputs.faults import SceneError, UsageError  # noqa: E402
 from screwsim.machine.rotors.export import lobe_csv  # noqa: E402
 from screwsim.machine.rotors.rotors import make_rotors  # noqa: E402
 from screwsim.outputs import Result  # noqa: E402

@@ -19,8 +19,8 @@ from typing import Any
 
 from judging import finite
 
-from screwsim.errors import worst
-from screwsim.faults import SceneError
+from screwsim.figures.errors import worst
+from screwsim.inputs.faults import SceneError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.simulate import simulate

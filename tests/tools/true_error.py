@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.cautions import inaccurate
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check

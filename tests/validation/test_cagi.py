@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.rating import STANDARDS, isentropic_power
+from screwsim.effects.parts.rating import STANDARDS, isentropic_power
 from screwsim.study.validation import NotRun, read_table
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ import pytest
 
 import screwsim
 from screwsim import cli
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, sources, trend
 from screwsim.study.validation.record import Row
 from screwsim.study.validation.words import report, row_text, summary

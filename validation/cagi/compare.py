@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from screwsim.effects.parts.rating import CFM, HORSEPOWER, PSI, STANDARDS, isentropic_power
 from screwsim.outputs import Figures
-from screwsim.rating import CFM, HORSEPOWER, PSI, STANDARDS, isentropic_power
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.model_errors import RATIO, SPEED

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import CoolProp.CoolProp as coolprop
 
-from screwsim.errors import relative_errors
+from screwsim.figures.errors import relative_errors
 from screwsim.fluid.real_gas import RealGas
 from screwsim.study.validation import Comparison, Row, equal, read_table, solved
 

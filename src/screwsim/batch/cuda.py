@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.codegen.program import Program, read
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.model.contexts import ChamberContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import TURN, Answer, Asked

@@ -13,9 +13,9 @@ from screwsim.effects.base import (
     OilSolution,
     Plenum,
 )
-from screwsim.faults import own_number
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.faults import own_number
 from screwsim.model.parts import Effects, OilPart, Parts, Widths
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only

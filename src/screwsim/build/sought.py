@@ -14,8 +14,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from screwsim.declare import Found
 from screwsim.fluid import constants
+from screwsim.inputs.declare import Found
 from screwsim.scene.lines import lines
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS

@@ -14,9 +14,9 @@ from screwsim.effects.base import (
     LosesPressure,
     PressureLosses,
 )
-from screwsim.faults import Fault, Unfound, UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.oils import OILS
+from screwsim.inputs.faults import Fault, Unfound, UsageError
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
 from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene

@@ -21,7 +21,7 @@ from screwsim.cli.explore import explore
 from screwsim.cli.export import app as export_app
 from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.screen import say
 from screwsim.version import version
 

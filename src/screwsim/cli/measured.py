@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target, option
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 FitFile = Annotated[

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 import typer
 
-from screwsim.near import nearest
+from screwsim.inputs.near import nearest
 
 # options whose values may have blanks
 _VALUED = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")

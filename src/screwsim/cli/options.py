@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:

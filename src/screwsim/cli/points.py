@@ -9,7 +9,7 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from screwsim.cycle.known import CycleFigures
 from screwsim.effects.base import PowerLoss
-from screwsim.faults import own_number
+from screwsim.inputs.faults import own_number
 from screwsim.model.parts import Parts
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import LineLeak, OilSolution, SuctionHeat
-from screwsim.faults import UsageError
 from screwsim.fluid.nozzle import flow
+from screwsim.inputs.faults import UsageError
 from screwsim.model.numbers import symbols_of
 from screwsim.model.slots import (
     CHOKED,

@@ -19,7 +19,7 @@ from screwsim.derivatives.directions import Directions, Structural
 from screwsim.derivatives.figures import Moved, differenced, figures_of, placed, responses
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import with_values
 from screwsim.solve.circuit import KPA, asked_of, unknowns_of
 

@@ -17,7 +17,7 @@ from screwsim.derivatives.closed import Closed
 from screwsim.derivatives.linear import Change, Sources
 from screwsim.derivatives.pitch import Numbers
 from screwsim.derivatives.slices import moved
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
 

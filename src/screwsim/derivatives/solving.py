@@ -11,7 +11,7 @@ from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.derivatives.around import derivatives
 from screwsim.derivatives.closed import NotClosed, collocated
-from screwsim.faults import Impossible
+from screwsim.inputs.faults import Impossible
 from screwsim.model import leases
 from screwsim.scene import Scene
 from screwsim.solve.circuit import solved, steady

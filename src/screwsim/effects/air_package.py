@@ -22,11 +22,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import choice, quantity
 from screwsim.effects.base import Effect, Faults, Given, Intake, LosesPressure, PressureLosses, Reading
-from screwsim.faults import Fault
+from screwsim.effects.parts.rating import isentropic_power
+from screwsim.inputs.declare import choice, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.outputs import Figure, efficiency, names_of, over, power_figure
-from screwsim.rating import isentropic_power
 
 NAME = "air_package"
 SEPARATED = ("effects.separator",)

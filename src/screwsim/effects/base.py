@@ -30,8 +30,8 @@ from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, Oil
 from screwsim.effects.parts.plenums import Drawn, Plenum, Site
 from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
 from screwsim.effects.parts.states import ChamberState, HeatRate, Stops, Wall
-from screwsim.faults import Fault
 from screwsim.fluid.settings import OilProperties
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineKind
 from screwsim.outputs import Figure, Trace
 

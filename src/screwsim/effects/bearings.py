@@ -14,10 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot, pi
 
-from screwsim.declare import choice, count, number, quantity
 from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.oil_drag import film_temperature
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, count, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import power_figure
 

@@ -17,10 +17,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import GapParameters, check_formula, check_gap, gap_path, profile_paths, ramp
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BLOW_HOLE
 from screwsim.numerics.kernel import kernel
 

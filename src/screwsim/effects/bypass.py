@@ -14,10 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Effect, Faults, FlowPath, Intake
 from screwsim.effects.gap import flow_coefficient, ramp
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.numerics.kernel import kernel
 
 RAMP = 10.0 * pi / 180.0  # over which the bore opens and closes

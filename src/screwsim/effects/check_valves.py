@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, FlowPath, Reading
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
 

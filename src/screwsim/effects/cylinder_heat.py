@@ -16,10 +16,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Around, Effect, Faults, Wall
-from screwsim.faults import Fault, UsageError
 from screwsim.fluid.constants import transport
+from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
 

@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.declare import choice, quantity
 from screwsim.effects.base import Effect, Faults, Given, Reading, Shaft
 from screwsim.effects.gas_torque import torque as gas_torque
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.motor_line import Motor, check_motor
 from screwsim.machine.drive.response import NoMotion, Response, respond

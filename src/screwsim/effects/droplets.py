@@ -16,10 +16,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Around, Effect, Faults, HeatRate, Reading
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import Figure

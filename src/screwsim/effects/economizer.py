@@ -15,14 +15,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import Found, choice, quantity
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
-from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.declare import Found, choice, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES
 from screwsim.outputs import COOLED, Figure
 

@@ -16,10 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
+from screwsim.inputs.declare import number, quantity
 from screwsim.machine.protocol import END_GAP
 from screwsim.numerics.kernel import kernel
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from screwsim.declare import choice, file, number, quantity
 from screwsim.effects import gap_flow
 from screwsim.effects.base import FlowPath
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, file, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import features, read_curve, table_value
 

@@ -20,9 +20,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.effects.base import Around, Resistance
-from screwsim.faults import Fault, UsageError
 from screwsim.fluid import gap_flow
 from screwsim.fluid.constants import transport
+from screwsim.inputs.faults import Fault, UsageError
 
 MODELS = ("nozzle", "nozzle_friction", "oil_sealed", "oil_film")
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Faults, Reading
-from screwsim.faults import Fault
+from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import Figure, Trace, names_of, over
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from screwsim.effects.base import Around
-from screwsim.faults import Fault, UsageError
 from screwsim.fluid.constants import transport
+from screwsim.inputs.faults import Fault, UsageError
 
 GAS = ("gas_conductivity", "gas_viscosity", "prandtl")
 STATE = ("reference_pressure", "reference_temperature")

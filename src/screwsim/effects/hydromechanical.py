@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number
 from screwsim.effects.base import Effect, Faults, PowerLoss
-from screwsim.faults import Fault
+from screwsim.inputs.declare import number
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import power_figure
 

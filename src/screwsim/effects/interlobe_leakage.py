@@ -20,11 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import BIRTH, ClearanceParameters, check_formula, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CONTACT_GAP
 from screwsim.numerics.kernel import kernel
 

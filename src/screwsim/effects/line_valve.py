@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.declare import quantity
+from screwsim.inputs.declare import quantity
 from screwsim.machine.drive.collocation import differentiation, resampled
 
 Array = np.ndarray

@@ -15,14 +15,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from screwsim.declare import Found, number, quantity
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
-from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.declare import Found, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES
 from screwsim.outputs import Figure
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number
 from screwsim.effects.base import Effect, PowerLoss
+from screwsim.inputs.declare import number
 from screwsim.outputs import power_figure
 
 

@@ -22,13 +22,13 @@ from math import inf
 
 import numpy as np
 
-from screwsim.declare import choice, file, number, quantity
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.declare import choice, file, number, quantity
+from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
-from screwsim.sheets import BadSheet, read_sheet
-from screwsim.textfiles import Unreadable
 
 FIGURES = (
     Figure("motor_loss", "W", "loss of motor and inverter"),

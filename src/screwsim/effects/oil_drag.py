@@ -14,9 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Faults, PowerLoss
-from screwsim.faults import Fault
+from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import power_figure
 

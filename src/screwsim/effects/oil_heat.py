@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import choice, quantity
 from screwsim.effects.base import Effect, Faults, HeatRate
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 

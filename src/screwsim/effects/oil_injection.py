@@ -17,14 +17,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.gap import ramp
 from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_breakpoints
-from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.fluid.settings import OilLine
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
-from screwsim.faults import Fault
 from screwsim.fluid.pipe import pressure_loss
+from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.outputs import Figure, power_figure
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, OilRoom
-from screwsim.faults import Fault
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 
 

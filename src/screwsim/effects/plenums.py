@@ -23,11 +23,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.declare import count, number, quantity
 from screwsim.effects import line_valve
 from screwsim.effects.base import Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
 from screwsim.effects.line_valve import Valve
-from screwsim.faults import Fault
+from screwsim.inputs.declare import count, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import PORTS
 from screwsim.numerics.made import Entry
 from screwsim.outputs import Figure, Trace, names_of, over

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import quantity
 from screwsim.effects.base import FlowPath
 from screwsim.effects.gap import ramp
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
 
 DEGREE = pi / 180.0

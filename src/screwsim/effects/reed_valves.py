@@ -16,11 +16,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
-from screwsim.faults import Fault
+from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import Trace

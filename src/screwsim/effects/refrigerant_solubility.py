@@ -27,12 +27,12 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Drawn, Effect, InSeparator, OilContent, OilGas, OilSolution, Plenum, Site
 from screwsim.effects.oil_injection import discharge_pressure
-from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.pchip import Pchip
 from screwsim.numerics.roots import brentq

@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
 from screwsim.effects.valves import port_area
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER
 
 

@@ -18,10 +18,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
-from screwsim.faults import Fault
 from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.outputs import Figure, Scale, power_figure
 

@@ -17,11 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import choice, number, quantity
 from screwsim.effects import gap_flow
 from screwsim.effects.base import Effect, Faults, LineLeak
 from screwsim.effects.gap import flow_coefficient
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import HEATED, Figure, over
 

@@ -15,11 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import file, number, quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.gap import flow_coefficient, table_area
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.declare import file, number, quantity
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.spline import features, read_curve
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, SuctionLine
-from screwsim.faults import Fault
+from screwsim.inputs.faults import Fault
 from screwsim.outputs import HEATED, POWER, Figure, over
 
 FIGURES = (

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number
 from screwsim.effects.base import Effect, Intake
+from screwsim.inputs.declare import number
 
 
 @dataclass(frozen=True)

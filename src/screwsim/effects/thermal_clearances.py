@@ -17,9 +17,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, Turn
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.made import Entry
 from screwsim.outputs import Figure, names_of

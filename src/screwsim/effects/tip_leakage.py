@@ -16,10 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import choice
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
+from screwsim.inputs.declare import choice
 from screwsim.machine.protocol import TIP_GAP
 from screwsim.numerics.kernel import kernel
 

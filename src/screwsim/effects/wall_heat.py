@@ -17,10 +17,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
-from screwsim.faults import Fault
+from screwsim.inputs.declare import number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.made import Entry

@@ -8,12 +8,12 @@ from collections.abc import Iterator
 from screwsim.build import sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import InSeparator
-from screwsim.errors import worst
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
-from screwsim.faults import UsageError
+from screwsim.figures.errors import worst
 from screwsim.fluid.orifice import outside_fit
+from screwsim.inputs.faults import UsageError
 from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings

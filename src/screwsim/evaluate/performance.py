@@ -12,9 +12,9 @@ import numpy as np
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Inlet
 from screwsim.effects.base import Given, Plenum, Reading
-from screwsim.faults import own_number
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.faults import own_number
 from screwsim.model.parts import Parts
 from screwsim.scene.lines import Lines
 

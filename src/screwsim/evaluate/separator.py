@@ -14,9 +14,9 @@ from screwsim.cycle.balances import streams_of, walls_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import InSeparator, OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
-from screwsim.faults import UsageError
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.inputs.faults import UsageError
 from screwsim.model.numbers import oil_places
 from screwsim.model.slots import (
     BETWEEN,

@@ -12,7 +12,6 @@ from typing import Any
 
 from screwsim.build import build_parts, faults_of_own, regularisation
 from screwsim.cycle.wanted import wanted_of
-from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.effects.base import (
     ChamberState,
@@ -30,6 +29,7 @@ from screwsim.effects.base import (
 from screwsim.explain.media import gas_rows, oil_rows
 from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
+from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.profile_law import Laid
 from screwsim.machine.protocol import ROTORS

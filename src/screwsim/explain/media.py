@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 
 from screwsim.build import open_temperatures, package_of
-from screwsim.declare import KINDS
 from screwsim.explain.rows import parameters_text, row
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.moist_air import MoistAir
+from screwsim.inputs.declare import KINDS
 from screwsim.model.parts import Parts
 from screwsim.scene.lines import lines
 from screwsim.scene.types import Scene

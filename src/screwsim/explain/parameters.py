@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from screwsim.declare import Found, is_derived
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.explain.rows import NO_BREAK, row
-from screwsim.faults import UsageError
+from screwsim.inputs.declare import Found, is_derived
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene.fields import unknown, value_at
 from screwsim.scene.keys import ABSENT, SECTIONS, Key, effect_keys_of, section_keys

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
-from screwsim.declare import Found, is_derived
+from screwsim.inputs.declare import Found, is_derived
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.units import customary_unit, readable_quantity, to_customary
 from screwsim.scene.values import text_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 
 __all__ = ["check_extra"]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.engineering import figure_scales, shown_name
 from screwsim.figures import known, trace_variable
+from screwsim.figures.engineering import figure_scales, shown_name
 from screwsim.outputs import Figure, Result, sorted_entries
 
 CURVE = "curve"  # a point of a small sweep

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
+from screwsim.inputs.declare import KINDS
 from screwsim.machine.kinds import find_machine
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths

@@ -8,7 +8,7 @@ from dataclasses import MISSING
 from typing import Any, NamedTuple
 
 from screwsim.explore.changes import Base, Changes, changeable, overrides_of, possible, scene_of
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine import protocol
 from screwsim.scene import Scene, value_at
 from screwsim.scene.fields import Leaf

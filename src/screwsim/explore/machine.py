@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, kind_of, twin_screw
 from screwsim.machine.profile_law import lay
 from screwsim.machine.rotors.closed_form import circular

@@ -19,7 +19,7 @@ from screwsim.explore.guard import App, Rules
 from screwsim.explore.page import page_text
 from screwsim.explore.pages import LONGEST
 from screwsim.explore.server import Desk, application
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.workers import cores
 
 LOOPBACK = "127.0.0.1"

@@ -33,7 +33,7 @@ from screwsim.explore.changes import (
     yaml_text,
 )
 from screwsim.explore.machine import document as drawn_machine
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.numerics.folder import take_over
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused

@@ -23,7 +23,7 @@ from screwsim.export.c_data import SOURCES, source_files, token_of
 from screwsim.export.inputs import Input, Output
 from screwsim.export.table import Table
 from screwsim.export.unit import BASE, DISPLAYS, exponents, plain
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import replacing
 
 VERSIONS = ("2", "3")

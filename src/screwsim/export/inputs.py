@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.faults import UsageError
 from screwsim.figures import called_for, declared
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, read_text, shown_value

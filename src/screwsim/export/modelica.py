@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.export.inputs import Input, Output
 from screwsim.export.table import Table, scales
 from screwsim.export.unit import plain
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 
 FINE = 25  # points along an axis to which polynomials are fitted

@@ -17,7 +17,7 @@ import numpy as np
 from screwsim.export.hermite import Array, Grid, evaluate, slopes
 from screwsim.export.inputs import Input
 from screwsim.export.table import Table, scales
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.study.performance_map import TERMS
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.export.inputs import Input, read_inputs, spread
 from screwsim.export.source import is_results
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, scene_text
 from screwsim.scene.operation import CONDENSING, EVAPORATING

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from screwsim.export.rotor_surface import Surface, chamber_angles, positions
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain
 from screwsim.machine.rotors.rotors import Rotors
 

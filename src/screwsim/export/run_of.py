@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from screwsim.declare import KINDS
 from screwsim.export.source import is_results
-from screwsim.faults import SceneError, UsageError
 from screwsim.figures import Performance, known
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.results import open_results
 from screwsim.scene import Scene, load, loads

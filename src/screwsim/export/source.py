@@ -7,7 +7,7 @@ from pathlib import Path
 
 from screwsim.export.inputs import Input, read_inputs, read_outputs
 from screwsim.export.table import Table, table_of, tabulate
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import Scene, load
 from screwsim.study.figures import figure_named

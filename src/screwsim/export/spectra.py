@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate, grid_of
 from screwsim.export.inputs import Input, Output, input_name, output_of, spread
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint

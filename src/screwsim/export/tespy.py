@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.polynomials import Polynomials, document, polynomials
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.scene.operation import EVAPORATING, SUBCOOLING, SUPERHEAT
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.helmholtz import entropy_kernel, ideal_heat_capacity_kernel, potentials_kernel
 from screwsim.fluid.saturation import Saturation, saturation
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
 
 ENOUGH, CLOSE = 1e-13, 1e-9  # relative, of a density that is found: where the search ends, what it may leave

@@ -20,13 +20,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.fluid.helmholtz import potentials_kernel, vectorised
 from screwsim.fluid.kept import kept
 from screwsim.fluid.phase_envelope import TINY, R, envelope
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
 
 Array = np.ndarray

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from screwsim.codegen.modules import load
-from screwsim.faults import UsageError
 from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.blend_dome import surface_kernel
 from screwsim.fluid.blend_flash import Flashes, dome
 from screwsim.fluid.description import describe
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kept_text import flat_module
 
 CLOSE = 1e-15  # relative, of a root

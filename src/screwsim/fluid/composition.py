@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
-from screwsim.faults import UsageError
 from screwsim.fluid.kept import kept
+from screwsim.inputs.faults import UsageError
 
 ENDING = ".mix"
 REMEDY = "choose another blend, such as R454B, R513A or R448A, or a pure fluid"

@@ -17,12 +17,12 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
-from screwsim.faults import UsageError
 from screwsim.fluid.blend_border import BlendBorder, blend_border
 from screwsim.fluid.blend_flash import dome, table_name
 from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.composition import ENDING, is_blend, predefined
 from screwsim.fluid.kept import no_fluid
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.store import append_line, read_lines
 
 _FULL = 250_000  # [byte] of the file; it is read at every start

@@ -13,9 +13,9 @@ from functools import lru_cache
 from itertools import combinations
 from typing import Any, NamedTuple
 
-from screwsim.faults import UsageError
 from screwsim.fluid.composition import Composition, abstract_state, composition, predefined_name
 from screwsim.fluid.kept import kept, no_fluid
+from screwsim.inputs.faults import UsageError
 
 PAIR = ("betaT", "gammaT", "betaV", "gammaV", "Fij")  # as CoolProp calls what a `Pair` begins with
 

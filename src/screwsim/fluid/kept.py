@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import begins
 from screwsim.numerics.store import keep, read
 

@@ -20,11 +20,11 @@ from math import exp, log
 from pathlib import Path
 from typing import Any
 
-from screwsim.faults import UsageError
 from screwsim.fluid import terms
 from screwsim.fluid.composition import REMEDY
 from screwsim.fluid.description import Description, Pair, describe
 from screwsim.fluid.terms import NONE, Factor, Ideal, NonAnalytic, Product
+from screwsim.inputs.faults import UsageError
 
 Term = Product | NonAnalytic
 

@@ -18,13 +18,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from screwsim.codegen.modules import load
-from screwsim.faults import UsageError
 from screwsim.fluid import moist_states as states
 from screwsim.fluid import water
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.roots import brentq

@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.fluid.composition import REMEDY
 from screwsim.fluid.description import Description
 from screwsim.fluid.fugacity import Fugacities
+from screwsim.inputs.faults import UsageError
 
 Array = np.ndarray
 TINY = 1e-100  # step into the complex plane: no rounding

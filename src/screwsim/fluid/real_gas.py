@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from screwsim.codegen.modules import load
-from screwsim.faults import UsageError
 from screwsim.fluid import isobar, limits
 from screwsim.fluid.blend_dome import blend_equilibrium_kernels
 from screwsim.fluid.blend_flash import dome
@@ -30,6 +29,7 @@ from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from screwsim.declare import choice, fluid, number, numbers, quantity
 from screwsim.fluid.composition import own_blend
 from screwsim.fluid.oils import OILS
+from screwsim.inputs.declare import choice, fluid, number, numbers, quantity
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from math import log
 from typing import Any
 
-from screwsim.faults import UsageError
 from screwsim.fluid.description import Description
+from screwsim.inputs.faults import UsageError
 
 Factor = tuple[str, *tuple[float, ...]]
 NONE: Factor = ("none",)

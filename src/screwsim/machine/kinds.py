@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from screwsim.faults import Fault
+from screwsim.inputs.faults import Fault
 from screwsim.machine import twin_screw as _twin_screw
 from screwsim.machine.protocol import MachineGeometry, MachineKind, MachineSettings
 from screwsim.machine.settings import TwinScrew

@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.profile_tables import Table, area_table, volume_table
 from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, closed_in, make_curves
 from screwsim.machine.rotors.rotors import KEPT, Rotors, make_rotors

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from screwsim.faults import Fault
+from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.spline import pack_curve, shut
 
@@ -82,7 +82,7 @@ class VolumeKernels:
 
 
 class MachineSettings(Protocol):
-    """What a scene says of a machine: a frozen dataclass of `screwsim.declare` fields, in SI units.
+    """What a scene says of a machine: a frozen dataclass of `screwsim.inputs.declare` fields, in SI units.
 
     `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `finds_gaps` says in words what
     finds lengths and neighbours of the gaps, empty where formulas of the effects do; `counts_otherwise` tells whether

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import DerivedCount, choice, count, file, number, quantity
-from screwsim.faults import Fault
+from screwsim.inputs.declare import DerivedCount, choice, count, file, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineSettings
 from screwsim.machine.rotors.settings import Profile, SlideValve
 

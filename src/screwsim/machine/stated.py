@@ -12,8 +12,8 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from screwsim.declare import Derived, DerivedCount, DerivedWord, is_derived
-from screwsim.faults import Fault
+from screwsim.inputs.declare import Derived, DerivedCount, DerivedWord, is_derived
+from screwsim.inputs.faults import Fault
 from screwsim.machine.paper_law import TURN
 from screwsim.machine.rotors.families import FAMILIES
 from screwsim.machine.rotors.settings import Profile

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from operator import attrgetter
 
-from screwsim.faults import Fault
+from screwsim.inputs.faults import Fault
 from screwsim.machine import protocol
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.protocol import MachineKind, Size, Speed

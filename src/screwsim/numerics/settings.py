@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import choice, number
+from screwsim.inputs.declare import choice, number
 from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
 
 

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
-from screwsim.sheets import BadSheet, read_sheet
-from screwsim.textfiles import Unreadable
 
 Array = np.ndarray
 LEAST = 1e-9  # of its largest value: where a curve of areas is below it, it is nothing

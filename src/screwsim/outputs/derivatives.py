@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Protocol
 
-from screwsim.near import nearest
+from screwsim.inputs.near import nearest
 from screwsim.outputs import tables
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.figures import Figures, shown

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from screwsim.near import nearest
+from screwsim.inputs.near import nearest
 from screwsim.outputs.core import PERFORMANCE
 from screwsim.outputs.declared import EFFICIENCY, Figure, Variable
 from screwsim.outputs.display import Shown, Value, table_html, table_text

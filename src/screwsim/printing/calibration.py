@@ -8,8 +8,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from screwsim.engineering import digits, figure_scales, shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import digits, figure_scales, shown_name
 from screwsim.printing import write_json
 from screwsim.printing.fits import print_title
 from screwsim.printing.tables import plain_table, wrapped

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from screwsim.engineering import engineering, shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say

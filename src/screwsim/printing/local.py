@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from screwsim.engineering import figure_scales
 from screwsim.figures import declared
+from screwsim.figures.engineering import figure_scales
 from screwsim.outputs import EFFICIENCY
 from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, wrapped

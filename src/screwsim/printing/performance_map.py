@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from screwsim.engineering import engineering
+from screwsim.figures.engineering import engineering
 from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.engineering import digits, figure_scales, shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import digits, figure_scales, shown_name
 from screwsim.printing.fits import print_left_out
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.posterior import Drawn, draw

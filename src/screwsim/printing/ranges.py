@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.engineering import figure_scales, shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import figure_scales, shown_name
 from screwsim.results.read import Results
 from screwsim.scene.types import COVERAGE
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from screwsim.engineering import engineering, engineering_temperature, quantity, shown_name
+from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name
 from screwsim.outputs import EFFICIENCY, STAGES
 from screwsim.screen import say
 

@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from screwsim.engineering import engineering, figure_scales, shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import engineering, figure_scales, shown_name
 from screwsim.outputs import Result
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 
 if TYPE_CHECKING:
     from screwsim.results import Results

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.engineering import figure_scales, shown_name
+from screwsim.figures.engineering import figure_scales, shown_name
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.scene.units import ZERO_CELSIUS

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.declare import plain
-from screwsim.faults import UsageError
+from screwsim.inputs.declare import plain
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.engineering import shown_name
+from screwsim.figures.engineering import shown_name
 from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Links, plane, surface
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 

@@ -9,8 +9,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from screwsim.faults import UsageError
-from screwsim.textfiles import irregular
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import irregular
 
 HDF5 = b"\x89HDF\r\n\x1a\n"  # how such a file begins
 

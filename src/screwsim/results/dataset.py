@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
 from screwsim.outputs.tables import library
 from screwsim.results.read import OWN, Group, Results

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.figures import declaration, unpacked
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, ITSELF, KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
 from screwsim.outputs.display import About, Brief, Shown, value_text
 from screwsim.results import stored

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.declare import KINDS
+from screwsim.inputs.declare import KINDS
 from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.results.identity import version

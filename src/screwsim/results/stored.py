@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
-from screwsim.textfiles import irregular
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import irregular
 
 REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
 MOST_ATTRIBUTE = 4_000_000  # [byte]: the scene is the longest

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.figures import declared, known, known_traces, merged
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
 
 GROUPS = ("performance", "balance", "error", "numerics")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.derivatives import Slopes
 from screwsim.results import atomic

@@ -9,7 +9,9 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from screwsim.declare import AUTO, Found
+from screwsim.inputs.declare import AUTO, Found
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.scene.fields import Leaf, stray, unknown
 from screwsim.scene.fluids import listed_fluid
 from screwsim.scene.numerals import odd_number, told
@@ -18,8 +20,6 @@ from screwsim.scene.tolerances import tolerance_sign
 from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.yaml_tree import Node, Problem, join
-from screwsim.sheets import BadSheet, read_sheet
-from screwsim.textfiles import Unreadable
 
 LONGEST_AXIS = 100_000  # values; more is a slip of the pen
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
-from screwsim.declare import Found
 from screwsim.effects.base import CoolsOil
-from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
+from screwsim.inputs.declare import Found
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.kinds import check_machine, kind_of, offering
 from screwsim.machine.protocol import OIL
 from screwsim.scene.fields import leaf_paths, value_at

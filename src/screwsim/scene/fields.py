@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from screwsim.declare import ANY, KINDS, Bounds, Kind
+from screwsim.inputs.declare import ANY, KINDS, Bounds, Kind
+from screwsim.inputs.near import containing, ending, nearest
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW, find_machine
-from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
@@ -82,7 +82,7 @@ def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
     optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
     inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]
     if not inner or not all(dataclasses.is_dataclass(part) for part in inner):
-        raise TypeError(f"{cls.__module__}.{cls.__name__}.{item.name} is not declared (use screwsim.declare)")
+        raise TypeError(f"{cls.__module__}.{cls.__name__}.{item.name} is not declared (use screwsim.inputs.declare)")
     defaulted = item.default is not dataclasses.MISSING and item.default is not None
     return section_of(typing.cast(type, inner[0]), not optional and not defaulted)
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend, own_blend, stated
 from screwsim.fluid.description import describe
 from screwsim.fluid.settings import GasSettings
+from screwsim.inputs.faults import Fault
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.load import load, loads
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
 from screwsim.scene.stated import settled

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from screwsim.declare import KINDS
-from screwsim.faults import Fault
 from screwsim.fluid import water
 from screwsim.fluid.settings import GasSettings
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import Fault
 from screwsim.scene.lines import Lines
 from screwsim.scene.units import readable_quantity
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from screwsim.declare import ANY
+from screwsim.inputs.declare import ANY
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of

@@ -7,11 +7,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
-from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.near import nearest
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
-from screwsim.near import nearest
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
@@ -25,7 +26,6 @@ from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
 SET = "--set "  # stands before an override where it is told of

@@ -12,7 +12,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from screwsim.near import nearest
+from screwsim.inputs.near import nearest
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Problem
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from operator import attrgetter
 
-from screwsim.declare import KINDS
-from screwsim.faults import Fault, UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.scene.fluids import fluid_faults
 from screwsim.scene.humidity import humidity_faults, line_faults
 from screwsim.scene.lines import lines, refrigerating_effect

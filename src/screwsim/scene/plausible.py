@@ -12,9 +12,9 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from screwsim.declare import ANY, KINDS
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
+from screwsim.inputs.declare import ANY, KINDS
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import Profile, unread
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines

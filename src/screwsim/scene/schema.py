@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from screwsim.declare import AUTO, KINDS, Kind
 from screwsim.effects import catalogue
+from screwsim.inputs.declare import AUTO, KINDS, Kind
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.designs import KINDS as SAMPLES
 from screwsim.scene.designs import LARGEST_SAMPLE

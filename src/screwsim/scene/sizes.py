@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any
 
-from screwsim.declare import KINDS
-from screwsim.faults import Fault
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import Size, Speed
 from screwsim.scene.types import Scene

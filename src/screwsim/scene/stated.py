@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from screwsim.declare import Derived, is_derived
-from screwsim.faults import Fault
+from screwsim.inputs.declare import Derived, is_derived
+from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.settings import TwinScrew
 from screwsim.scene.types import Scene

@@ -12,9 +12,9 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.near import nearest
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.near import nearest
 from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import Scene, Tolerance

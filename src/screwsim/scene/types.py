@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from screwsim.declare import Found, choice, number, quantity, word
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilLine, OilSettings
+from screwsim.inputs.declare import Found, choice, number, quantity, word
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 

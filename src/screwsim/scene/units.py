@@ -14,7 +14,7 @@ from contextvars import ContextVar
 from functools import cache
 from typing import Any
 
-from screwsim.declare import KINDS, Kind
+from screwsim.inputs.declare import KINDS, Kind
 from screwsim.scene.numerals import odd_number, told
 
 

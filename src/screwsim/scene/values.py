@@ -8,10 +8,10 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from screwsim.declare import AUTO, Found
 from screwsim.fluid.models import find_gas_model
+from screwsim.inputs.declare import AUTO, Found
+from screwsim.inputs.near import nearest
 from screwsim.machine.kinds import MACHINES
-from screwsim.near import nearest
 from screwsim.numerics.integrators import find_integrator
 from screwsim.scene.fields import Leaf
 from screwsim.scene.numerals import odd_number, told

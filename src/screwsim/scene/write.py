@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from typing import Any
 
-from screwsim.declare import is_derived
+from screwsim.inputs.declare import is_derived
 from screwsim.scene.fields import Leaf, Section, leaf_paths, scene_section, section_of
 from screwsim.scene.grid import dimensions
 from screwsim.scene.tolerances import together_text, tolerance_text

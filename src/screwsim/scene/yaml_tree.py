@@ -15,7 +15,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
-from screwsim.faults import SceneError
+from screwsim.inputs.faults import SceneError
 from screwsim.scene.syntax import not_yaml
 
 ROOT = "<root>"

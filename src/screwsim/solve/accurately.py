@@ -16,8 +16,8 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
 from screwsim.effects.base import Separator
-from screwsim.errors import worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.figures.errors import worst
 from screwsim.model import speed
 from screwsim.model.run import Machinery
 from screwsim.numerics.compiling import seconds_again

@@ -23,9 +23,9 @@ from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures

@@ -24,8 +24,8 @@ from screwsim.cycle.relaxation import SLOW, along, relax
 from screwsim.cycle.simultaneous import close_together
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
-from screwsim.errors import flow_errors, relative_errors, worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.run import Machinery
 from screwsim.model.slots import R_TRAPPED
 from screwsim.outputs import Figures

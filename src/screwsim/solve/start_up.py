@@ -19,7 +19,7 @@ from screwsim.cycle.problem import LEAST_OIL, Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train

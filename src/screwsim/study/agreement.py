@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results.identity import Files, Identity, code_identity, disagreement, file_identity, files_of
 from screwsim.results.schema import named_files
 from screwsim.scene.types import Scene

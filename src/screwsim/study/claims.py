@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.screen import say
 from screwsim.study.curves import Array, Optimum, optimum, value_at

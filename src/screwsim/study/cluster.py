@@ -10,10 +10,10 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import Unreadable, read_text
 from screwsim.study.agreement import REMEDY, Wanted, what_differs
 from screwsim.study.workers import LOST
-from screwsim.textfiles import Unreadable, read_text
 
 _PATIENCE = 60.0  # [s] for the scheduler's answer, for the first worker, and for a lost scheduler to come back
 _LATE = 2.0  # [s] beyond its patience after which a connection is given up that does not keep to it

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.errors import error_scale, needed
-from screwsim.faults import UsageError
+from screwsim.figures.errors import error_scale, needed
+from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
 from screwsim.scene.yaml_tree import Node, Place, compose

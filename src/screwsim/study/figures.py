@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from screwsim.build import build_parts
-from screwsim.faults import UsageError
 from screwsim.figures import called_for, known, needs_of
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case
 from screwsim.scene.fields import unknown
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import shown_of
 from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads
 from screwsim.scene.types import Scene

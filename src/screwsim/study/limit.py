@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 
 CASE_LIMIT = 300.0  # [s] of one case; the hardest known ones take some seconds
 LEAST, MOST = 0.001, 1e8  # [s] that a case may be given: beyond, the system's timer overflows

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from screwsim.declare import is_derived
 from screwsim.derivatives.solving import found
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.inputs.declare import is_derived
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values

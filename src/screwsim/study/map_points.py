@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects import catalogue
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene.fields import leaf_paths, unknown
 from screwsim.scene.operation import CONDENSING, EVAPORATING

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from screwsim.errors import error_scale
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.figures.errors import error_scale
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import only

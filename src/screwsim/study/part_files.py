@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import scale_of
+from screwsim.inputs.textfiles import irregular
 from screwsim.outputs import STATUSES, Figure, names_of
 from screwsim.results.atomic import replacing
 from screwsim.results.table import TEXTS, Table, Texts, columns_of
-from screwsim.textfiles import irregular
 
 _TRACE = "trace_"
 _UNREADABLE = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, NotImplementedError)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.scene.operation import CONDENSING, EVAPORATING, SUBCOOLING, SUPERHEAT
 from screwsim.scene.units import ZERO_CELSIUS

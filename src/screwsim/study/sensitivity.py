@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
 from screwsim.study.each import each

@@ -13,11 +13,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import Unreadable, read_text
 from screwsim.results.atomic import check_target_kind, make_folder, refused, replacing
 from screwsim.results.table import Table, join
 from screwsim.study.part_files import is_whole, read_head, read_part, write_part
-from screwsim.textfiles import Unreadable, read_text
 
 MOST_SMALL = 128  # parts written until small neighbours are joined
 LARGE = 16_000_000  # [byte] of a part that stays as it is

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import Scene, leaf_of, value_at
 from screwsim.study.inputs import check_continuous, read_text, shown_value

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
 from screwsim.results.identity import differences, unpacked

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
 from screwsim.scene import Scene, with_values

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from multiprocessing import connection
 from typing import Any, Protocol
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.folder import handed_on, take_over
 
 CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some ms

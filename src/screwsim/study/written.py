@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.effects import catalogue
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results.atomic import keep_others, make_folder, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.values import text_of

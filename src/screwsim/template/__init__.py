@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from screwsim.faults import SceneError, UsageError
-from screwsim.near import nearest
+from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.near import nearest
 from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
 from screwsim.template.asked import Asked, asked_of

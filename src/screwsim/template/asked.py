@@ -6,11 +6,11 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import KINDS
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.oils import OILS
-from screwsim.near import nearest
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.near import nearest
 from screwsim.scene.units import NUMBER, Refused, over, parse_quantity
 
 ATMOSPHERE = 1e5  # [Pa] of the surroundings of a template, as ISO 1217 has it

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.oils import OILS
+from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, Condition, beside_of, condition_of, refused
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
 from screwsim.template.asked import Asked, refused
 from screwsim.template.refrigeration import Duty, conditions, duty_of

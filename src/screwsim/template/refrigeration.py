@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import OILS
+from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, beside_of, condition_of
 

@@ -7,7 +7,7 @@ from functools import cache
 from importlib.resources import files
 from string import Template
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
 
 SMALLEST, LARGEST = 0.05, 0.55  # [m] of rotors that are cut

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from own_flows.viscous import slot_flux
 
-from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
+from screwsim.inputs.declare import quantity
 from screwsim.numerics.kernel import kernel
 
 

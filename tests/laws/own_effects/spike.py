@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
+from screwsim.inputs.declare import number, quantity
 from screwsim.numerics.kernel import kernel
 
 

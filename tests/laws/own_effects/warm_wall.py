@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number
 from screwsim.effects.base import Effect, Made, Scaled, Turn, Wall
+from screwsim.inputs.declare import number
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.made import Entry
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Drawn, Effect, FlowPath, HeatRate, Made, Plenum, PowerLoss, Reading, Site, Turn, Wall
+from screwsim.inputs.declare import choice, number, quantity
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.made import Entry
 

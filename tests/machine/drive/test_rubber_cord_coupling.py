@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from screwsim.codegen.modules import load
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive import rubber_cord_coupling as law
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.numerics.kernel import HEADER, flatten

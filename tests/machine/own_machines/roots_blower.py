@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.declare import choice, count, quantity, word
 from screwsim.effects.gap import ramp
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, count, quantity, word
+from screwsim.inputs.faults import Fault
 from screwsim.machine.profile_law import Interface
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.protocol import (

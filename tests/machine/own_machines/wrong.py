@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from own_machines.roots_blower import MACHINE as BLOWER
 from own_machines.roots_blower import Pockets, RootsBlower, pocket_volume, pocket_volume_slope
-from screwsim.declare import word
+from screwsim.inputs.declare import word
 from screwsim.machine.protocol import AreaLaw, VolumeKernels
 from screwsim.numerics.kernel import kernel
 

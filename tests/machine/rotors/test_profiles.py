@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors import imported
 from screwsim.machine.rotors.checks import check_pair, check_profile, crosses_itself, mesh
 from screwsim.machine.rotors.closed_form import circular, rack, rack_line

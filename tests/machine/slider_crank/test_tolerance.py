@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.slider_crank import kinematics
 from screwsim.machine.slider_crank import tolerance as law
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from screwsim.declare import quantity
 from screwsim.effects.parts.flows import Resistance
 from screwsim.fluid.separator import Outflow, Separated
+from screwsim.inputs.declare import quantity
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from screwsim.evaluate.ledger.circuit import through_circuit
 from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
 from screwsim.evaluate.ledger.suction import enter_line, line_streams, mean_back
-from screwsim.faults import own_number
+from screwsim.inputs.faults import own_number
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import quantity
+from screwsim.inputs.declare import quantity
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.declare import choice, number, quantity
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, number, quantity
+from screwsim.inputs.faults import Fault
 
 NEEDED = {"line": ("slope",), "induction": ("breakdown_torque", "breakdown_slip")}
 BELONGS = {"line": (*NEEDED["line"], "torque_limit"), "induction": NEEDED["induction"]}

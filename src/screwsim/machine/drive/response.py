@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive import collocation
 from screwsim.machine.drive.collocation import POINTS, differentiation, residual, sizes
 from screwsim.machine.drive.linear_coupling import LinearCoupling

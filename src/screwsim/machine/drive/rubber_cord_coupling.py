@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.declare import count, number, quantity
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.declare import count, number, quantity
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.numerics.kernel import kernel
 
 LARGEST_TWIST = math.radians(45.0)  # asked of a coupling without a breaking strain: far beyond what the model is for

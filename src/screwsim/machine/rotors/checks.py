@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from screwsim.faults import Fault
+from screwsim.inputs.faults import Fault
 from screwsim.machine.rotors.flanks import female_flanks, male_flanks
 from screwsim.machine.rotors.pair import Array, Chain, Pair, outline, outlines
 

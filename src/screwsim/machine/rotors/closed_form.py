@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
 POINTS = (

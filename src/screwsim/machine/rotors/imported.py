@@ -12,11 +12,11 @@ import math
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.machine.rotors.closed_form import Segment
 from screwsim.machine.rotors.pair import Array, Chain, Pair
-from screwsim.sheets import BadSheet, read_sheet
-from screwsim.textfiles import Unreadable
 
 POINTS = 4001  # points of the curve, at least
 CORNER = math.radians(40.0)  # points that turn more than this are a corner, not a curve

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array
 
 APART = 7.0  # tolerances: points nearer to the last one kept say nothing of the tangent

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from screwsim.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.rotors import closed_form, imported, measured
 from screwsim.machine.rotors.blow_hole import Opening, mirrored, opening
 from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size

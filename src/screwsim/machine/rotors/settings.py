@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
-from screwsim.declare import DerivedWord, choice, file, number, quantity
-from screwsim.faults import Fault
+from screwsim.inputs.declare import DerivedWord, choice, file, number, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.rotors.families import FAMILIES
 
 _NEEDS = {

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.leakage import TURN
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.ports import groove_tips

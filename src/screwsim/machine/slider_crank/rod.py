@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import root_scalar
 
-from screwsim.declare import quantity
-from screwsim.faults import Fault
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
 
 Array = np.ndarray
 _SMALL = 0.05  # |x| below which the family is summed as a series; eight terms leave less than 1e-17

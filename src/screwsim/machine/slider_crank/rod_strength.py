@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.declare import number, quantity
+from screwsim.inputs.declare import number, quantity
 from screwsim.machine.slider_crank.rod import Array, Bending
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import choice, quantity
-from screwsim.faults import Fault
+from screwsim.inputs.declare import choice, quantity
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineSettings
 from screwsim.machine.slider_crank import kinematics
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 
 Array = np.ndarray
 

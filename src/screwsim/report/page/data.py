@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.engineering import SCALES, figure_scales, shown_name
+from screwsim.figures.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.engineering import engineering, shown_name, small
+from screwsim.figures.engineering import engineering, shown_name, small
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.engineering import shown_name
+from screwsim.figures.engineering import shown_name
 from screwsim.report.page.pack import floats
 from screwsim.results import Results
 from screwsim.results.schema import MODEL_ERROR

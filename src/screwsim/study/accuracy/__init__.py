@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from screwsim.codegen.modules import for_speed
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.scene import Scene

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from screwsim.faults import SceneError, UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check

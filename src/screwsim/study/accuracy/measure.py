@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.traces import traces as traces_of
-from screwsim.faults import SceneError, UsageError
+from screwsim.figures.errors import relative_errors, worst
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.numerics.integrators import DEFAULT
 from screwsim.outputs import Figures
 from screwsim.scene import Scene

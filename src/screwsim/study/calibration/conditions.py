@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import cross_check
 from screwsim.scene.yaml_tree import Place, Problem, scene_error
 from screwsim.study.calibration.data import read_points

@@ -8,9 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import KINDS, Kind
-from screwsim.faults import UsageError
 from screwsim.figures import declared, known
+from screwsim.inputs.declare import KINDS, Kind
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, Row, Sheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of
@@ -19,9 +21,7 @@ from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused, over, parse_quantity, tidy_unit
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Place, Problem
-from screwsim.sheets import BadSheet, Row, Sheet, read_sheet
 from screwsim.study.calibration.fit import Measured, Point
-from screwsim.textfiles import Unreadable
 
 MOST_POINTS = 10_000  # of one fit
 UNCERTAINTY = "_uncertainty"

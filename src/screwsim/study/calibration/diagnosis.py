@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.machine import (

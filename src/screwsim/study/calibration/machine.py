@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, value_at
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check, with_values
 from screwsim.study.calibration.conditions import Typical, points_of, typical

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import ENDS, Posterior, Predicted, Spread
 from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured
 from screwsim.study.calibration.fit import Fit

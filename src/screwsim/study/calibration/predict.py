@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import ENDS, Posterior, Prediction, Predictions
 from screwsim.study.calibration.conditions import Typical, points_of, typical
 from screwsim.study.calibration.emulator import Row, figures_at, fitted, places_within

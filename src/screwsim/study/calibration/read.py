@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
@@ -18,7 +19,6 @@ from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import STEPS, shown_value
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
 HEAD = {

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from screwsim.build import package_of
-from screwsim.engineering import shown_name
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.figures.engineering import shown_name
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, Result
 from screwsim.scene import Scene
 from screwsim.study.datasheet.sheet import Sheet

@@ -14,10 +14,10 @@ import numpy as np
 
 from screwsim.build import package_of
 from screwsim.effects.air_package import FREE_AIR, UNLOADED
-from screwsim.faults import UsageError
+from screwsim.effects.parts.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
+from screwsim.inputs.faults import UsageError
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
-from screwsim.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
-from screwsim.engineering import quantity
-from screwsim.rating import CFM, PSI, WEIGHTS
+from screwsim.effects.parts.rating import CFM, PSI, WEIGHTS
+from screwsim.figures.engineering import quantity
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS

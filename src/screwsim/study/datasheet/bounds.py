@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from screwsim.engineering import engineering, quantity, shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import engineering, quantity, shown_name
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.goals import read_bounds

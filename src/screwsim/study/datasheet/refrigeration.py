@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at, with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P

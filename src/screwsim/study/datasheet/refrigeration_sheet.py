@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from screwsim.engineering import quantity, shown_name
+from screwsim.figures.engineering import quantity, shown_name
 from screwsim.fluid.composition import is_blend
 from screwsim.outputs import Result
 from screwsim.scene import Scene

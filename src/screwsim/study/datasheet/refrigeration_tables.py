@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from screwsim.engineering import quantity
+from screwsim.figures.engineering import quantity
 from screwsim.scene import Scene
 from screwsim.scene.operation import CONDENSING
 from screwsim.study.datasheet.bounds import beyond

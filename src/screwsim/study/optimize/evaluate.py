@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.errors import error_scale
 from screwsim.figures import declared
+from screwsim.figures.errors import error_scale
 from screwsim.outputs import STATUSES, Figures, Result
 from screwsim.results.table import Table, columns_of, names_of
 from screwsim.scene import Scene, value_at, with_values

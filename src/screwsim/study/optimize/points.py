@@ -8,15 +8,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, Row, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, Refused
 from screwsim.scene.values import convert
-from screwsim.sheets import BadSheet, Row, read_sheet
 from screwsim.study.inputs import check_continuous
 from screwsim.study.optimize.standards import WATER, Standard, standards
-from screwsim.textfiles import Unreadable
 
 LEAST_CONDENSING = 20.0  # [°C] below which a chiller's control holds the condenser: an assumption of ours
 LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load

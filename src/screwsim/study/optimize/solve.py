@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.study.optimize.evaluate import Evaluation, broken
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record, Spent

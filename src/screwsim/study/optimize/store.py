@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.figures import declared
+from screwsim.inputs.faults import UsageError
 from screwsim.results.identity import differences, unpacked
 from screwsim.results.optimum import EVALUATION, POINT, Evaluated, write_optimum
 from screwsim.results.read import read_attributes

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from screwsim.faults import UsageError
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
 from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.engineering import engineering, shown_name
+from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import textwrap
 
-from screwsim.declare import KINDS
 from screwsim.explain import WIDTH, explain
+from screwsim.inputs.declare import KINDS
 from screwsim.scene.lines import lines
 from screwsim.scene.units import readable_quantity
 from screwsim.study.stages.read import NAMES, Chain, Intercooler

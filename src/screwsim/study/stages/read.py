@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from screwsim.build import build_parts
-from screwsim.declare import choice, quantity
 from screwsim.effects.base import Plenum
-from screwsim.faults import SceneError, UsageError
 from screwsim.fluid.composition import is_blend
+from screwsim.inputs.declare import choice, quantity
+from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import section_of
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 KEY = "stages"
 NAMES = ("first", "second")

@@ -13,8 +13,8 @@ from screwsim.cycle.problem import Inlet
 from screwsim.effects import catalogue
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.performance import efficiencies
-from screwsim.faults import UsageError
 from screwsim.fluid import constants
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
 from screwsim.scene.checks import SEPARATOR

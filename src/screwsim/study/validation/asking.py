@@ -9,12 +9,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Result
 from screwsim.scene import load, with_values
-from screwsim.sheets import BadSheet, read_sheet
 from screwsim.simulate import simulate
 from screwsim.study.validation.record import NotRun
-from screwsim.textfiles import Unreadable
 
 
 def solved(

@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import screwsim
-from screwsim.faults import UsageError
-from screwsim.near import nearest
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.near import nearest
+from screwsim.inputs.textfiles import Unreadable, read_text
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.discrepancy import model_errors
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
-from screwsim.textfiles import Unreadable, read_text
 from screwsim.version import version
 
 FOLDER, MODULE = "validation", "compare.py"

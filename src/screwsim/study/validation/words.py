@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Mapping
 from typing import Any
 
-from screwsim.engineering import shown_name
 from screwsim.figures import declared
+from screwsim.figures.engineering import shown_name
 from screwsim.scene.model_errors import range_text
 from screwsim.study.validation.record import JUDGED, shown
 

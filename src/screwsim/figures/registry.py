@@ -12,7 +12,7 @@ from typing import Any
 
 from screwsim.effects import catalogue, imported
 from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
-from screwsim.faults import Impossible, UsageError
+from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model.parts import Parts
 from screwsim.outputs import (
     CHANGED,

@@ -11,7 +11,7 @@ import csv
 import os
 from dataclasses import dataclass
 
-from screwsim.textfiles import MOST_TABLE, read_text
+from screwsim.inputs.textfiles import MOST_TABLE, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
 _OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere

@@ -5,7 +5,7 @@ One table for the screen, the figures and the page.
 
 from __future__ import annotations
 
-from screwsim.figures import declared
+from screwsim.figures.registry import declared
 from screwsim.outputs import EFFICIENCY, Figure
 from screwsim.outputs.customary import (
     SCALES,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from math import prod
 from typing import Any
 
-from screwsim.figures import declared
+from screwsim.figures.registry import declared
 from screwsim.outputs import TIMES, Figure, Figures, Scale
 
 LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts as passing through zero

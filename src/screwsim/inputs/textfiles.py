@@ -9,7 +9,7 @@ import os
 import stat
 from pathlib import Path
 
-PACKAGE, CONFIGS = Path(__file__).resolve().parent, "configs"
+PACKAGE, CONFIGS = Path(__file__).resolve().parents[1], "configs"
 
 MOST_YAML = 4_000_000  # [byte] of a scene, a fit or a file of stages: some tens of thousands of lines
 MOST_TABLE = 16_000_000  # [byte] of a table

@@ -1,0 +1,33 @@
+"""The figures that a scene calls for (`registry`), their numerical errors (`errors`) and their customary units."""
+
+from screwsim.figures.registry import (
+    Performance,
+    borrowed,
+    called_for,
+    declaration,
+    declared,
+    known,
+    known_traces,
+    merged,
+    needs_of,
+    packed,
+    scale_of,
+    trace_variable,
+    unpacked,
+)
+
+__all__ = [
+    "Performance",
+    "borrowed",
+    "called_for",
+    "declaration",
+    "declared",
+    "known",
+    "known_traces",
+    "merged",
+    "needs_of",
+    "packed",
+    "scale_of",
+    "trace_variable",
+    "unpacked",
+]
