@@ -21,6 +21,7 @@ from greenlet import GreenletExit, getcurrent, greenlet
 
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
+from screwsim.cycle.problem import sharing
 from screwsim.model import compiled, side_by_side
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
@@ -103,8 +104,9 @@ class _Together:
     def run(self) -> list[Any]:
         before, here.turn = here.turn, self._turn
         try:
-            while self._go_on():
-                pass
+            with sharing():
+                while self._go_on():
+                    pass
             return self._answers
         finally:
             here.turn = _ended
