@@ -15,6 +15,7 @@ from screwsim.model.slots import BETWEEN, P_INJECTION, Q_HEAT, Q_WALLS, R_INJECT
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
+LEAST = 1e-300  # of what something is divided by
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 
 
@@ -52,7 +53,7 @@ def pushed_of(c: Composition, q: Array) -> float:
 
 def mass_in(c: Composition, q: Array) -> float:
     """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
-    return float(_outer(c, q)[:, 0].copy().sum())
+    return float(sum(_columns(c, q)[0]))
 
 
 def met_across(problem: Problem) -> bool:
@@ -75,48 +76,51 @@ def crossed(problem: Problem, life: Trajectory) -> float:
     return gained
 
 
-def _outer(c: Composition, q: Array) -> Array:
-    """Return the sums of all categories but that between chambers."""
-    streams = streams_of(c, q)
-    return np.concatenate([streams[:BETWEEN], streams[BETWEEN + 1 :]])
+def _columns(c: Composition, q: Array) -> list[list[float]]:
+    """Return the sums of all categories but that between chambers, by column: a few numbers, quicker as such."""
+    rows = streams_of(c, q).tolist()
+    return list(map(list, zip(*rows[:BETWEEN], *rows[BETWEEN + 1 :], strict=True)))
 
 
 def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     """Return what a life leaves open, from its quadratures and the run-time cells that it left."""
     c, part, trapped = problem.composition, problem.parts.oil, float(R[R_TRAPPED])
-    flows = _outer(c, q)
-    mass = flows[:, 0]
-    enthalpy = flows[:, 1] - problem.inlet.enthalpy * mass
-    energy = enthalpy.sum() + q[0] - pushed_of(c, q)
-    scale = np.abs(enthalpy).sum() + abs(q[0])
+    mass, heat, *of_oil = _columns(c, q)
+    work, h = float(q[0]), problem.inlet.enthalpy
+    enthalpy = [each - h * m for each, m in zip(heat, mass, strict=True)]
+    energy = sum(enthalpy) + work - pushed_of(c, q)
+    scale = sum(map(abs, enthalpy)) + abs(work)
     oil = oil_share = 0.0
     if c.carried and part is not None:
         injected = float(R[R_INJECTED])
         T_oil = part.temperature + problem.pressed(max(part.source_pressure, float(R[R_PRESSURE])))
-        energy += part.heat_capacity * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
-        lost, through = abs(flows[:, 2].sum() + injected), max(injected, np.abs(flows[:, 2]).sum() / 2)
-        oil, oil_share = lost / max(through, LEAST_OIL * trapped), lost / max(through, trapped)
+        net = sum(of_oil[0])
+        energy += part.heat_capacity * (sum(of_oil[1]) - T_oil * net)
+        lost, through = abs(net + injected), max(injected, sum(map(abs, of_oil[0])) / 2)
+        oil, oil_share = lost / max(through, LEAST_OIL * trapped, LEAST), lost / max(through, trapped, LEAST)
         if c.dissolves:  # what it holds dissolved, over the gas
-            held = abs(flows[:, 4].sum()) / max(trapped, np.abs(flows[:, 4]).sum() / 2)
+            held = abs(sum(of_oil[2])) / max(trapped, sum(map(abs, of_oil[2])) / 2, LEAST)
             oil, oil_share = max(oil, held), max(oil_share, held)
     else:
-        energy += q[Q_HEAT]
+        energy += float(q[Q_HEAT])
     if c.walls:
-        heats = walls_of(c, q)[:, 0]
-        energy, scale = energy + heats.sum(), scale + np.abs(heats).sum()
-    mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
-    open_energy = abs(energy) / max(scale, LEAST_WORK * trapped * problem.pv)
-    return Residuals(abs(mass.sum()) / mass_scale, open_energy, oil, oil_share)
+        heats = walls_of(c, q)[:, 0].tolist()
+        energy, scale = energy + sum(heats), scale + sum(map(abs, heats))
+    mass_scale = max(trapped, 0.5 * sum(map(abs, mass)), LEAST)
+    open_energy = abs(energy) / max(scale, LEAST_WORK * trapped * problem.pv, LEAST)
+    return Residuals(abs(sum(mass)) / mass_scale, open_energy, oil, oil_share)
 
 
 def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
     """Return (h, oil per gas, T_oil) of the outflow's flow-weighted mean; None when nothing flows out."""
-    out = streams[3]
-    if not out[0] < 0.0:
+    mass, enthalpy, *of_oil = streams[3].tolist()
+    if not mass < 0.0:
         return None
-    ratio = out[2] / out[0] if len(out) >= 4 else 0.0
-    T_oil = out[3] / out[2] if len(out) >= 4 and out[2] < 0.0 else 0.0
-    return float(out[1] / out[0]), float(ratio), float(T_oil)
+    ratio = T_oil = 0.0
+    if of_oil:
+        oil, warmth = of_oil[:2]
+        ratio, T_oil = oil / mass, warmth / oil if oil < 0.0 else 0.0
+    return enthalpy / mass, ratio, T_oil
 
 
 def discharge_held(streams: Array) -> float:

@@ -57,12 +57,12 @@ class Problem:
     parameters: Array
     wanted: Wanted
 
-    @property
+    @once
     def rate(self) -> float:
         """Chambers born a second [1/s]."""
         return self.parts.omega / self.parts.geometry.pitch
 
-    @property
+    @once
     def pv(self) -> float:
         """p/ρ of the suction line [J/kg], the scale of work."""
         return self.lines.p_s / self.inlet.density

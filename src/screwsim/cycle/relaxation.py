@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from screwsim.cycle.balances import LEAST_WORK, residuals
+from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals
 from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
@@ -114,6 +114,8 @@ class _Turns:
         self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
         self.before = 1.0, 1.0  # gap, and change of the states, of the turn before
+        self.corrected = False  # was the last turn?
+        self.open: Residuals | None = None  # what a turn of the finest steps left open
         self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
 
@@ -125,6 +127,7 @@ class _Turns:
         """Integrate a turn and measure what it changed; return where it stopped, None where it came to its end."""
         problem, machinery = self.problem, self.machinery
         self.point, self.steps_before = self.vector(self.met), int(machinery.kept[1])
+        self.corrected = False
         self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
         status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
         if status != 0:
@@ -141,7 +144,8 @@ class _Turns:
         if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
             self.gap = self.first_gap = max(self.gap, self.moved)
         self.expected, self.residual_before = [now], self.residual
-        self.residual = residuals(problem, machinery.R, self.q).largest if self.rtol <= self.finest else np.inf
+        self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
+        self.residual = np.inf if self.open is None else self.open.largest
         return None
 
     def closed(self) -> bool:
@@ -189,6 +193,7 @@ class _Turns:
         self.left, n, corrections = self.gap, self.machinery.n, self.corrections
         begun = corrections.begun
         if corrections.due(self.slow(), self.moved, self.near):
+            self.corrected = True
             start = self.image[:n] - self.point[:n]
             whole = self.number == 1  # of a guess that is farther off a correction may be anything
             found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made, whole)
@@ -259,6 +264,8 @@ class _Turns:
             impacts=machinery.impacts,
             tangents=self.corrections.last,
             contraction=self.contraction,
+            open=self.open if ok and not self.corrected else None,
+            made=self.made if ok and not self.corrected else None,
             left=self.left if ok and self.gap > self.wanted.tolerance and self.corrections.begun else 0.0,
         )
 

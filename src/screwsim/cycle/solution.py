@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.model.slots import R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
+
+if TYPE_CHECKING:
+    from screwsim.cycle.balances import Residuals
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +36,8 @@ class CycleSolution:
     speed_curve: Array | None = None  # of the speed that the drive made last (model.speed)
     tangents: Tangents | None = None  # of Newton's correction, where one was made
     contraction: float = 1.0  # of waveforms: change of a turn over that of the one before, as it was seen last
+    open: Residuals | None = None  # what the last turn left open, where that is known and nothing corrected it
+    made: Array | None = None  # the same of what it made of the feedback unknowns
     left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from screwsim.cycle.balances import LEAST_WORK, residuals, streams_of
+from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
 from screwsim.cycle.known import CycleFigures, known_of, pitch_at
 from screwsim.cycle.pitch import Pitch
@@ -24,11 +24,13 @@ from screwsim.outputs import Figures
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """A life of a problem's chambers, and its quadratures q."""
+    """A life of a problem's chambers, and its quadratures q; where closing knows them, what it left open and made."""
 
     problem: Problem
     life: Trajectory
     q: Array
+    left: Residuals | None = None
+    made: Array | None = None
 
     @once
     def streams(self) -> Array:
@@ -43,6 +45,8 @@ class Evaluation:
     @property
     def image(self) -> Array:
         """What the life makes of the feedback unknowns, as a vector."""
+        if self.made is not None:
+            return self.made
         return image(self.problem, self.life, self.q, self.turn if self.problem.parts.made else None)
 
     @once
@@ -98,13 +102,13 @@ class Evaluation:
 
 def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
     """Return the evaluation of a cycle."""
-    return Evaluation(problem, cycle.trajectory, cycle.q)
+    return Evaluation(problem, cycle.trajectory, cycle.q, cycle.open, cycle.made)
 
 
 def balance(of: Evaluation) -> Figures:
     """Return the balances of a closed cycle (contract: balance)."""
     problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
-    left, residual = residuals(problem, of.life.R, of.q), None
+    left, residual = of.left or residuals(problem, of.life.R, of.q), None
     T_out = None if c.carried else of.known.oil_discharge_temperature
     if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)

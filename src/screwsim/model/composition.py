@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS, R_SIZE
+from screwsim.numerics.once import once
 
 
 @dataclass(frozen=True)
@@ -67,12 +68,12 @@ class Composition:
         """Where the widths of the regularisation stand in P."""
         return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
 
-    @property
+    @once
     def first_met(self) -> int:
         """Index of the gas from the chambers ahead and behind, by offset, among the quadratures of one chamber."""
         return Q_WALLS + 2 * len(self.walls)
 
-    @property
+    @once
     def first_stream(self) -> int:
         """Index of the first of the streams' sums among the quadratures."""
         return self.first_met + 2 * len(self.offsets) + self.pushes

@@ -52,10 +52,11 @@ class Effects(dict[str, Sequence[Any]]):
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
-        if kind not in self._found:
+        found = self._found.get(kind)
+        if found is None:
             parts = ((name, part) for name, items in self.items() for part in items)
-            self._found[kind] = [(name, part) for name, part in parts if isinstance(part, kind)]
-        return self._found[kind]
+            found = self._found[kind] = [(name, part) for name, part in parts if isinstance(part, kind)]
+        return found
 
 
 @dataclass(frozen=True)
@@ -83,8 +84,7 @@ class Parts:
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
-        assert isinstance(self.effects, Effects)
-        return self.effects.all(kind)
+        return self.effects.all(kind)  # type: ignore[attr-defined] - `Effects`, see above
 
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""

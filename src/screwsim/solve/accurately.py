@@ -33,6 +33,7 @@ LOOSER = 1.5  # by this factor, AIM over EASY: none of them is estimated above A
 TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
 AHEAD = 0.3  # of the bound on the balances, with which a cycle that gives a separator its oil may close early
 TRIES = 7
+NONE = np.zeros(4, np.int64)  # counts of a machinery that has done nothing
 
 
 class Accurate(NamedTuple):
@@ -169,13 +170,13 @@ class Watch:
     def __init__(self, machinery: Machinery) -> None:
         self.machinery, self.started = machinery, _now(machinery)
         self.times = {"closing": 0.0, "estimating": 0.0}
-        self.counts = {name: np.zeros_like(machinery.counts) for name in self.times}
+        self.counts: dict[str, Array] = dict.fromkeys(self.times, NONE)
 
     def lap(self, name: str) -> None:
         """Add what was spent since the last lap."""
         (then, before), self.started = self.started, _now(self.machinery)
         self.times[name] += self.started[0] - then
-        self.counts[name] += self.started[1] - before
+        self.counts[name] = self.counts[name] + self.started[1] - before
 
 
 def _now(machinery: Machinery) -> tuple[float, Array]:

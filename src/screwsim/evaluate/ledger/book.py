@@ -76,7 +76,7 @@ class Cycle:
         self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
         self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
         operation = of.problem.scene.operation
-        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures.shaft_power
+        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures["shaft_power"]
         delivers = of.streams[2, 0] + of.streams[3, 0] < 0.0
         self.line_given = operation.discharge.temperature is not None or not delivers
 

@@ -123,8 +123,9 @@ def _sucked(cycle: Cycle) -> State:
 
 def _acting(cycle: Cycle) -> Iterator[str]:
     """Yield the effects that do more than read the cycle."""
+    reading = {name for name, _ in cycle.parts.all(Reading)}
     for name, items in cycle.parts.effects.items():
-        if not (items and all(isinstance(part, Reading) for part in items)):
+        if name not in reading or not all(isinstance(part, Reading) for part in items):
             yield name
 
 
