@@ -130,8 +130,9 @@ def _possible(states: Array, signed: Sequence[int]) -> bool:
 
     `signed` are the rows of states that may be.
     """
-    others = states[[row for row in range(2, len(states)) if row not in signed]] if signed else states[2:]
-    return bool(states[:2].min() > 0.0 and others.min(initial=0.0) >= 0.0)  # NaN is neither
+    least = states.min(axis=-1).tolist() if states.ndim > 1 else states.tolist()  # NaN is neither
+    others = [least[row] >= 0.0 for row in range(2, len(least)) if row not in signed]
+    return least[0] > 0.0 and least[1] > 0.0 and all(others)
 
 
 def _distances(a: Array, b: Array) -> Array:
@@ -145,7 +146,8 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     if len(known) < 2:
         return [last]
     points = np.array([*known, wanted])
-    moving = points[:, (points != wanted).any(axis=0)].T.tolist()  # few: faster without numpy
+    (places_of,) = (points[:-1] != wanted).any(axis=0).nonzero()
+    moving = points[:, places_of].T.tolist()  # few: faster without numpy
     scales = [max(map(abs, column)) for column in moving]
     ways = [
         [(x - column[-2]) / scale for x, column, scale in zip(point, moving, scales, strict=True)]

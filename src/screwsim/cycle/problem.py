@@ -25,7 +25,7 @@ from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
 from screwsim.numerics.once import once
 from screwsim.outputs import Figure
-from screwsim.scene.lines import Lines, lines, suction_enthalpy
+from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
 Array = np.ndarray
@@ -71,6 +71,11 @@ class Problem:
     def h_isentropic(self) -> float:
         """Enthalpy [J/kg] of the suction gas compressed to the discharge pressure at its entropy."""
         return _h_isentropic(self.parts, self.lines, self.inlet)
+
+    @once
+    def refrigerating_effect(self) -> float | None:
+        """What a kilogram of refrigerant takes up in the evaporator [J/kg]; None where there is none."""
+        return refrigerating_effect(self.scene)
 
     @once
     def called(self) -> dict[str, Figure]:

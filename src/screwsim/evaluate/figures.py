@@ -21,7 +21,6 @@ from screwsim.machine.settings import TURN
 from screwsim.model.slots import ENTHALPY, Q_WALLS, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
-from screwsim.scene.lines import refrigerating_effect
 
 Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
@@ -89,7 +88,7 @@ def figures_of(
     found |= own
     notes |= reasons
     gain = sum(found.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
-    effect = refrigerating_effect(problem.scene)
+    effect = problem.refrigerating_effect
     effect = None if effect is None else effect * (1.0 + gain)
     cooling, reasons = performance.refrigeration(found, problem.inlet.density, effect)
     found |= cooling
