@@ -208,7 +208,9 @@ def _closed_in_entropy(
         closed = (balance["entropy"] or 0.0) <= balance["bound"]
         if accurate.cycle.status != "ok" or closed or problem.scene.numerics.rtol is not None:
             break
-        accurate = solve_tighter(machinery, accurate)
+        before, accurate = accurate, solve_tighter(machinery, accurate)
+        if accurate.cycle is before.cycle:  # none closes: nor would it the next time
+            break
         balance, book = _balanced(accurate, trace)
     return accurate, balance, book
 
