@@ -29,7 +29,7 @@ from screwsim.scene.given import scene_of
 from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
-from screwsim.solve import circuit, drive, stability
+from screwsim.solve import another, circuit, drive, stability
 from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
 from screwsim.solve.circuit import Search, solved
 
@@ -182,6 +182,7 @@ def _solved(
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
+        *(another.warnings(of, machinery, accurate) if status == "ok" else ()),
     )
     figures = (found, balance, errors, numerics, notes, over_angle, kept)
     return Result(status, message, warnings, effects, states, *figures, impossible=impossible)
