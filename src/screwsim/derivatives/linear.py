@@ -129,13 +129,15 @@ class Linear:
         self.inject, self.noted = injection(pitch, Y)
         self.felt, self.changed = self._felt(), self.sources(changes)
         self._feels = [i for i in range(len(self.noted)) if self.felt.hf[..., i].any() or self.felt.hg[..., i].any()]
-        felt, columns = self.felt.hf[..., self._feels], 0 if stages is None else stages.shape[-1]
-        right = [self._right(felt), *([] if stages is None else [stages]), self._right(self.changed.hf)]
-        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, reach, np.concatenate(right, axis=-1))
-        gained, count = self.blocks.first, len(self._feels)
-        self._from, self._around = self._closing(gained[..., :count])
+        felt, N = len(self._feels), pitch.N
+        known = [self._right(self.felt.hf[..., self._feels]), *([] if stages is None else [stages])]
+        right = np.concatenate([np.zeros((*Y.shape, N)), *known, self._right(self.changed.hf)], axis=-1)
+        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
+        nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
+        self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
+        columns = 0 if stages is None else stages.shape[-1]
         nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
-        self.first = self._responded(nothing.and_then(self.changed), gained[..., count:])
+        self.first = self._responded(nothing.and_then(self.changed), nodes[..., N + felt :])
 
     def _felt(self) -> Sources:
         """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
@@ -166,19 +168,16 @@ class Linear:
         shape = self.pitch.count, NODES
         return np.zeros((*shape, self.pitch.N)), np.zeros((*shape, self.pitch.q))
 
-    def _closing(self, felt: Array) -> tuple[Array, Array]:
-        """Return what the start and felt cells make of all nodes, and the inverse of what closes the period.
+    def _closing(self, end: Array) -> Array:
+        """Return the inverse of what closes the period: of start and cells less what they make of themselves.
 
-        That is of start and cells less what they make of themselves; `felt` is what slices gain by these cells.
+        `end` is what start and felt cells make of the states at the end.
         """
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        gained = np.zeros((*felt.shape[:3], N + felt.shape[-1]))
-        gained[..., N:] = felt
-        nodes = self.blocks.run(np.eye(N, gained.shape[-1]), gained)
         made = np.zeros((N, N + len(self.noted)))
-        made[:, [*range(N), *(N + i for i in self._feels)]] = nodes[-1, -1]
+        made[:, [*range(N), *(N + i for i in self._feels)]] = end
         back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
-        return nodes, np.linalg.inv(np.eye(len(back)) - back)
+        return np.linalg.inv(np.eye(len(back)) - back)
 
     def _right(self, hf: Array) -> Array:
         """Return the right sides of the stage equations that sources are (slices, NODES, N, k)."""
@@ -187,17 +186,17 @@ class Linear:
     def respond(self, sources: Sources, stages: Array | None = None) -> Response:
         """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
         right = self._right(sources.hf)
-        return self._responded(sources, self.blocks.solve(right if stages is None else right + stages))
+        right = right if stages is None else right + stages
+        return self._responded(sources, self.blocks.follow(np.zeros_like(sources.start), right))
 
-    def _responded(self, sources: Sources, gained: Array) -> Response:
-        """Return what sources make that add `gained` to the nodes of their slices (slices, NODES, N, k)."""
+    def _responded(self, sources: Sources, nodes: Array) -> Response:
+        """Return what sources make that, the start held, make `nodes` (slices, NODES, N, k) of the states."""
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        nodes = self.blocks.run(np.zeros_like(sources.start), gained)
         end = shifted(nodes[-1, -1], chambers)
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
         felt = cells[self._feels]
-        nodes += self._from @ np.concatenate([start, felt])
+        nodes = nodes + self._from @ np.concatenate([start, felt])
         hg = self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
         hg += sources.hg
         if len(felt):
