@@ -37,6 +37,7 @@ MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
+SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 SMALL = 1e-3  # of a state, for relative residuals
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
@@ -89,7 +90,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        found, linear = (near(pitch, nearly), None) if nearly > CLOSED else (None, kept)
+        found, linear = (near(pitch, SETTLED * tolerance), None) if nearly > CLOSED else (None, kept)
         if found is None:
             Y, linear = _closed(pitch, nearly, kept)
             found = pitch.begin(Y), Y
@@ -120,12 +121,14 @@ def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
-    """Return the relative error of each slice: Radau's embedded estimate, of order 3."""
+    """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, J = pitch.slopes_at(pitch.slices.edges[:-1], before)
     defect = f + np.einsum("j,kjn->kn", EMBEDDED, Y - before[:, None]) / widths[:, None]
-    matrix = (EIGENVALUE / widths)[:, None, None] * np.eye(pitch.N) - J
-    found = np.abs(np.linalg.solve(matrix, defect[..., None])[..., 0])
+    chambers = pitch.N // pitch.n
+    own = J.reshape(-1, chambers, pitch.n, chambers, pitch.n)[:, range(chambers), :, range(chambers)].swapaxes(0, 1)
+    matrix = (EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
+    found = np.abs(np.linalg.solve(matrix, defect.reshape(*own.shape[:-1], 1))).reshape(defect.shape)
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
 

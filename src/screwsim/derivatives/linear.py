@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.linear_pitch import shifted
+from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.slices import INTEGRALS, NODES
@@ -80,16 +81,17 @@ class Change(NamedTuple):
         return self.numbers.nothing and self.edges is None
 
 
-def along(pitch: Pitch, Y: Array, at: Numbers, change: Change) -> tuple[Array, Array]:
-    """Return the derivatives of h f and h g at the nodes along a change."""
-    step, found, (numbers, edges, sides) = step_of(pitch), [], change
-    for sign in sides:
-        pitch.put(at.plus(sign * step, numbers))
-        there = pitch.slices.edges + (0.0 if edges is None else sign * step * edges)
-        rates = pitch.rates(Y, None if edges is None else there)
-        found.append([np.diff(there)[:, None, None] * each for each in rates])
-    pitch.put(at)
-    return tuple((above - below) / ((sides[0] - sides[1]) * step) for above, below in zip(*found, strict=True))  # type: ignore[return-value]
+def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
+    """Return the derivatives of h f and h g at the nodes along changes (slices, NODES, …, changes)."""
+    step, asked, widths = step_of(pitch), [], []
+    for numbers, edges, sides in changes:
+        for sign in sides:
+            there = None if edges is None else pitch.slices.edges + sign * step * edges
+            asked.append(Asked(at.plus(sign * step, numbers), there))
+            widths.append(pitch.slices.widths if there is None else np.diff(there))
+    h = np.array(widths).T[:, None, None] / (step * np.repeat([above - below for _, _, (above, below) in changes], 2))
+    found = [h * each for each in rates_of(pitch, Y, asked)]
+    return found[0][..., ::2] - found[0][..., 1::2], found[1][..., ::2] - found[1][..., 1::2]
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
@@ -142,14 +144,10 @@ class Linear:
     def _felt(self) -> Sources:
         """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
         pitch, count = self.pitch, self.noted.shape[0]
-        columns = []
-        for i, cell in enumerate(pitch.cells().tolist()):
-            size = max(abs(cell), SMALL)
-            change = Change(pitch.cells_as_numbers(size * np.eye(count)[i]))
-            hf, hg = along(pitch, self.Y, self.at, change) if self._is_felt(i) else self.none()
-            columns.append((hf / size, hg / size))
-        hf, hg = (np.stack([one[i] for one in columns], axis=-1) for i in (0, 1))
-        return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((count, count)))
+        sizes = np.maximum(np.abs(pitch.cells()), SMALL)
+        changes = [pitch.cells_as_numbers(float(self._is_felt(i)) * size * np.eye(count)[i]) for i, size in enumerate(sizes)]
+        felt = self.sources([Change(each) for each in changes])
+        return Sources(felt.hf / sizes, felt.hg / sizes, felt.start, np.zeros((count, count)))
 
     def _is_felt(self, cell: int) -> bool:
         """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
@@ -158,15 +156,12 @@ class Linear:
 
     def sources(self, changes: Sequence[Change]) -> Sources:
         """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
-        pitch, count, none = self.pitch, len(changes), self.none()
-        columns = [none if each.nothing else along(pitch, self.Y, self.at, each) for each in changes]
-        hf, hg = (np.stack([one[i] for one in columns] or [none[i]], axis=-1)[..., :count] for i in (0, 1))
+        pitch, count = self.pitch, len(changes)
+        hf, hg = (np.zeros((pitch.count, NODES, size, count)) for size in (pitch.N, pitch.q))
+        some = [i for i, each in enumerate(changes) if not each.nothing]
+        if some:
+            hf[..., some], hg[..., some] = along(pitch, self.Y, self.at, [changes[i] for i in some])
         return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
-
-    def none(self) -> tuple[Array, Array]:
-        """Return what nothing makes of h f and h g."""
-        shape = self.pitch.count, NODES
-        return np.zeros((*shape, self.pitch.N)), np.zeros((*shape, self.pitch.q))
 
     def _closing(self, end: Array) -> Array:
         """Return the inverse of what closes the period: of start and cells less what they make of themselves.

@@ -33,11 +33,25 @@ def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
         if not np.isfinite(size):
             break
         if blocks is None or size > KEPT * before:
-            blocks = Blocks(pitch.slopes(Y).by_states, pitch.slices.widths, pitch.n, 0)
+            blocks = _blocks(pitch, Y)
         before = size
-        last = tamed(blocks.follow(np.zeros((pitch.N, 1)), -open_[..., None])[..., 0], last)
+        last = tamed(_followed(blocks, -open_, pitch.n), last)
         Y = stepped(pitch, Y, last)
     return None
+
+
+def _blocks(pitch: Pitch, Y: Array) -> list[Blocks]:
+    """Return the stage equations of each chamber by itself, factored."""
+    n, J, widths = pitch.n, pitch.slopes(Y).by_states, pitch.slices.widths
+    every = (slice(i, i + n) for i in range(0, pitch.N, n))
+    return [Blocks(np.ascontiguousarray(J[..., own, own]), widths, n, 0) for own in every]
+
+
+def _followed(blocks: list[Blocks], right: Array, n: int) -> Array:
+    """Return the changes at the nodes that right sides make, chamber by chamber."""
+    parts = np.ascontiguousarray(right.reshape(*right.shape[:2], -1, n, 1).transpose(2, 0, 1, 3, 4))
+    found = [each.follow(np.zeros((n, 1)), part) for each, part in zip(blocks, parts, strict=True)]
+    return np.concatenate(found, axis=2)[..., 0]
 
 
 def residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:
