@@ -43,7 +43,6 @@ LONGEST = (
     "tests/fluid/test_blends.py",
     "tests/study/test_sweep.py",
     "tests/laws/test_separator.py",
-    "tests/cli/test_accuracy.py",
     "tests/cli/test_rotors.py",
     "tests/cli/test_start.py",
     "tests/laws/test_suction_line.py",
