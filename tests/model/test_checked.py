@@ -18,8 +18,14 @@ def checked(monkeypatch):
 
     class Checked(modules.Module):
         def __init__(self, name, text, **how):
-            super().__init__(f"{name}_checked", text, **how, checks=True)
-            self.lasting = True  # its name is a hash of its text: what is kept is of no other
+            super().__init__(f"{name}_checked", text, **how)  # a hash of its text: what is kept is of no other
+
+        def _written(self, *what):
+            self._checks = True  # and not before: a module of checks keeps nothing
+            try:
+                return super()._written(*what)
+            finally:
+                self._checks = False
 
     monkeypatch.setattr(modules, "Module", Checked)
     monkeypatch.setattr(modules, "_patience", math.inf)  # of the same bits

@@ -80,7 +80,6 @@ class Module(ModuleType):
     ) -> None:
         super().__init__(name)
         self.text, self._outside, self._checks, self.fast = text, dict(outside or {}), checks, fast
-        self.lasting = not (outside or checks)  # is what is compiled kept in the cache folder?
         self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
 
     def __getattr__(self, name: str) -> Function:
@@ -108,7 +107,8 @@ class Module(ModuleType):
 
         of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
         symbol, kept = f"{self.__name__}.{name}.{of}", None
-        if self.lasting:
+        lasting = not (self._outside or self._checks)
+        if lasting:
             kept = store.read(f"{symbol}.fast")
             soon = None if kept or fast else store.read(f"{symbol}.code")
             kept, fast = kept or soon, kept is not None or fast
@@ -117,7 +117,7 @@ class Module(ModuleType):
             returned, text = self._written(name, kinds, symbol)
             kept = b"\n".join([str(returned).encode(), machine.compiled(text, fast)])
             self.made.append(name)
-            if self.lasting:
+            if lasting:
                 store.keep(f"{symbol}.{'fast' if fast else 'code'}", kept)
         returned, _, code = kept.partition(b"\n")
         return returned.decode(), code, symbol, fast
