@@ -3,6 +3,7 @@
 import gc
 import multiprocessing
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -43,7 +44,6 @@ LONGEST = (
     "tests/fluid/test_blends.py",
     "tests/study/test_sweep.py",
     "tests/laws/test_separator.py",
-    "tests/cli/test_accuracy.py",
     "tests/cli/test_rotors.py",
     "tests/cli/test_start.py",
     "tests/laws/test_suction_line.py",
@@ -72,12 +72,22 @@ LONGEST = (
     "tests/validation/test_fits.py",
 )
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
+gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
 # workers of sweeps start afresh beside pytest-xdist's threads: from a process that has imported what they need
 multiprocessing.get_context("forkserver").set_forkserver_preload(["screwsim.simulate", "screwsim.study.sweep"])
 
+WHOLE = re.compile(r"^pytestmark = (\[[^]]*\]|.*)", re.MULTILINE)  # marks of a whole file
 SOURCES = str(Path(__file__).parents[1] / "src")
 NAMES = ("SCREWSIM_CACHE", "SCREWSIM_PRIVATE_CACHE", "XDG_CACHE_HOME")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave whole files of `around` unread where none of them runs: some read all pages before their first test."""
+    if config.option.markexpr != "not around" or collection_path.suffix != ".py":
+        return None
+    marked = WHOLE.search(collection_path.read_text(encoding="utf-8"))
+    return True if marked and "mark.around" in marked[0] else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -90,7 +100,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish() -> None:
     """Take what was imported and collected, some million objects, out of the searches for garbage."""
     gc.freeze()
-    gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
 
 @pytest.fixture(scope="module")

@@ -102,6 +102,18 @@ def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(written, 
     assert all(Path(path).stat().st_size > 100 for path in document["files"])
 
 
+def test_every_figure_and_file_is_written_and_the_same_again(capsys, written, tmp_path):
+    first = written(B).folder
+    assert answer(capsys, B, "-o", tmp_path)[0] == 0
+    files = sorted(path.relative_to(first) for path in first.rglob("*") if path.is_file())
+    assert sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()) == files
+    names = {path.name for path in files}
+    assert {"rotors.png", "sealing_line.pdf", "volume.png", "areas.png", "volume.csv", "male.dxf"} <= names
+    assert {"suction_port.csv", "discharge_port.csv", "blow_hole.csv", "coefficients.csv", "male_lobe.csv"} <= names
+    for path in files:
+        assert (first / path).read_bytes() == (tmp_path / path).read_bytes(), path
+
+
 @pytest.mark.parametrize("name", PAIRS)
 def test_every_pair_of_lobes_gives_its_figures(capsys, name):
     kind, given = PAIRS[name]

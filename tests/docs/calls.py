@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from functools import cache
 from pathlib import Path
 
 import typer
@@ -60,9 +61,15 @@ def written_out(command: str) -> list[str]:
     return [shlex.join(standing.get(word, word) for word in words)]
 
 
+@cache
+def line():
+    """Return the command line with all its commands."""
+    return typer.main.get_command(cli.app)
+
+
 def taken(arguments: list[str]) -> dict:
     """Return the parameters of a command as its own parser reads them; raise where it does not take them."""
-    command, words = typer.main.get_command(cli.app), list(arguments)
+    command, words = line(), list(arguments)
     while hasattr(command, "commands"):
         command = command.commands[words.pop(0)]
     return command.make_context("screwsim", words).params
@@ -71,7 +78,7 @@ def taken(arguments: list[str]) -> dict:
 def exists(command: str) -> None:
     """Raise where words that begin with `screwsim` name a command or an option that is not there."""
     words = [word.strip("[],") for word in command.split()[1:]]
-    found = typer.main.get_command(cli.app)
+    found = line()
     while hasattr(found, "commands") and words and re.fullmatch(r"[a-z_]+", words[0]):
         found = found.commands[words.pop(0)]
     if hasattr(found, "commands"):  # any of a group

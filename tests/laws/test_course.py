@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import make
+from scenes import closed, make
 
-from screwsim.cycle.continuation import _weights
+from screwsim.cycle.continuation import Course, _weights
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
@@ -82,3 +82,43 @@ def test_parameters_on_a_line_are_extrapolated_by_their_polynomial():
 def test_parameters_off_the_line_take_the_last_cycle_alone():
     points = [np.array([1.0, 1.0]), np.array([1.1, 1.0]), np.array([1.1, 1.2])]
     assert [list(weights) for weights in _weights(points[:2], points[2])] == [[1.0]]
+
+
+@pytest.mark.parametrize(("far", "followed"), [(7.9, True), (8.1, False)])
+def test_a_trend_is_not_followed_to_a_scene_far_along_its_line(far, followed):
+    """Through two cycles a step apart a line weighs that of the last by how many steps it goes on."""
+    ways = _weights([np.array([1.0, 10.0]), np.array([1.0, 11.0])], np.array([1.0, 10.0 + far]))
+    assert [list(weights) for weights in ways[:-1]] == ([pytest.approx([1.0 - far, far])] if followed else [])
+    assert list(ways[-1]) == [1.0]
+
+
+@pytest.fixture(scope="module")
+def one_closed():
+    return closed(make({"numerics.accuracy": ACCURACY, "numerics.error": "none"}))
+
+
+@pytest.mark.parametrize("where", ["the state at 0 deg", "the history"])
+@pytest.mark.parametrize(("share", "followed"), [(0.9, True), (0.6, False)])
+def test_a_trend_that_leads_to_no_state_of_a_gas_is_not_followed(one_closed, where, share, followed):
+    """Four steps on, a density that falls by a tenth a step is one yet; one that falls by four tenths is none."""
+    problem, machinery, cycle = one_closed
+    course = Course()
+    for parameter in (1.0, 2.0):
+        course.add(cycle, np.array([parameter]), np.zeros(0), problem.wanted, 1.0)
+    before, last = course._cycles
+    times, dense, steps = last.history
+    if where == "the history":
+        thinner = last._replace(history=(times, share * dense, steps))
+    else:
+        values = last.values.copy()
+        values[1] *= share  # density
+        thinner = last._replace(values=values)
+    course._cycles = [before, thinner]
+    guess = course.guess(machinery, np.array([6.0]))
+    assert guess is not None
+    alone = thinner.values[: len(guess.y)]
+    trend = 5.0 * alone - 4.0 * before.values[: len(guess.y)]
+    assert guess.y == pytest.approx(trend if followed else alone, rel=1e-12)
+    ends = machinery.last()[1][: machinery.last()[3], 1]
+    grows = 5.0 * thinner.history[1] - 4.0 * before.history[1] if followed else thinner.history[1]
+    assert ends == pytest.approx(grows[:, 1], rel=1e-9)

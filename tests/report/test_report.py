@@ -147,7 +147,7 @@ def figures(request, of_kind):
 @pytest.fixture(scope="module")
 def plotted(tmp_path_factory) -> tuple[Path, list[Path]]:
     """Return a file and the figures that were written of it, no folder being named."""
-    path = file(tmp_path_factory.mktemp("plotted") / "x.h5", SPEED)
+    path = file(tmp_path_factory.mktemp("plotted") / "x.h5", SCENE, with_cycle)
     return path, [Path(name) for name in plot(path)]
 
 
@@ -208,28 +208,22 @@ def test_every_axis_has_a_label_with_a_unit_or_shares_it(figures):
         assert all("(" in (label or shared) for label in labels)
 
 
-def test_the_same_data_give_the_same_bytes(tmp_path):
-    path = file(tmp_path / "x.h5", SCENE, with_cycle)
-    first, second = plot(path, tmp_path / "a"), plot(path, tmp_path / "b")
-    assert [Path(name).name for name in first] == [Path(name).name for name in second]
-    for one, other in zip(first, second, strict=True):
-        assert Path(one).read_bytes() == Path(other).read_bytes(), one
-
-
 def test_figures_lie_beside_the_file_in_a_folder_of_its_name(plotted):
     path, written = plotted
     assert sorted(path.with_suffix("").iterdir()) == sorted(written)
     assert written[0].read_bytes()[:4] == b"\x89PNG" and written[1].read_bytes()[:4] == b"%PDF"
 
 
-def test_settings_of_the_caller_stay(plotted, tmp_path):
+def test_the_same_data_give_the_same_bytes_whatever_the_caller_has_set(plotted, tmp_path):
     import matplotlib
 
     path, written = plotted
     with matplotlib.rc_context({"font.size": 31.0}):
-        first = plot(path, tmp_path / "a")
+        again = [Path(name) for name in plot(path, tmp_path / "a")]
         assert matplotlib.rcParams["font.size"] == 31.0
-    assert Path(first[0]).read_bytes() == written[0].read_bytes()
+    assert [other.name for other in again] == [one.name for one in written] and len(again) == 6
+    for one, other in zip(written, again, strict=True):
+        assert one.read_bytes() == other.read_bytes(), other.name
 
 
 def test_the_optimum_of_a_parabola_in_ln_d_is_exact():

@@ -1,4 +1,4 @@
-"""Figures and files of a pair of rotors: all there, all text inside the figure, the same bytes again."""
+"""Figures of a pair of rotors: all text inside; that files are the same again stands in tests/cli/test_rotors.py."""
 
 import math
 
@@ -43,13 +43,3 @@ def test_all_text_lies_inside_the_figure(pair, name):
         box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
     assert box.x0 >= -0.01 and box.y0 >= -0.01
     assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
-
-
-def test_every_figure_and_file_is_written_and_the_same_again(pair, tmp_path):
-    first, second = (figures.draw_rotors(pair, 3.2, tmp_path / name) for name in ("one", "two"))
-    names = {path.rpartition("/")[2] for path in first}
-    assert {"rotors.png", "sealing_line.pdf", "volume.png", "areas.png", "volume.csv", "male.dxf"} <= names
-    assert {"suction_port.csv", "discharge_port.csv", "blow_hole.csv", "coefficients.csv", "male_lobe.csv"} <= names
-    for one, two in zip(first, second, strict=True):
-        with open(one, "rb") as a, open(two, "rb") as b:
-            assert a.read() == b.read(), one

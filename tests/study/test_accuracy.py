@@ -9,12 +9,14 @@ from pathlib import Path
 import h5py
 import pytest
 
+from screwsim.cli import exit_code
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Figures, Result
 from screwsim.printing import accuracy_drawing
 from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
+from screwsim.study import accuracy
 from screwsim.study.accuracy import QUICK, Study, effects, files, study, words
 from screwsim.study.accuracy.cases import CHECKS, all_cases
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
@@ -37,7 +39,7 @@ effects:
   discharge_port:
   tip_leakage: {gap: 50 um}
 """
-EXTENT = replace(QUICK, asked=(1e-2, 1e-4), scipy_asked=(1e-3,), points=(1, 3), limit=0.5)
+EXTENT = replace(QUICK, asked=(1e-2, 1e-4), scipy_asked=(1e-3,), points=(1, 3), limit=0.5, pairs=1)
 
 
 @pytest.fixture(scope="module")
@@ -158,6 +160,21 @@ def test_files_hold_every_case(found, tmp_path):
 def test_the_figure_is_drawn(found, tmp_path):
     paths = draw(accuracy_drawing(found), tmp_path)
     assert [path.rsplit("/")[-1] for path in paths] == ["accuracy.png", "accuracy.pdf"]
+
+
+def test_the_command_prints_the_study_and_writes_its_files(found, tmp_path, monkeypatch, capsys):
+    asked = []
+    monkeypatch.setattr(accuracy, "study", lambda *arguments: asked.append(arguments) or found)
+    (tmp_path / "small.yaml").write_text(SCENE, encoding="utf-8")
+    code = exit_code(["accuracy", str(tmp_path / "small.yaml"), "--quick", "-o", str(tmp_path / "out" / "study")])
+    out = capsys.readouterr().out
+    assert code == 0 and (asked[0][0].title, asked[0][1]) == ("small", QUICK)
+    names = {path.name for path in (tmp_path / "out" / "study").iterdir()}
+    assert names == {"accuracy.csv", "accuracy.h5", "accuracy.png", "accuracy.pdf"}
+    assert "rodas4 histories" in out
+    assert "What failed or was left out" in out
+    assert "1e-4 costs" in out
+    assert out.rstrip().endswith("accuracy.pdf")
 
 
 def test_what_is_hopeless_is_given_up_within_its_limit(scene):

@@ -1,7 +1,6 @@
 """Which parameter has changed: the probabilities are those of Bayes' rule, known changes of a machine are found."""
 
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -388,17 +387,6 @@ def test_tolerances_of_the_scene_are_no_change(tmp_path):
     open_ = diagnose(read_fit(tmp_path / "x.fit.yaml"), jobs=1)
     assert known.hypotheses[0].path == GAP and known.hypotheses[0].probability > 0.9
     assert open_.hypotheses[0].path == NONE and set(open_.inputs) == {GAP, "oil_supply.ratio"}
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Solve points without time, as the commands ask for them."""
-    from screwsim.derivatives.solving import Found
-    from screwsim.simulate import warm_up
-
-    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
-    monkeypatch.setattr("screwsim.study.calibration.residuals.found", lambda scene, values: Found({}, {}, "not asked"))
-    monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
 
 
 @pytest.mark.usefixtures("quick")

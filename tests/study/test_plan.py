@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -145,17 +144,6 @@ def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
     assert found.steps[0].point.name in ("600 rpm", "4000 rpm")
     assert {step.point.name for step in found.steps} == {"600 rpm", "4000 rpm"}
     assert all(after < before for before, after in zip(found.before, found.steps[-1].deviations, strict=True))
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Solve points without time, as the commands ask for them."""
-    from screwsim.derivatives.solving import Found
-    from screwsim.simulate import warm_up
-
-    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
-    monkeypatch.setattr("screwsim.study.calibration.residuals.found", lambda scene, values: Found({}, {}, "not asked"))
-    monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
 
 
 @pytest.mark.usefixtures("quick")

@@ -25,6 +25,7 @@ _DENSEST = 1100  # deflate makes no less than 1/1032
 _SLACK = 4096  # [byte]
 _NUMBERS = "fiu"
 _LARGEST = 1e60  # in SI units
+_SENSELESS = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, AttributeError)
 
 
 class Odd(Exception):
@@ -65,73 +66,91 @@ def _open(path: Path) -> Any:
         raise UsageError(f"{path}: {why} (write it again, or {REMEDY})") from error
 
 
-@contextmanager
-def _told(what: str) -> Iterator[None]:
-    """Raise Odd where HDF5 cannot make sense of something: it says so by many kinds of errors."""
-    try:
-        yield
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, AttributeError) as error:
-        raise Odd(f"is damaged: {what} cannot be read") from error
+class _told:
+    """Raise Odd where HDF5 cannot make sense of something: it says so by many kinds of errors.
+
+    What is read is named when it cannot be: to ask HDF5 for a name takes as long as to read an attribute.
+    """
+
+    __slots__ = ("_item", "_name")
+
+    def __init__(self, item: Any, name: str = "") -> None:
+        self._item, self._name = item, name
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: Any, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, _SENSELESS):
+            raise Odd(f"is damaged: {_where(self._item, self._name)} cannot be read") from error
+
+
+def _where(item: Any, name: str = "") -> str:
+    """Return where something lies: `/group/variable`, an attribute behind an @."""
+    place = str(item.name)
+    return f"{place}{name}" if name.startswith("@") else f"{place.rstrip('/')}/{name}" if name else place
 
 
 def names(group: Any) -> list[str]:
     """Return the names in a group, in its order."""
-    with _told(group.name):
+    with _told(group):
         return [name for name in group if isinstance(name, str)]
 
 
 def member(group: Any, name: str, dataset: bool = True) -> Any:
     """Return a dataset, or a group, that lies in the group itself; raise Odd where it does not."""
     import h5py
-    from h5py import h5l  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
+    from h5py import h5d, h5l, h5o  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
-    where = f"{group.name.rstrip('/')}/{name}"
-    with _told(where):
-        if not has(group, name):
-            raise Odd(f"is not a complete results file: {where} is missing")
-        if group.id.links.get_info(name.encode()).type != h5l.TYPE_HARD:
-            raise Odd(f"has a link at {where}, which may lead to other files")
-        found = group[name]
+    with _told(group, name):
+        links, known = group.id.links, name.encode()
+        if not links.exists(known):
+            raise Odd(f"is not a complete results file: {_where(group, name)} is missing")
+        if links.get_info(known).type != h5l.TYPE_HARD:
+            raise Odd(f"has a link at {_where(group, name)}, which may lead to other files")
+        lies = h5o.open(group.id, known)
+        found = h5py.Dataset(lies, readonly=True) if isinstance(lies, h5d.DatasetID) else group[name]
     if not isinstance(found, h5py.Dataset if dataset else h5py.Group):
-        raise Odd(f"is not a results file: {where} is no {'variable' if dataset else 'group'}")
+        raise Odd(f"is not a results file: {_where(group, name)} is no {'variable' if dataset else 'group'}")
     return found
 
 
 def has(group: Any, name: str) -> bool:
     """Tell whether a group has a name, whatever the link there leads to."""
-    with _told(f"{group.name}/{name}"):
+    with _told(group, name):
         return bool(group.id.links.exists(name.encode()))
 
 
 def has_attribute(item: Any, name: str) -> bool:
     """Tell whether a group or dataset has an attribute."""
-    with _told(f"{item.name}@{name}"):
-        return name in item.attrs
+    from h5py import h5a  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
+
+    with _told(item, f"@{name}"):
+        return bool(h5a.exists(item.id, name.encode()))
 
 
 def attribute(item: Any, name: str) -> Any:
     """Return an attribute that is one text or one number; raise Odd of any other, or where it is missing."""
-    import h5py
+    from h5py import h5a, h5t  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
-    where = f"{item.name}@{name}"
     if not has_attribute(item, name):
-        raise Odd(f"is not a complete results file: {where} is missing")
-    with _told(where):
-        found = h5py.h5a.open(item.id, name.encode())
-        text = found.get_type().get_class() == h5py.h5t.STRING
+        raise Odd(f"is not a complete results file: {_where(item, f'@{name}')} is missing")
+    with _told(item, f"@{name}"):
+        found = h5a.open(item.id, name.encode())
+        text = found.get_type().get_class() == h5t.STRING
         if found.get_space().get_simple_extent_npoints() != 1 or found.get_storage_size() > MOST_ATTRIBUTE:
-            raise Odd(f"is not a results file: {where} is not one text or number")
-        value = item.attrs[name]
+            raise Odd(f"is not a results file: {_where(item, f'@{name}')} is not one text or number")
+        value = np.zeros(found.shape, found.dtype)  # not `item.attrs[name]`, which takes twice as long
+        found.read(value)
     value = value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
     if text:
-        return _decoded(value, where)
+        return _decoded(value, item, name)
     if isinstance(value, int | float | np.integer | np.floating):
         return value
-    raise Odd(f"is not a results file: {where} is neither text nor number")
+    raise Odd(f"is not a results file: {_where(item, f'@{name}')} is neither text nor number")
 
 
-def _decoded(value: Any, where: str) -> str:
-    with _told(where):
+def _decoded(value: Any, item: Any, name: str) -> str:
+    with _told(item, f"@{name}"):
         text = value.decode() if isinstance(value, bytes) else str(value)
         text.encode()
     return text
@@ -147,7 +166,7 @@ def text_attribute(item: Any, name: str) -> str:
 
 def attributes(item: Any) -> dict[str, Any]:
     """Return all attributes that are one text or one number; others are none of ours."""
-    with _told(f"{item.name}@"):
+    with _told(item, "@"):
         every = [name for name in item.attrs if isinstance(name, str)]
     found = {}
     for name in every:
@@ -160,13 +179,13 @@ def attributes(item: Any) -> dict[str, Any]:
 
 def is_scale(data: Any) -> bool:
     """Tell whether a variable is a dimension, or the coordinate of one."""
-    with _told(data.name):
+    with _told(data):
         return bool(data.is_scale)
 
 
 def scale_of(data: Any) -> Any:
     """Return the coordinate along which a variable of one dimension lies; raise Odd where there is none."""
-    with _told(data.name):
+    with _told(data):
         if data.ndim != 1 or len(data.dims[0]) != 1:
             raise Odd(f"is not a results file: {data.name} lies along no coordinate")
         return data.dims[0][0]
@@ -174,7 +193,7 @@ def scale_of(data: Any) -> Any:
 
 def shape(data: Any) -> tuple[int, ...]:
     """Return the shape of a variable; raise Odd where it has none."""
-    with _told(data.name):
+    with _told(data):
         found = data.shape
     if found is None:
         raise Odd(f"is not a results file: {data.name} has no values")
@@ -183,7 +202,7 @@ def shape(data: Any) -> tuple[int, ...]:
 
 def is_numbers(data: Any) -> bool:
     """Tell whether a variable holds plain numbers; raise Odd where it holds neither these nor single characters."""
-    with _told(data.name):
+    with _told(data):
         kind = data.dtype
     if kind.kind in _NUMBERS and kind.itemsize <= 8:
         return True
@@ -196,7 +215,7 @@ def values(data: Any, index: Any = ()) -> np.ndarray:
     """Return the values of a variable, or a part; raise Odd where they do not lie in the file itself."""
     is_numbers(data)
     _check_storage(data)
-    with _told(data.name):
+    with _told(data):
         found = np.asarray(data[index])
     if found.dtype.kind == "f" and np.any(np.isfinite(found) & (np.abs(found) > _LARGEST)):
         raise Odd(f"is damaged: {data.name} has numbers that no result is")
@@ -208,7 +227,7 @@ def characters(data: Any) -> str:
     if is_numbers(data) or len(shape(data)) != 1 or shape(data)[0] > MOST_TEXTS:
         raise Odd(f"is not a results file: {data.name} is no text")
     found = values(data)
-    with _told(data.name):
+    with _told(data):
         return found.tobytes().decode().rstrip("\0")
 
 
@@ -216,7 +235,7 @@ def _check_storage(data: Any) -> None:
     """Raise Odd unless the values lie in the file, under HDF5's own filters, in as many bytes as they can need."""
     import h5py
 
-    with _told(data.name):
+    with _told(data):
         how = data.id.get_create_plist()
         layout, elsewhere = how.get_layout(), how.get_external_count()
         filters = {how.get_filter(number)[0] for number in range(how.get_nfilters())}
