@@ -125,7 +125,8 @@ What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
   the accuracy. In {another}, solutions that begin anew at a finer accuracy come to another cycle of the machine, which
   has two; finer ones begun from the scene's own cycle stay on it, and it is judged by these. (Scene 644: gaps that pass
   oil where the chamber behind holds enough and gas where not; both cycles close at 1e-6, one with an isothermal
-  efficiency of 38.2 %, the other of 16.5 %.)
+  efficiency of 38.2 %, the other of 16.5 %. A warning tells now where such a machine stays if it begins with little
+  oil: [numerics.md](numerics.md), two cycles of one machine.)
 """
 
 
