@@ -31,7 +31,6 @@ REPEATED = 0.5  # share of a correction that the next repeats, up to which what 
 LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is made ...
 LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing there
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
-OF_LINES = 8  # turns or pitches left to themselves before, where lines pulsate: their unknowns cost as much as some
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
@@ -120,7 +119,6 @@ class Corrections:
         self.problem, self.machinery = problem, machinery
         c = machinery.composition
         self.able = c.chambers > 1
-        self.patience = OF_LINES if c.pulsating else 0
         self.tangents, self.last = lent, lent
         self._fresh, self._moved, self._too_large, self._far = False, np.inf, 0, False
         self._before: Array | None = None  # correction before, in coordinates
@@ -139,8 +137,7 @@ class Corrections:
         stale = self.begun and moved > STALE * self._moved and not near
         if stale and self._fresh and moved > OF_NO_USE * self._moved:
             self.able = False
-        self.patience -= 1
-        due = self.able and self.patience < 0 and (slow or self.begun)
+        due = self.able and (slow or self.begun)
         if stale or (due and self._far and not near):
             self.tangents = None
         self._moved = moved

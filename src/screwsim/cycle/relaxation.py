@@ -39,6 +39,7 @@ TOO_FAR = 0.3  # of a mixture from the newest image, in coordinates, which is no
 MAX_TURNS = 40
 LEAKS = 0.13  # mass residual of a first turn, above which it is corrected: what chambers give each other of the charge
 SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
+SPARED = 6  # turns that a correction has to spare where lines pulsate: so much its tangents cost
 LASTING = 0.9  # the same, above which near the end it is noise of the steps
 FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
@@ -48,7 +49,6 @@ HEAVIER = 2.0  # weight of what is to come of the unknowns: an energy balance wi
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
 PROGRESS = 0.5  # of the least gap before, below which a gap is progress
 REFINED = 0.4  # tolerance of the steps then over that before
-OF_RESIDUAL = 0.3  # of what a balance leaves open beyond its bound: where less is to come, it is for the steps
 FALLING = 0.5  # residual over that of the turn before, below which it is the turns that close a balance, not the steps
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
 LITTLE = 2e-3  # ... and below this
@@ -179,12 +179,21 @@ class _Turns:
         """
         if not self.problem.parts.all(FlowPath):
             return False
+        if self.problem.composition.pulsating:  # a dozen unknowns and more
+            return self._spares()
         if self.number == 1:  # states that are far off still lead nearer there
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
         if self.near:  # where turns by themselves would take more than two more
             return known and SLOW < ratio < LASTING and self.gap * ratio * ratio > self.wanted.tolerance
         return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > FAR)
+
+    def _spares(self) -> bool:
+        """Tell whether turns by themselves would be so many more that a correction of many unknowns is worth it."""
+        ratio = self.gap / self.before[0]
+        noise = self.near and ratio >= LASTING
+        known = self.number > (1 if self.guessed else 2) and self.moved < FARTHEST and not noise
+        return known and self.gap * ratio**SPARED > self.wanted.tolerance
 
     def correction(self) -> Correction | None:
         """Return Newton's correction of this turn, by which the last history is moved; foresee what is still to come.
@@ -212,16 +221,8 @@ class _Turns:
         return None
 
     def refine(self) -> None:
-        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise.
-
-        And where what is still to come is too little to be what the balances leave open.
-        """
-        if not (self.corrections.begun and self.rtol <= self.finest):
-            return
-        open_by = self.residual - ENOUGH * self.wanted.bound
-        if self.left <= min(OF_RESIDUAL * open_by, FORESEEN * self.wanted.tolerance):
-            self.finest, self.least_gap, self.stalled = finer(self.finest, self.residual / self.wanted.bound), np.inf, 0
-        elif self.near:
+        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise."""
+        if self.corrections.begun and self.near and self.rtol <= self.finest:
             progress = self.gap < PROGRESS * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
             if self.stalled > STALL:

@@ -43,8 +43,8 @@ PITCHES_BETWEEN = 400  # and so many pitches at most
 
 
 def possible(problem: Problem) -> bool:
-    """Tell whether pitches can be linearised: not of one chamber."""
-    return problem.composition.chambers > 1
+    """Tell whether a search may find a cycle: not of one chamber, nor, as far as was tried, where lines pulsate."""
+    return problem.composition.chambers > 1 and not problem.composition.pulsating
 
 
 def sought_on(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int) -> CycleSolution:

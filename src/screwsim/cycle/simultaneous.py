@@ -76,7 +76,8 @@ def close_together(
             if residual <= ENOUGH * wanted.bound:
                 return ended("ok", y, pitch)
             refining.consider(gap, residual)
-        if corrections.due(pace is FULL and pitch > 1 and wanted.tolerance < gap < FARTHEST, gap):
+        corrected = pace is FULL and not c.pulsating  # states at a pitch's start kick what a line is given there
+        if corrections.due(corrected and pitch > 1 and wanted.tolerance < gap < FARTHEST, gap):
             begun = corrections.begun
             if not begun:
                 machinery.install_coupled()
