@@ -10,15 +10,14 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.peak import peak
 from screwsim.derivatives.nearby import near, size_of, stepped, tamed
 from screwsim.derivatives.nearby import residual as residual_of
+from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
     BEFORE,
     EIGENVALUE,
     EMBEDDED,
-    INTEGRALS,
     Crossing,
     between,
     edges_of,

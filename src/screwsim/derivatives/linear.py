@@ -145,7 +145,9 @@ class Linear:
         """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
         pitch, count = self.pitch, self.noted.shape[0]
         sizes = np.maximum(np.abs(pitch.cells()), SMALL)
-        changes = [pitch.cells_as_numbers(float(self._is_felt(i)) * size * np.eye(count)[i]) for i, size in enumerate(sizes)]
+        changes = [
+            pitch.cells_as_numbers(float(self._is_felt(i)) * size * np.eye(count)[i]) for i, size in enumerate(sizes)
+        ]
         felt = self.sources([Change(each) for each in changes])
         return Sources(felt.hf / sizes, felt.hg / sizes, felt.start, np.zeros((count, count)))
 
