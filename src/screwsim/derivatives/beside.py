@@ -7,7 +7,7 @@ taken where they are kept, and otherwise wait until that much has been asked.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from screwsim.model.side_by_side import address, aligned
 
 Array = np.ndarray
 RATES = "slices__rates_at_all"
-FEWEST = 5  # rates that lanes are worth
+FEWEST = 4  # rates that lanes are worth
 PATIENCE = 4.0  # [s] that rates run one by one before lanes are written: about what that takes
 BESIDE = ("P", "R", "places", "work")  # of a context: laid side by side
 _whole, _beside = Kind("v", (FLOAT,), 1), Kind("p", (FLOAT,), 1)
@@ -53,25 +53,26 @@ class _Waiting:
 _waiting: dict[str, _Waiting] = {}
 
 
-def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> tuple[Array, Array]:
-    """Return rates of states and quadratures at the nodes (slices, NODES, …, asked); numbers stand as they stood."""
-    found = [np.empty((pitch.count, NODES, size, len(asked))) for size in (pitch.N, pitch.q)]
+def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
+    """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, asked).
+
+    An even number of them at a time; numbers stand as they stood.
+    """
     waiting = _waiting.setdefault(pitch.machinery.together.__name__, _Waiting())
-    entry = _entry(pitch.machinery, waiting) if len(asked) >= FEWEST else None
-    done = 0
-    while entry is not None and len(asked) - done >= FEWEST:
-        now = asked[done : done + LANES]
-        for all_, rows in zip(found, _in_lanes(pitch, Y, now, entry), strict=True):
-            all_[..., done : done + len(now)] = rows.reshape(*all_.shape[:-1], LANES)[..., : len(now)]
-        done += len(now)
-    started, at = time.perf_counter(), pitch.numbers
-    for i, (numbers, edges) in enumerate(asked[done:], done):
-        pitch.put(numbers)
-        for all_, rates in zip(found, pitch.rates(Y, edges), strict=True):
-            all_[..., i] = rates
-    pitch.put(at)
-    waiting.ran += time.perf_counter() - started
-    return found[0], found[1]
+    entry, at, shape = _entry(pitch.machinery, waiting), pitch.numbers, (pitch.count, NODES)
+    for first in range(0, len(asked), LANES):
+        now = asked[first : first + LANES]
+        if entry is not None and len(now) >= FEWEST:
+            found = [each.reshape(*shape, -1, LANES)[..., : len(now)] for each in _in_lanes(pitch, Y, now, entry)]
+        else:
+            started = time.perf_counter()
+            found = [np.empty((*shape, size, len(now))) for size in (pitch.N, pitch.q)]
+            for i, (numbers, edges) in enumerate(now):
+                pitch.put(numbers)
+                found[0][..., i], found[1][..., i] = pitch.rates(Y, edges)
+            pitch.put(at)
+            waiting.ran += time.perf_counter() - started
+        yield slice(first, first + len(now)), found[0], found[1]
 
 
 def _entry(machinery: Machinery, waiting: _Waiting) -> Any:

@@ -14,7 +14,7 @@ class Blocks:
     """1 − h a J of every slice, factored; J (slices, NODES, N, N) are derivatives by the states of all chambers."""
 
     def __init__(self, J: Array, widths: Array, states: int, reach: int) -> None:
-        """`states` are those of a chamber, `reach` is how many chambers on it meets others; what lies beyond is left out."""
+        """`states` are those of a chamber, `reach` is how many chambers on it meets others; others are left out."""
         count, _, N, _ = J.shape
         self.states, self.reach = states, reach
         self.factors, self.pivots = np.empty((count, NODES * N, NODES * N)), np.empty((count, NODES * N), np.int64)

@@ -33,8 +33,8 @@ class Structural(Exception):
 class Direction(NamedTuple):
     """One number of a scene, shifted by `steps` (above, below), and what that moves per unit of it.
 
-    `problems` are those above and below, `sides` their numbers as the cycle stands; `change` that of the rates, `start` and `cells` of what the injection does,
-    `stated` of the unknowns that the scene states, in coordinates.
+    `problems` are those above and below, `sides` their numbers as the cycle stands; `change` that of the rates, `start`
+    and `cells` of what the injection does, `stated` of the unknowns that the scene states, in coordinates.
     """
 
     problems: tuple[Problem, Problem]

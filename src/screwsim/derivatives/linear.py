@@ -83,15 +83,22 @@ class Change(NamedTuple):
 
 def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
     """Return the derivatives of h f and h g at the nodes along changes (slices, NODES, …, changes)."""
+    hf, hg = (np.zeros((pitch.count, NODES, size, len(changes))) for size in (pitch.N, pitch.q))
+    some = [i for i, each in enumerate(changes) if not each.nothing]
     step, asked, widths = step_of(pitch), [], []
-    for numbers, edges, sides in changes:
+    for numbers, edges, sides in (changes[i] for i in some):
         for sign in sides:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
             asked.append(Asked(at.plus(sign * step, numbers), there))
-            widths.append(pitch.slices.widths if there is None else np.diff(there))
-    h = np.array(widths).T[:, None, None] / (step * np.repeat([above - below for _, _, (above, below) in changes], 2))
-    found = [h * each for each in rates_of(pitch, Y, asked)]
-    return found[0][..., ::2] - found[0][..., 1::2], found[1][..., ::2] - found[1][..., 1::2]
+            share = step * (sides[0] - sides[1])
+            widths.append((pitch.slices.widths if there is None else np.diff(there)) / share)
+    for which, *found in rates_of(pitch, Y, asked):
+        h = np.array(widths[which]).T[:, None, None]
+        for all_, rates in zip((hf, hg), found, strict=True):
+            moved = h * rates
+            for j, i in enumerate(some[which.start // 2 : which.stop // 2]):
+                np.subtract(moved[..., 2 * j], moved[..., 2 * j + 1], out=all_[..., i])
+    return hf, hg
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
@@ -129,7 +136,7 @@ class Linear:
         self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
         reach = max(pitch.machinery.composition.offsets, default=1)
         self.inject, self.noted = injection(pitch, Y)
-        self.felt, self.changed = self._felt(), self.sources(changes)
+        self.felt, self.changed = self._first(changes)
         self._feels = [i for i in range(len(self.noted)) if self.felt.hf[..., i].any() or self.felt.hg[..., i].any()]
         felt, N = len(self._feels), pitch.N
         known = [self._right(self.felt.hf[..., self._feels]), *([] if stages is None else [stages])]
@@ -141,15 +148,18 @@ class Linear:
         nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
         self.first = self._responded(nothing.and_then(self.changed), nodes[..., N + felt :])
 
-    def _felt(self) -> Sources:
-        """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
+    def _first(self, changes: Sequence[Change]) -> tuple[Sources, Sources]:
+        """Return the sources of the cells that the rates feel, one column each (those of others are none), of changes.
+
+        They are asked for together: rates side by side cost less.
+        """
         pitch, count = self.pitch, self.noted.shape[0]
         sizes = np.maximum(np.abs(pitch.cells()), SMALL)
-        changes = [
-            pitch.cells_as_numbers(float(self._is_felt(i)) * size * np.eye(count)[i]) for i, size in enumerate(sizes)
-        ]
-        felt = self.sources([Change(each) for each in changes])
-        return Sources(felt.hf / sizes, felt.hg / sizes, felt.start, np.zeros((count, count)))
+        felt = np.diag([size * self._is_felt(i) for i, size in enumerate(sizes.tolist())])
+        every = self.sources([*(Change(pitch.cells_as_numbers(each)) for each in felt), *changes])
+        hf, hg = every.hf[..., :count] / sizes, every.hg[..., :count] / sizes
+        found = Sources(hf, hg, every.start[..., :count], every.cells[..., :count])
+        return found, Sources(*(each[..., count:] for each in every))
 
     def _is_felt(self, cell: int) -> bool:
         """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
@@ -159,10 +169,7 @@ class Linear:
     def sources(self, changes: Sequence[Change]) -> Sources:
         """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
         pitch, count = self.pitch, len(changes)
-        hf, hg = (np.zeros((pitch.count, NODES, size, count)) for size in (pitch.N, pitch.q))
-        some = [i for i, each in enumerate(changes) if not each.nothing]
-        if some:
-            hf[..., some], hg[..., some] = along(pitch, self.Y, self.at, [changes[i] for i in some])
+        hf, hg = along(pitch, self.Y, self.at, changes)
         return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
 
     def _closing(self, end: Array) -> Array:

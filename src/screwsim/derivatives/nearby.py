@@ -1,7 +1,7 @@
-"""States near those of the closed cycle, to place slices by: the start and the unknowns held as the integrator left them.
+"""States near those of the closed cycle, to place slices by: start and unknowns held as the integrator left them.
 
-Newton's method with what each chamber makes of itself alone: gaps tie it to the others, by little. So the matrix is that
-of one chamber, no change goes around the pitch, and a solution takes a fraction of the closing one.
+Newton's method with what each chamber makes of itself alone: gaps tie it to the others, by little. So the matrix is
+that of one chamber, no change goes around the pitch, and a solution takes a fraction of the closing one.
 """
 
 from __future__ import annotations
