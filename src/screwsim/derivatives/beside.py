@@ -54,19 +54,19 @@ _waiting: dict[str, _Waiting] = {}
 
 
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
-    """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, asked).
+    """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
-    An even number of them at a time; numbers stand as they stood.
+    An even number of them at a time, behind which the rest of the lanes is nothing; numbers stand as they stood.
     """
     waiting = _waiting.setdefault(pitch.machinery.together.__name__, _Waiting())
     entry, at, shape = _entry(pitch.machinery, waiting), pitch.numbers, (pitch.count, NODES)
     for first in range(0, len(asked), LANES):
         now = asked[first : first + LANES]
         if entry is not None and len(now) >= FEWEST:
-            found = [each.reshape(*shape, -1, LANES)[..., : len(now)] for each in _in_lanes(pitch, Y, now, entry)]
+            found = [each.reshape(*shape, -1, LANES) for each in _in_lanes(pitch, Y, now, entry)]
         else:
             started = time.perf_counter()
-            found = [np.empty((*shape, size, len(now))) for size in (pitch.N, pitch.q)]
+            found = [np.zeros((*shape, size, LANES)) for size in (pitch.N, pitch.q)]
             for i, (numbers, edges) in enumerate(now):
                 pitch.put(numbers)
                 found[0][..., i], found[1][..., i] = pitch.rates(Y, edges)
