@@ -118,7 +118,7 @@ def test_sweep_writes_resumes_and_starts_over(folder, command):
     assert answer.code == 0, answer.err
     document = _document(answer.out)
     numbers = ["cases", "ok", "not_closed", "failed", "reused", "seconds"]
-    assert list(document) == ["path", *numbers, "failures", "warned", "warnings"]
+    assert list(document) == ["path", *numbers, "failures", "warned", "warned_by_status", "warnings"]
     assert document["path"] == "results/swept.h5"
     assert [document[name] for name in ("cases", "ok", "failed", "reused")] == [2, 2, 0, 0]
     assert screwsim.open_results("results/swept.h5").shape == (2,)

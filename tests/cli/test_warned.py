@@ -64,8 +64,8 @@ def test_a_sweep_counts_cases_with_warnings_and_says_where_each_is_first(tmp_pat
     assert exit_code(["sweep", PLAIN, "--set", SPEEDS, "-o", str(tmp_path / "again.h5")]) == 0
     out = capsys.readouterr().out
     told = words(out)
-    assert out.splitlines()[-1].startswith("4 cases: 4 ok, 2 with warnings, ")
-    assert "4 cases: 4 ok, 2 with warnings" in told
+    assert out.splitlines()[-1].startswith("4 cases: 4 ok (2 of them with warnings), ")
+    assert "4 cases: 4 ok (2 of them with warnings)" in told
     assert f"warning in 2 cases, first at effects.tip_leakage.gap = 0.0012, operation.speed = 308.923: {TOLD}" in told
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import screwsim
-from screwsim.codegen.modules import for_speed
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.derivatives import beside, nearby
@@ -61,10 +60,8 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
         P[5 + i] *= 1.0 + 1e-4
         edges[1:-1] += 1e-9 * i
         asked.append(beside.Asked(at._replace(P=P), edges if i % 2 else None))
-    with for_speed():
-        beside._waiting.clear()
-        (which, f, g), *more = beside.rates_of(pitch, cycle.nodes, asked)
-        assert beside._waiting[pitch.machinery.together.__name__].entry is not None
+    (which, f, g), *more = beside.rates_of(pitch, cycle.nodes, asked)
+    assert beside._entries[pitch.machinery.together.__name__] is not None
     assert (which, more) == (slice(0, 6), [])
     for i, (numbers, edges) in enumerate(asked):
         pitch.put(numbers)

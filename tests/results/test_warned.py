@@ -87,7 +87,8 @@ def test_the_closing_line_of_a_sweep_tells_how_many_and_which(tmp_path, capsys):
     assert document["warnings"][0]["values"]["oil_supply.ratio"] == 0.0
     print_sweep(document)
     out = " ".join(capsys.readouterr().out.split())
-    assert "30 cases: 24 ok, 3 not closed, 3 failed, 21 with warnings" in out
+    each = ("24 ok (17 of them with warnings)", "3 not closed (2 of them with warnings)", "3 failed (2 of them with")
+    assert f"30 cases: {', '.join(each)}" in out
     assert "warning in 20 cases, first at operation.speed = 209.44, oil_supply.ratio = 0: the estimated" in out
     assert "warning in 3 cases, first at operation.speed = 104.72, oil_supply.ratio = 0: R134a is all liquid" in out
 

@@ -231,12 +231,6 @@ REMOVE = "remove one of the two, null in place of a base's"
         ),
         (
             PAPER,
-            ["machine.discharge_port={law: table, area: null, file: none.csv}"],
-            "machine.built_in_volume_ratio: cannot be kept: machine.discharge_port is a table, and no angle of its own "
-            "moves the port in its file (remove it, or write law: profile or law: paper)",
-        ),
-        (
-            PAPER,
             ["machine.built_in_volume_ratio=900"],
             "machine.built_in_volume_ratio: 900 leaves the port less than 10 deg before the end of discharge (choose a "
             "smaller ratio)",

@@ -147,7 +147,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     yield row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
-    yield from _otherwise(machine)
+    yield from _otherwise(machine, parts)
     if parts.geometry.expands:
         yield row(
             "", "the machine below runs backwards: its laws at one life less the angle, its lines exchanged (M150)"
@@ -161,16 +161,20 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     yield from _rotors(machine, parts)
 
 
-def _otherwise(machine: TwinScrew) -> Iterator[str]:
+def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     """Yield what states the machine's size and port in place of lengths and angles."""
     stated = machine.displacement
     if stated is not None:
         flow, at = readable_quantity(KINDS["volume_flow"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
         follows = "the rotors' size" if machine.volume.law == "profile" else "the chambers' volume"
         yield row("displacement", f"{flow} at {at}, from which {follows} follows")
-    if machine.built_in_volume_ratio is not None and machine.volume.law != "profile":
-        what = f"{machine.built_in_volume_ratio:g}, from which the discharge port's angles follow (M16)"
-        yield row("volume ratio", what)
+    port, ratio = machine.discharge_port, machine.built_in_volume_ratio
+    if ratio is not None and port is not None and port.law == "table":
+        opens = math.degrees(parts.geometry.discharge_law().opens or 0.0)
+        what = f"to which the table of the discharge port is moved: opens {opens:.5g} deg (M394)"
+        yield row("volume ratio", f"{ratio:g}, {what}")
+    elif ratio is not None and machine.volume.law != "profile":
+        yield row("volume ratio", f"{ratio:g}, from which the discharge port's angles follow (M16)")
 
 
 def _rotors(machine: Any, parts: Parts) -> Iterator[str]:

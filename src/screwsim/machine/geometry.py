@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from screwsim.machine import paper_law, table_law
+from screwsim.machine import moved_port, paper_law, table_law
 from screwsim.machine.protocol import AreaLaw, MachineGeometry, VolumeKernels
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.machine.sliding import wall_speeds
@@ -119,11 +119,14 @@ class Geometry(MachineGeometry):
     @property
     def outcomes(self) -> tuple[float, ...]:
         """What tells machines apart whose numbers are all in tables: volume [m³], opening [rad], way of a slide [m]."""
+        port = self.settings.discharge_port
+        tabled = port is not None and port.law == "table" and self.settings.built_in_volume_ratio is not None
+        opens = (self.discharge_law().opens or 0.0,) if tabled else ()
         if self.profile is None:
-            return ()
+            return opens
         slide = self.settings.slide_valve
         moved = () if slide is None else (slide.position * slide.travel,)
-        return self.profile.swept, self.profile.opens, *moved
+        return self.profile.swept, self.profile.opens, *moved, *opens
 
     def interfaces(self, effect: str) -> tuple[Interface, ...] | None:
         """Return the leakage paths of an effect from the profile; None where formulas of the effects give them."""
@@ -185,7 +188,7 @@ class Geometry(MachineGeometry):
         if law.law == "profile" and self.profile is not None:
             return _area(self.profile.discharge)
         if law.law == "table":
-            return self._table(str(law.file))
+            return self._moved(str(law.file))
         opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
         values = {"S_dis": float(law.area or 0.0), "phi_dis": opens, "phi_C": phi_C}
         rows = (opens, 0.5 * (opens + LIFE), LIFE), (0.0, values["S_dis"], 0.0)
@@ -195,7 +198,22 @@ class Geometry(MachineGeometry):
         """Return the angle at which the discharge port is widest [rad]; the end of the life without a port."""
         return self.life if self.settings.discharge_port is None else self.discharge_law().widest
 
+    def _moved(self, path: str) -> AreaLaw:
+        """Return the law of a tabulated discharge port, moved to the built-in volume ratio if one is stated (M394)."""
+        ratio = self.settings.built_in_volume_ratio
+        if ratio is None:
+            return self._table(path)
+        return self._rows(*moved_port.moved(*read_curve(path, "area_m2"), self.opening_angle(ratio), ratio))
+
+    def opening_angle(self, ratio: float) -> float | None:
+        """Return the angle of a compressor's chamber at which it has its largest volume over a ratio [rad]; or None."""
+        own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
+        return moved_port.opening_angle(self._volume_law(), own, self.life, ratio)
+
+    @classmethod
+    def _table(cls, path: str) -> AreaLaw:
+        return cls._rows(*read_curve(path, "area_m2"))
+
     @staticmethod
-    def _table(path: str) -> AreaLaw:
-        angles, areas = read_curve(path, "area_m2")
+    def _rows(angles: np.ndarray, areas: np.ndarray) -> AreaLaw:
         return AreaLaw(table_law.area, {}, area_breakpoints(angles, areas), (angles, areas), {"curve": (angles, areas)})

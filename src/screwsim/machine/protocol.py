@@ -66,13 +66,18 @@ class VolumeKernels:
     own_breakpoints: tuple[float, ...] = ()  # that the chambers beside this one do not feel
     mirror: float | None = None
 
-    def along(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return V [m³] and dV/dφ [m³/rad] at angles [rad], in plain Python."""
+    @cached_property
+    def _numbers(self) -> dict[str, Any]:
+        """What stands behind the arguments of the kernels, tables packed into one array."""
         TAB, start = np.zeros(1), {}
         for name, curve in self.tables.items():
             start[name] = float(len(TAB))
             TAB = np.concatenate([TAB, pack_curve(*curve)])
-        known: dict[str, Any] = {**self.values, **start, "TAB": TAB}
+        return {**self.values, **start, "TAB": TAB}
+
+    def along(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return V [m³] and dV/dφ [m³/rad] at angles [rad], in plain Python."""
+        known = self._numbers
         sign, at = (1.0, angle) if self.mirror is None else (-1.0, self.mirror - angle)
         found = []
         for law in (self.volume, self.slope):

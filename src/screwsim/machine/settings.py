@@ -114,7 +114,7 @@ class TwinScrew(MachineSettings):
     )
     displacement: Displacement | None = None
     built_in_volume_ratio: float | None = number(
-        "largest chamber volume over that at which the discharge port opens (laws: profile, paper)",
+        "largest chamber volume over that at which the discharge port opens; moves the port, a table's, too",
         None,
         gt=1.0,
         hardly=(None, 12.0),

@@ -13,7 +13,9 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.inputs.declare import Derived, DerivedCount, DerivedWord, is_derived
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, UsageError
+from screwsim.machine.geometry import Geometry
+from screwsim.machine.moved_port import LAST, PATH
 from screwsim.machine.paper_law import TURN
 from screwsim.machine.rotors.families import FAMILIES
 from screwsim.machine.rotors.settings import Profile
@@ -30,8 +32,6 @@ LENGTHS = (
     "file",
 )
 OPENING = 5.0 / 16.0  # (φ_C − φ_dis) over half of the port's life: how fast that of rotors (b) opens
-LAST = math.radians(10.0)  # of a life, in which no port opens any more (as `Rotors.discharge_angle`)
-PATH = "machine.built_in_volume_ratio"
 
 
 def own(value: Any) -> Any:
@@ -117,7 +117,7 @@ def unit_volume(name: str, wrap: float) -> float:
 
 def _opened(machine: TwinScrew) -> TwinScrew:
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio
-    if port is None or ratio is None or not _opened_by_ratio(machine):
+    if port is None or ratio is None or port.law == "table" or not _opened_by_ratio(machine):
         return machine
     opens = opening_angle(machine, ratio)
     end = Derived(opens + OPENING * 0.5 * (LIFE - opens))
@@ -125,11 +125,17 @@ def _opened(machine: TwinScrew) -> TwinScrew:
 
 
 def opening_angle(machine: TwinScrew, ratio: float) -> float:
-    """Return the angle [rad] at which a chamber of the paper's law has its largest volume over a ratio (M16 inverted).
+    """Return the angle [rad] at which a chamber has its largest volume over a ratio: M16 inverted, or a table searched.
 
-    Dead volume included, as `built_in_volume_ratio` of a result is.
+    Dead volume included, as `built_in_volume_ratio` of a result is; the life's end where there is no such angle.
     """
     law = machine.volume
+    if law.law == "table":
+        try:
+            found = Geometry(machine).opening_angle(ratio)
+        except UsageError:  # told where files are checked
+            found = 0.75 * LIFE
+        return LIFE if found is None else found
     largest, c = law.max or 0.0, float(law.phi_A or 0.0) / TURN
     left = ((largest + law.dead) / ratio - law.dead) / largest  # of the bump, M15
     if left <= 0.0:
@@ -203,20 +209,39 @@ def _of_displacement(machine: TwinScrew) -> Iterator[Fault]:
 
 def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
     port = machine.discharge_port
-    if machine.volume.law == "table" or (port is not None and port.law == "table"):
-        part = "volume" if machine.volume.law == "table" else "discharge_port"
-        what = f"cannot be kept: machine.{part} is a table, and no angle of its own moves the port in its file"
-        yield Fault(PATH, f"{what} (remove it, or write law: profile or law: paper)")
-        return
     if port is None:
         yield Fault(PATH, "needs the section machine.discharge_port, which it opens (write it, or remove this)")
+        return
+    if port.law == "table":
+        yield from table_port_faults(_sized(machine))
         return
     for name in ("opens", "phi_C"):
         if own(getattr(port, name)) is not None:
             what = f"is given beside {PATH}, from which it follows"
             yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two, null in place of a base's)")
     law, ratio = machine.volume, machine.built_in_volume_ratio or 0.0
-    sound = law.phi_A is not None and 0.0 < law.phi_A <= TURN and (law.max or machine.displacement is not None)
-    if sound and opening_angle(_sized(machine), ratio) > LIFE - LAST:
+    known = law.phi_A is not None and 0.0 < law.phi_A <= TURN if law.law == "paper" else law.file is not None
+    if known and (law.max or machine.displacement is not None):
+        yield from _late(machine, ratio)
+
+
+def _late(machine: TwinScrew, ratio: float) -> Iterator[Fault]:
+    """Yield a ratio that opens the port of the paper's law where there is no time left."""
+    if opening_angle(_sized(machine), ratio) > LIFE - LAST:
         what = f"{ratio:.4g} leaves the port less than 10 deg before the end of discharge"
         yield Fault(PATH, f"{what} (choose a smaller ratio)")
+
+
+def table_port_faults(machine: TwinScrew) -> list[Fault]:
+    """Return why a tabulated discharge port cannot be moved to the built-in volume ratio."""
+    port, law = machine.discharge_port, machine.volume
+    if port is None or port.file is None or (law.law == "table" and (law.file is None or not law.max)):
+        return []  # what is missing is told elsewhere
+    if law.law == "paper" and not (law.max and law.phi_A is not None and 0.0 < law.phi_A <= TURN):
+        return []
+    try:
+        Geometry(machine).discharge_law()
+    except UsageError as error:
+        path, _, what = str(error).partition(": ")
+        return [Fault(path, what)] if path == PATH else []  # of a file that cannot be read others tell
+    return []

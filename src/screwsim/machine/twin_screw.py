@@ -10,7 +10,7 @@ from screwsim.machine import protocol
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.machine.settings import TwinScrew, check_twin_screw
-from screwsim.machine.stated import derived, stated_faults
+from screwsim.machine.stated import derived, stated_faults, table_port_faults
 
 
 def _a_turn(machine: TwinScrew) -> float:
@@ -96,7 +96,10 @@ def _check(machine: TwinScrew) -> list[Fault]:
         return list(found)
     from screwsim.machine.profile_law import check_profile_law  # here: rotors take long to import
 
-    return [*found, *check_profile_law(machine)]
+    found = [*found, *check_profile_law(machine)]
+    port = machine.discharge_port
+    moves = machine.volume.law == "profile" and port is not None and port.law == "table"
+    return [*found, *table_port_faults(machine)] if moves and not found else found
 
 
 def _dead_volume(machine: TwinScrew) -> tuple[str, float]:

@@ -9,7 +9,9 @@ c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the tabl
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -28,8 +30,18 @@ NARROW = math.radians(15.0)  # turns of a curve that lie closer than that are wh
 def read_curve(path: str, column: str) -> tuple[Array, Array]:
     """Return angle [rad] and the values of `column` from a CSV file with a header; angles must increase.
 
-    Raises `UsageError` in one line that names the file, its line and the remedy.
+    A file that has not changed is read once. Raises `UsageError` in one line: the file, its line and the remedy.
     """
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return _read(path, column, ())
+    return _read(path, column, (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns))
+
+
+@lru_cache(maxsize=32)
+def _read(path: str, column: str, stamp: tuple[int, ...]) -> tuple[Array, Array]:
+    """Read a curve; `stamp` tells a file from what it was before."""
     try:
         rows = read_sheet(path).columns("angle_deg", column)
     except Unreadable as reason:
@@ -51,7 +63,10 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
         values.append(value)
     if len(angles) < 3:
         raise UsageError(f"{path}: has {len(angles)} rows; a curve needs at least 3")
-    return np.array(angles), np.array(values)
+    curve = np.array(angles), np.array(values)
+    for each in curve:
+        each.setflags(write=False)  # many hold them
+    return curve
 
 
 def shut(areas: Array) -> np.ndarray:

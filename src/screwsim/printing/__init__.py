@@ -226,7 +226,7 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
 def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     """Return what `sweep --json` prints: numbers of cases, the first that are not ok, the kinds of warnings."""
     from screwsim.results import open_results
-    from screwsim.results.warned import warned
+    from screwsim.results.warned import warned, warns
     from screwsim.scene import case_values
 
     document = {
@@ -242,6 +242,9 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
         document["failures"].append(told)
     found = warned(results)
     document["warned"] = found.cases
+    document["warned_by_status"] = {
+        name: int((warns(results).ravel() & (status == code)).sum()) for code, name in enumerate(STATUSES)
+    }
     document["warnings"] = [
         {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
         for kind in found.kinds
@@ -251,12 +254,20 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     return document
 
 
+def _counts(document: Mapping[str, Any]) -> str:
+    """Return how many cases ended in each status and how many of those warn: `28 ok (3 of them with warnings)`."""
+    told = []
+    for name in ("ok", "not_closed", "failed"):
+        warned = document["warned_by_status"].get(name, 0)
+        if document[name] or name == "ok":
+            of_them = f" ({warned} of them with warnings)" if warned else ""
+            told.append(f"{document[name]} {name.replace('_', ' ')}{of_them}")
+    return ", ".join(told)
+
+
 def print_sweep(document: Mapping[str, Any]) -> None:
     """Print how a sweep ended: the file, the first failures, the kinds of warnings, last the numbers of cases."""
-    counts = f"{document['cases']} cases: {document['ok']} ok"
-    for name in ("not_closed", "failed"):
-        counts += f", {document[name]} {name.replace('_', ' ')}" if document[name] else ""
-    counts += f", {document['warned']} with warnings" if document["warned"] else ""
+    counts = f"{document['cases']} cases: {_counts(document)}"
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
     say(document["path"])
     for failure in document["failures"]:

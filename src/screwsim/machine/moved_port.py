@@ -1,0 +1,88 @@
+"""A tabulated discharge port moved to a built-in volume ratio: where it opens changes, where it shuts does not.
+
+The end of discharge is where the lobes leave the end face, whatever the port is cut to; a larger ratio cuts its opening
+edge later. So the rows up to the widest are turned as a whole until the chamber has the volume that the ratio asks for,
+and the port is the smaller of these and of the rows behind the widest (docs/model.md, M394). Units SI.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from screwsim.inputs.faults import UsageError
+from screwsim.machine.protocol import VolumeKernels
+from screwsim.numerics.spline import pack_curve, shut, table_value
+
+PATH = "machine.built_in_volume_ratio"
+LAST = math.radians(10.0)  # before the end of discharge, in which no port opens any more (as `Rotors.discharge_angle`)
+FINE = 1e-13  # [rad], to which an angle is found
+Array = np.ndarray
+
+
+def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float) -> float | None:
+    """Return the angle [rad] at which it has its volume at `closes` over a ratio; None where none is before `end`."""
+    rows = np.linspace(closes, end, 65)
+    values = volume.along(rows)[0]
+    wanted = float(values[0]) / ratio
+    below = np.flatnonzero(values < wanted)
+    if not len(below):
+        return None
+
+    def under(angle: float) -> bool:
+        return float(volume.along(np.array([angle]))[0][0]) < wanted
+
+    return _first(under, float(rows[below[0] - 1]), float(rows[below[0]]))
+
+
+def moved(angles: Array, areas: Array, opens: float | None, ratio: float) -> tuple[Array, Array]:
+    """Return a table of areas [m²] over angles [rad] whose opening is moved to `opens`, what ratio asks for.
+
+    Raises UsageError, in one line with the remedy, where the table cannot be moved so far.
+    """
+    widest = int(np.argmax(areas))
+    before = np.flatnonzero(shut(areas)[:widest])
+    if not len(before):
+        what = "cannot be kept: the table of machine.discharge_port is open from its first row on, so that nothing says"
+        raise UsageError(f"{PATH}: {what} where it opens (begin its file with a row of area 0, or remove this)")
+    behind = np.flatnonzero(shut(areas)[widest:])
+    end = float(angles[widest + behind[0]] if len(behind) else angles[-1])
+    if opens is None or opens > end - LAST:
+        what = f"{ratio:.4g} leaves the port less than 10 deg before the end of discharge"
+        raise UsageError(f"{PATH}: {what} (choose a smaller ratio)")
+    first = int(before[-1])
+    edge = angles[first : widest + 1] + (opens - angles[first]), areas[first : widest + 1]
+    rest = angles[widest:], areas[widest:]
+    rows = np.unique(np.concatenate([edge[0], rest[0]]))
+    rows = rows[rows <= end] if edge[0][-1] > end else rows
+    by_edge, by_rest = _curve(*edge), _curve(*rest)
+    above = np.array([by_edge(each) > by_rest(each) for each in rows])
+    crossed = np.flatnonzero(above[1:] & ~above[:-1])  # once: one rises or stays, the other does not rise beyond it
+    meets = [_first(lambda angle: by_edge(angle) > by_rest(angle), rows[i], rows[i + 1]) for i in crossed]
+    rows = np.unique([*rows, *meets])
+    return _with_start(rows, np.array([min(by_edge(each), by_rest(each)) for each in rows]), float(angles[0]))
+
+
+def _first(holds: Callable[[float], bool], low: float, high: float) -> float:
+    """Return the angle [rad] in an interval from which on something holds."""
+    while high - low > FINE * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high
+
+
+def _curve(angles: Array, areas: Array) -> Callable[[float], float]:
+    """Return the spline of a table (M14), constant beside it."""
+    if len(angles) == 1:
+        return lambda angle: float(areas[0])
+    packed = pack_curve(angles, areas)
+    return lambda angle: float(table_value(angle, packed, 0))
+
+
+def _with_start(angles: Array, areas: Array, start: float) -> tuple[Array, Array]:
+    """Return a table that is shut from `start` [rad] on to its first row."""
+    if start >= angles[0]:
+        return angles, areas
+    return np.insert(angles, 0, start), np.insert(areas, 0, areas[0])
