@@ -1,5 +1,8 @@
 """Print what the derivatives of all figures by 20 numbers cost, over a point: CPU time of one thread, medians.
 
+Behind that, in points, where it goes: the collocated cycle, scenes composed with numbers shifted, what the cycle makes
+of that, figures read. Last what is evaluated, of one chamber: by the point, then by the derivatives.
+
 Run: python benchmarks/sensitivities.py [RUNS]. Points and derivatives take turns, compiled for speed and warm; what
 compiling takes is not in it. A point is `simulate` with its error estimate, as `run` does it.
 """
@@ -11,8 +14,12 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from screwsim.codegen.modules import for_speed
+from screwsim.derivatives import around, beside, solving
+from screwsim.derivatives.directions import Directions
+from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.solving import found
 from screwsim.scene import Scene, load
 from screwsim.simulate import simulate
@@ -21,6 +28,7 @@ from screwsim.study.local import numeric_paths
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("configs/paper/point.yaml", "configs/r134a/point.yaml")
 NUMBERS = 20
+SHOWN = ("cycle", "composed", "moved", "read")
 
 
 def cpu(work: Callable[[], object]) -> float:
@@ -30,7 +38,60 @@ def cpu(work: Callable[[], object]) -> float:
     return 1e3 * (time.process_time() - started)
 
 
-def told(scene: Scene, runs: int) -> str:
+class Counted:
+    """CPU time [ms] of parts of the derivatives, and what is evaluated, since the last `clear`."""
+
+    def __init__(self) -> None:
+        self.times, self.rates, self.jacobians, self.slices = dict.fromkeys(PARTS, 0.0), 0, 0, 0
+        for part, (owner, name) in PARTS.items():
+            setattr(owner, name, self._timed(part, getattr(owner, name)))
+        rates, lanes, slopes = Pitch.rates, beside._in_lanes, Pitch._slopes
+
+        def counted(pitch: Pitch, Y: Any, edges: Any = None) -> Any:
+            self.rates += Y.size // pitch.n
+            return rates(pitch, Y, edges)
+
+        def counted_lanes(pitch: Pitch, Y: Any, asked: Any, entry: Any) -> Any:
+            self.rates += len(asked) * Y.size // pitch.n
+            return lanes(pitch, Y, asked, entry)
+
+        def counted_slopes(pitch: Pitch, angles: Any, *asked: Any) -> Any:
+            self.jacobians += len(angles) * pitch.N // pitch.n
+            return slopes(pitch, angles, *asked)
+
+        for owner, name, by in (
+            (Pitch, "rates", counted),
+            (beside, "_in_lanes", counted_lanes),
+            (Pitch, "_slopes", counted_slopes),
+        ):
+            setattr(owner, name, by)
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self.times, self.rates, self.jacobians = dict.fromkeys(PARTS, 0.0), 0, 0
+
+    def _timed(self, part: str, work: Callable[..., Any]) -> Callable[..., Any]:
+        def timed(*arguments: Any) -> Any:
+            started = time.process_time()
+            found = work(*arguments)
+            self.times[part] += 1e3 * (time.process_time() - started)
+            if part == "cycle":
+                self.slices = found.pitch.count
+            return found
+
+        return timed
+
+
+PARTS = {  # by what they are called here
+    "cycle": (solving, "collocated"),
+    "composed": (Directions, "of"),
+    "moved": (around, "responses"),
+    "placed": (around, "placed"),
+    "read": (around, "_read"),
+}
+
+
+def told(scene: Scene, runs: int, counted: Counted) -> str:
     """Return point, derivatives [ms] and the median of their ratios for a scene."""
     values, _ = numeric_paths(scene)
     asked = {path: value for path, value in values.items() if value}
@@ -42,19 +103,27 @@ def told(scene: Scene, runs: int) -> str:
 
     simulate(scene, trace=False)
     derived()
+    counted.clear()
     pairs = [(cpu(lambda: simulate(scene, trace=False)), cpu(derived)) for _ in range(runs)]
     points, derivatives = zip(*pairs, strict=True)
     # `found` closes the cycle of the point itself: the ratio counts that, too
     ratio = statistics.median(after / before for before, after in pairs)
-    return f"{statistics.median(points):8.1f} {statistics.median(derivatives):12.1f} {ratio:8.1f}"
+    point, told = statistics.median(points), simulate(scene, trace=False).numerics
+    parts = counted.times | {"read": counted.times["placed"] + counted.times["read"]}
+    parts = "".join(f" {parts[name] / runs / point:9.1f}" for name in SHOWN)
+    of_point = f"{told['rhs_evaluations']} rates, {told['jacobians']} Jacobians"
+    of_all = f"{counted.rates // runs} rates, {counted.jacobians // runs} Jacobians, {counted.slices} slices"
+    return f"{point:8.1f} {statistics.median(derivatives):12.1f} {ratio:8.1f}{parts}  {of_point}; {of_all}"
 
 
 def main(runs: int = 9) -> None:
     """Print a line for each scene."""
-    print(f"{'scene':28} {'point ms':>8} {f'{NUMBERS} numbers':>12} {'ratio':>8}")
+    counted = Counted()
+    head = f"{'scene':28} {'point ms':>8} {f'{NUMBERS} numbers':>12} {'ratio':>8}"
+    print(head + "".join(f" {name:>9}" for name in SHOWN))
     with for_speed():
         for name in SCENES:
-            print(f"{name:28} {told(load(ROOT / name), runs)}", flush=True)
+            print(f"{name:28} {told(load(ROOT / name), runs, counted)}", flush=True)
 
 
 if __name__ == "__main__":

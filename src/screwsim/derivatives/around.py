@@ -16,7 +16,7 @@ from screwsim.build import Temperatures, filled, open_temperatures
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.derivatives.closed import Closed
 from screwsim.derivatives.directions import Directions, Structural
-from screwsim.derivatives.figures import Moved, differenced, figures_of, placed, responses
+from screwsim.derivatives.figures import differenced, figures_of, placed, responses
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.inputs.faults import UsageError
@@ -52,7 +52,7 @@ def derivatives(cycle: Closed, values: Mapping[str, float]) -> tuple[dict[str, d
     every = [*around, *directions.values()]
     moves, read = responses(cycle, every, made), []
     for j, direction in enumerate(every):
-        one = Moved(type(moves.response)(*(each[..., j] for each in moves.response)), moves.unknowns[:, j])
+        one = moves.by(j)
         sides = [_read(placed(cycle, direction, one, made, side)) for side in (0, 1)]
         figures = differenced([each.figures for each in sides], direction.steps)
         read.append(Sides(figures, (sides[0].asked - sides[1].asked) / (direction.steps[0] - direction.steps[1])))

@@ -1,18 +1,16 @@
 """Rates at all nodes with several numbers: side by side in the lanes of a core, each lane with its own.
 
-Lanes take as long to write as some thousand rates take one by one, so they are written where code is asked for speed,
-taken where they are kept, and otherwise wait until that much has been asked.
+Lanes are written when they are first asked for, in seconds, and kept: what runs in them does not depend on what ran
+before, so that one scene has one answer.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.codegen import modules
 from screwsim.codegen.kinds import FLOAT, INTEGER, LANES, Kind
 from screwsim.codegen.program import CannotCompile
 from screwsim.derivatives.pitch import Numbers, Pitch
@@ -23,8 +21,7 @@ from screwsim.model.side_by_side import address, aligned
 
 Array = np.ndarray
 RATES = "slices__rates_at_all"
-FEWEST = 5  # rates that lanes are worth
-PATIENCE = 4.0  # [s] that rates run one by one before lanes are written: about what that takes
+FEWEST = 4  # rates that lanes are worth
 BESIDE = ("P", "R", "places", "work")  # of a context: laid side by side
 _whole, _beside = Kind("v", (FLOAT,), 1), Kind("p", (FLOAT,), 1)
 _CONTEXT = Kind(
@@ -43,48 +40,39 @@ class Asked(NamedTuple):
     edges: Array | None
 
 
-class _Waiting:
-    """Of one module: how long rates ran one by one, and the entry of its lanes, once there."""
-
-    def __init__(self) -> None:
-        self.ran, self.entry, self.none = 0.0, None, False
+_entries: dict[str, Any] = {}  # of lanes by module; None where its text cannot be so compiled
 
 
-_waiting: dict[str, _Waiting] = {}
+def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
+    """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
+
+    An even number of them at a time, behind which the rest of the lanes is nothing; numbers stand as they stood.
+    """
+    at, shape = pitch.numbers, (pitch.count, NODES)
+    for first in range(0, len(asked), LANES):
+        now = asked[first : first + LANES]
+        entry = _entry(pitch.machinery) if len(now) >= FEWEST else None
+        if entry is not None:
+            found = [each.reshape(*shape, -1, LANES) for each in _in_lanes(pitch, Y, now, entry)]
+        else:
+            found = [np.zeros((*shape, size, LANES)) for size in (pitch.N, pitch.q)]
+            for i, (numbers, edges) in enumerate(now):
+                pitch.put(numbers)
+                found[0][..., i], found[1][..., i] = pitch.rates(Y, edges)
+            pitch.put(at)
+        yield slice(first, first + len(now)), found[0], found[1]
 
 
-def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> tuple[Array, Array]:
-    """Return rates of states and quadratures at the nodes (slices, NODES, …, asked); numbers stand as they stood."""
-    found = [np.empty((pitch.count, NODES, size, len(asked))) for size in (pitch.N, pitch.q)]
-    waiting = _waiting.setdefault(pitch.machinery.together.__name__, _Waiting())
-    entry = _entry(pitch.machinery, waiting) if len(asked) >= FEWEST else None
-    done = 0
-    while entry is not None and len(asked) - done >= FEWEST:
-        now = asked[done : done + LANES]
-        for all_, rows in zip(found, _in_lanes(pitch, Y, now, entry), strict=True):
-            all_[..., done : done + len(now)] = rows.reshape(*all_.shape[:-1], LANES)[..., : len(now)]
-        done += len(now)
-    started, at = time.perf_counter(), pitch.numbers
-    for i, (numbers, edges) in enumerate(asked[done:], done):
-        pitch.put(numbers)
-        for all_, rates in zip(found, pitch.rates(Y, edges), strict=True):
-            all_[..., i] = rates
-    pitch.put(at)
-    waiting.ran += time.perf_counter() - started
-    return found[0], found[1]
-
-
-def _entry(machinery: Machinery, waiting: _Waiting) -> Any:
-    """Return the entry of the lanes, written where it is time; None where they wait or cannot be written."""
-    if waiting.entry is None and not waiting.none:
-        module = machinery.together
-        if waiting.ran > PATIENCE or modules.hurried() or module.has_lanes(RATES, KINDS):
-            try:
-                with machinery.compiling("numbers"):
-                    waiting.entry = module.of_lanes(RATES, KINDS)
-            except CannotCompile:
-                waiting.none = True
-    return waiting.entry
+def _entry(machinery: Machinery) -> Any:
+    """Return the entry of the lanes; None where they cannot be written."""
+    module = machinery.together
+    if module.__name__ not in _entries:
+        try:
+            with machinery.compiling("numbers"):
+                _entries[module.__name__] = module.of_lanes(RATES, KINDS)
+        except CannotCompile:
+            _entries[module.__name__] = None
+    return _entries[module.__name__]
 
 
 def _in_lanes(pitch: Pitch, Y: Array, asked: Sequence[Asked], entry: Any) -> tuple[Array, Array]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
 from screwsim.derivatives.slices import NODES
@@ -14,11 +16,20 @@ class Blocks:
     """1 − h a J of every slice, factored; J (slices, NODES, N, N) are derivatives by the states of all chambers."""
 
     def __init__(self, J: Array, widths: Array, states: int, reach: int) -> None:
-        """`states` are those of a chamber, `reach` is how many chambers on it meets others; what lies beyond is left out."""
+        """`states` are those of a chamber, `reach` is how many chambers on it meets others; others are left out."""
         count, _, N, _ = J.shape
         self.states, self.reach = states, reach
         self.factors, self.pivots = np.empty((count, NODES * N, NODES * N)), np.empty((count, NODES * N), np.int64)
         compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
+
+    def parted(self, parts: int) -> list[Blocks]:
+        """Return the slices in parts of as many, one behind the other."""
+        found = []
+        for factors, pivots in zip(np.split(self.factors, parts), np.split(self.pivots, parts), strict=True):
+            part = copy(self)
+            part.factors, part.pivots = factors, pivots
+            found.append(part)
+        return found
 
     def follow(self, start: Array, right: Array) -> Array:
         """Return changes at all nodes (slices, NODES, N, k) from those at the start (N, k).

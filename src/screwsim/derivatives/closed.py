@@ -10,15 +10,14 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.peak import peak
 from screwsim.derivatives.nearby import near, size_of, stepped, tamed
 from screwsim.derivatives.nearby import residual as residual_of
+from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
     BEFORE,
     EIGENVALUE,
     EMBEDDED,
-    INTEGRALS,
     Crossing,
     between,
     edges_of,
@@ -86,15 +85,15 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
     plain = edges_of(machinery, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    turns, nearly, linear, found = crossings(pitch), NEARLY, None, None
+    Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        found, linear = (near(pitch, SETTLED * tolerance), None) if nearly > CLOSED else (None, kept)
-        if found is None:
+        placed = near(pitch, SETTLED * tolerance) if nearly > CLOSED else None
+        if placed is None:
             Y, linear = _closed(pitch, nearly, kept)
-            found = pitch.begin(Y), Y
-        before, turns, errors = turns, crossings(pitch), errors_of(pitch, *found)
+        start, Y = placed or (pitch.begin(Y), Y)
+        before, turns, errors = turns, crossings(pitch), errors_of(pitch, start, Y)
         good = errors.max() <= tolerance
         if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
             break
@@ -103,7 +102,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
         of_plain = np.zeros(len(plain) - 1)
         np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
         plain = refined(plain, of_plain, tolerance)
-    return _linearised(pitch, found[1])
+    return _linearised(pitch, Y)
 
 
 def _peak(pitch: Pitch) -> float:

@@ -46,11 +46,9 @@ def _crossing(life: Trajectory, start: float, ends: tuple[float, float], line: f
 
     The pressure that a history stores is held between its ends near a line, which is good for flows and not for this.
     """
-    c = life.composition
 
     def drop(angle: float) -> float:
-        T, rho = life.states_at(np.array([start + angle]))[0, :2].tolist()
-        return float(life.module.gas_state(T, rho, c.P, c.TAB)[0]) - line
+        return float(life.pressures_at(np.array([start + angle]))[0]) - line
 
     low, high = ends
     below, above = drop(low), drop(high)

@@ -33,11 +33,12 @@ class Structural(Exception):
 class Direction(NamedTuple):
     """One number of a scene, shifted by `steps` (above, below), and what that moves per unit of it.
 
-    `problems` are those above and below; `change` that of the rates, `start` and `cells` of what the injection does,
-    `stated` of the unknowns that the scene states, in coordinates.
+    `problems` are those above and below, `sides` their numbers as the cycle stands; `change` that of the rates, `start`
+    and `cells` of what the injection does, `stated` of the unknowns that the scene states, in coordinates.
     """
 
     problems: tuple[Problem, Problem]
+    sides: tuple[Numbers, Numbers]
     steps: tuple[float, float]
     change: Change
     start: Array
@@ -53,6 +54,7 @@ class Directions:
         self.spare = Machinery(machinery.composition, machinery.module, ROOM)
         base = cycle.pitch.problem.composition
         self.breakpoints = machinery.pitch_breakpoints()
+        self.life = cycle.pitch.life(cycle.start, cycle.nodes)
         c = machinery.composition
         width = base.P[base.widths]
         self.tightened = np.where(width != 0.0, cycle.at.P[c.widths] / np.where(width != 0.0, width, 1.0), 1.0)
@@ -74,7 +76,9 @@ class Directions:
         edges, one_sided = self._edges(problems, per)
         change = Change(numbers, edges, one_sided)
         start, cells = self._injected(numbers, step)
-        return Direction(problems, steps, change, start, cells, per * (sides[0][1] - sides[1][1]))
+        return Direction(
+            problems, (sides[0][0], sides[1][0]), steps, change, start, cells, per * (sides[0][1] - sides[1][1])
+        )
 
     def _posed(
         self, shifted: Callable[[float], Problem], step: float

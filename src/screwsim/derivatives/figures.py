@@ -17,24 +17,33 @@ Array = np.ndarray
 
 
 class Moved(NamedTuple):
-    """How the cycle moves with one number: states, cells and quadratures, and the unknowns in coordinates."""
+    """How the cycle moves with numbers, an axis behind all others: states, cells, quadratures, unknowns in coordinates.
+
+    `life` is how its dense output does, numbers first.
+    """
 
     response: Response
     unknowns: Array
+    life: Array
+
+    def by(self, j: int) -> Moved:
+        """Return how it moves with one of them."""
+        return Moved(Response(*(each[..., j] for each in self.response)), self.unknowns[:, j], self.life[j])
 
 
 def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
     """Return how the cycle moves along directions, a column each, its unknowns with it."""
     found = cycle.linear.respond(sources_of(cycle, list(directions)))
-    off = np.empty((len(cycle.met), len(directions)))
+    off, pitch = np.zeros((len(cycle.met), len(directions))), cycle.pitch
+    held = Moved(found, off.copy(), pitch.life(found.start, found.nodes))
     for j, direction in enumerate(directions):
-        held = Moved(Response(*(each[..., j] for each in found)), np.zeros(len(cycle.met)))
-        images = [_image(cycle, direction, held, made, side) for side in (0, 1)]
+        images = [_image(cycle, direction, held.by(j), made, side) for side in (0, 1)]
         off[:, j] = np.where(
             cycle.given, direction.stated, (images[0] - images[1]) / (direction.steps[0] - direction.steps[1])
         )
     unknowns = np.stack([solved(cycle.back, each, cycle.given) for each in off.T], axis=-1) if len(directions) else off
-    return Moved(found.plus(cycle.by_unknowns.weighted(unknowns)), unknowns)
+    found = found.plus(cycle.by_unknowns.weighted(unknowns))
+    return Moved(found, unknowns, pitch.life(found.start, found.nodes))
 
 
 def _image(cycle: Closed, direction: Direction, moves: Moved, made: Directions, side: int) -> Array:
@@ -51,14 +60,15 @@ def placed(
     It stands on the machinery of the cycle: it is to be read before anything else is done with that.
     """
     pitch, problem, by = cycle.pitch, direction.problems[side], direction.steps[side]
-    entries = problem.entries
-    met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
-    at, (start, nodes, cells, sums) = made.numbers(problem, met)[0], moves.response
+    at, entries, (_, _, cells, sums) = direction.sides[side], problem.entries, moves.response
+    if moves.unknowns.any():
+        met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
+        at = made.numbers(problem, met)[0]
     pitch.put(at.plus(by, pitch.cells_as_numbers(cells)))
     if whole:
         edges = direction.change.edges
         edges = pitch.slices.edges if edges is None else pitch.slices.edges + by * edges
-        pitch.install(cycle.start + by * start, cycle.nodes + by * nodes, edges)
+        pitch.install_life(made.life + by * moves.life, edges)
     return Evaluation(problem, pitch.machinery.trajectory, cycle.sums + by * sums)
 
 

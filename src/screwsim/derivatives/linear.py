@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks
@@ -83,15 +84,27 @@ class Change(NamedTuple):
 
 def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
     """Return the derivatives of h f and h g at the nodes along changes (slices, NODES, …, changes)."""
-    step, asked, widths = step_of(pitch), [], []
-    for numbers, edges, sides in changes:
+    hf, hg = (np.zeros((pitch.count, NODES, size, len(changes))) for size in (pitch.N, pitch.q))
+    some = [i for i, each in enumerate(changes) if not each.nothing]
+    step, asked, shares, widths = step_of(pitch), [], [], pitch.slices.widths
+    for numbers, edges, sides in (changes[i] for i in some):
         for sign in sides:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
             asked.append(Asked(at.plus(sign * step, numbers), there))
-            widths.append(pitch.slices.widths if there is None else np.diff(there))
-    h = np.array(widths).T[:, None, None] / (step * np.repeat([above - below for _, _, (above, below) in changes], 2))
-    found = [h * each for each in rates_of(pitch, Y, asked)]
-    return found[0][..., ::2] - found[0][..., 1::2], found[1][..., ::2] - found[1][..., 1::2]
+        shares.append(step * (sides[0] - sides[1]))
+    for which, *found in rates_of(pitch, Y, asked):
+        columns = slice(which.start // 2, which.stop // 2)
+        h, many = widths[:, None, None, None] / np.array(shares[columns]), columns.stop - columns.start
+        sides = np.zeros((LANES, many))
+        sides[range(0, 2 * many, 2), range(many)], sides[range(1, 2 * many, 2), range(many)] = 1.0, -1.0
+        for all_, rates in zip((hf, hg), found, strict=True):
+            for lane, (_, edges) in enumerate(asked[which]):
+                if edges is not None:
+                    rates[..., lane] *= (np.diff(edges) / widths)[:, None, None]
+            moved = h * (rates.reshape(-1, LANES) @ sides).reshape(*rates.shape[:-1], -1)
+            for j, i in enumerate(some[columns]):
+                all_[..., i] = moved[..., j]
+    return hf, hg
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
@@ -129,11 +142,12 @@ class Linear:
         self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
         reach = max(pitch.machinery.composition.offsets, default=1)
         self.inject, self.noted = injection(pitch, Y)
-        self.felt, self.changed = self._felt(), self.sources(changes)
-        self._feels = [i for i in range(len(self.noted)) if self.felt.hf[..., i].any() or self.felt.hg[..., i].any()]
+        self._feels, self._felt, self.changed = self._first(changes)
         felt, N = len(self._feels), pitch.N
-        known = [self._right(self.felt.hf[..., self._feels]), *([] if stages is None else [stages])]
-        right = np.concatenate([np.zeros((*Y.shape, N)), *known, self._right(self.changed.hf)], axis=-1)
+        known = [self._right(self._felt.hf), *([] if stages is None else [stages]), self._right(self.changed.hf)]
+        known = np.concatenate(known, axis=-1)
+        right = np.zeros((*Y.shape, N + known.shape[-1]))
+        right[..., N:] = known
         self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
         nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
         self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
@@ -141,13 +155,17 @@ class Linear:
         nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
         self.first = self._responded(nothing.and_then(self.changed), nodes[..., N + felt :])
 
-    def _felt(self) -> Sources:
-        """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
-        pitch, count = self.pitch, self.noted.shape[0]
-        sizes = np.maximum(np.abs(pitch.cells()), SMALL)
-        changes = [pitch.cells_as_numbers(float(self._is_felt(i)) * size * np.eye(count)[i]) for i, size in enumerate(sizes)]
-        felt = self.sources([Change(each) for each in changes])
-        return Sources(felt.hf / sizes, felt.hg / sizes, felt.start, np.zeros((count, count)))
+    def _first(self, changes: Sequence[Change]) -> tuple[list[int], Sources, Sources]:
+        """Return which cells the rates feel, their sources, one column each, and those of changes.
+
+        They are asked for together: rates side by side cost less.
+        """
+        sizes = np.maximum(np.abs(self.pitch.cells()), SMALL)
+        felt = [i for i in range(len(sizes)) if self._is_felt(i)]
+        asked = (self.pitch.cells_as_numbers(each) for each in np.diag(sizes)[felt])
+        every = self.sources([*map(Change, asked), *changes])
+        found = Sources(*(each[..., : len(felt)] / sizes[felt] for each in every))
+        return felt, found, Sources(*(each[..., len(felt) :] for each in every))
 
     def _is_felt(self, cell: int) -> bool:
         """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
@@ -157,10 +175,7 @@ class Linear:
     def sources(self, changes: Sequence[Change]) -> Sources:
         """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
         pitch, count = self.pitch, len(changes)
-        hf, hg = (np.zeros((pitch.count, NODES, size, count)) for size in (pitch.N, pitch.q))
-        some = [i for i, each in enumerate(changes) if not each.nothing]
-        if some:
-            hf[..., some], hg[..., some] = along(pitch, self.Y, self.at, [changes[i] for i in some])
+        hf, hg = along(pitch, self.Y, self.at, changes)
         return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
 
     def _closing(self, end: Array) -> Array:
@@ -195,5 +210,5 @@ class Linear:
         hg = self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
         hg += sources.hg
         if len(felt):
-            hg += self.felt.hg[..., self._feels] @ felt
+            hg += self._felt.hg @ felt
         return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))

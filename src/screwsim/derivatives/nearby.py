@@ -1,7 +1,7 @@
-"""States near those of the closed cycle, to place slices by: the start and the unknowns held as the integrator left them.
+"""States near those of the closed cycle, to place slices by: start and unknowns held as the integrator left them.
 
-Newton's method with what each chamber makes of itself alone: gaps tie it to the others, by little. So the matrix is that
-of one chamber, no change goes around the pitch, and a solution takes a fraction of the closing one.
+Newton's method with what each chamber makes of itself alone: gaps tie it to the others, by little. So the matrix is
+that of one chamber, no change goes around the pitch, and a solution takes a fraction of the closing one.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.pitch import Pitch
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.slices import INTEGRALS, NODES
 
 Array = np.ndarray
 MOST = 12  # iterations
@@ -42,9 +42,10 @@ def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
 
 def _blocks(pitch: Pitch, Y: Array) -> list[Blocks]:
     """Return the stage equations of each chamber by itself, factored."""
-    n, J, widths = pitch.n, pitch.slopes(Y).by_states, pitch.slices.widths
-    every = (slice(i, i + n) for i in range(0, pitch.N, n))
-    return [Blocks(np.ascontiguousarray(J[..., own, own]), widths, n, 0) for own in every]
+    chambers, n = pitch.N // pitch.n, pitch.n
+    J = pitch.slopes(Y).by_states.reshape(pitch.count, NODES, chambers, n, chambers, n)
+    own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, NODES, n, n)
+    return Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0).parted(chambers)
 
 
 def _followed(blocks: list[Blocks], right: Array, n: int) -> Array:

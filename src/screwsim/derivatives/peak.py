@@ -44,10 +44,7 @@ def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
 def _highest(life: Trajectory, times: Array, i: int, limits: tuple[float, float]) -> tuple[float, float]:
     """Return the highest pressure [Pa] of a step within limits [rad], and its angle."""
     low, high = float(times[i]), float(times[i + 1])
-    c = life.composition
-    states = life.states_at(low + (high - low) * SAMPLES)
-    p = [float(life.module.gas_state(float(y[0]), float(y[1]), c.P, c.TAB)[0]) for y in states]
-    of_step = THROUGH @ np.array(p)
+    of_step = THROUGH @ life.pressures_at(low + (high - low) * SAMPLES)
     from_, to = (min(1.0, max(0.0, (each - low) / (high - low))) for each in limits)
     turns = [float(each.real) for each in _turns(of_step) if abs(each.imag) < REAL and from_ < each.real < to]
     coefficients = of_step.tolist()

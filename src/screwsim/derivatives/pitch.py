@@ -173,19 +173,29 @@ class Pitch:
         """Return the quadratures over the pitch from their rates at the nodes, a further axis kept."""
         return np.einsum("k,j,kj...->...", self.slices.widths if widths is None else widths, INTEGRALS[-1], g)[:-1]
 
-    def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
-        """Make the polynomials the last history, from the states y at the start and those at the nodes."""
-        machinery, c = self.machinery, self.machinery.composition
-        edges = self.slices.edges if edges is None else edges
+    def life(self, y: Array, Y: Array) -> Array:
+        """Return the dense output (…, steps, 4, n) of a life, from states at the start and nodes, or changes of these.
+
+        These may have a further axis behind them, which becomes the first.
+        """
         before, end = np.concatenate([y[None], Y[:-1, -1]]), Y[:, -1]
         bent = [(Y[:, i] - before * (1.0 - x) - x * end) / (x * (1.0 - x)) for i, x in enumerate(SHARES[:-1].tolist())]
         c4 = (bent[1] - bent[0]) / (SHARES[1] - SHARES[0])
-        dense = np.stack([before, end, bent[0] - SHARES[0] * c4, c4], axis=1)
-        states = dense.reshape(self.count, 4, c.chambers, self.n)
-        life = np.ascontiguousarray(np.concatenate([states[:, :, j] for j in range(c.chambers)]))
-        pitch = float(c.P[P_PITCH])
-        times = np.concatenate([*(edges[:-1] + j * pitch for j in range(c.chambers)), [float(c.P[P_LIFE])]])
-        machinery.install(times, life, np.zeros((len(life), machinery.nq)))
+        dense = np.stack([before, end, bent[0] - SHARES[0] * c4, c4])
+        more, chambers = dense.shape[3:], self.N // self.n
+        parts = dense.reshape(4, self.count, chambers, self.n, -1).transpose(4, 2, 1, 0, 3)
+        return parts.reshape(*more, chambers * self.count, 4, self.n)
+
+    def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
+        """Make the polynomials the last history, from the states y at the start and those at the nodes."""
+        self.install_life(self.life(y, Y), edges)
+
+    def install_life(self, life: Array, edges: Array | None = None) -> None:
+        """Make a life's dense output the last history."""
+        machinery, c = self.machinery, self.machinery.composition
+        edges = self.slices.edges if edges is None else edges
+        begins = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + edges[:-1]
+        machinery.install(np.append(begins, c.P[P_LIFE]), life, np.zeros((len(life), machinery.nq)))
         machinery.module.trace__work_along(*machinery.last(), machinery.context)
 
     def image(self, q: Array) -> Array:

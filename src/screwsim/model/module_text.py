@@ -22,7 +22,7 @@ ALL_KERNELS = {"surroundings": surroundings.around_chambers, "lands": closing_po
 
 # what histories are put in place with, and what closed cycles are read with
 READ_WITH = (places.places_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
-READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along)
+READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along, trace.pressures)
 
 # what a pitch is linearised with
 OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)

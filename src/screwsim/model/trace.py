@@ -98,6 +98,13 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
 
 
 @kernel
+def pressures(y, P, TAB, out):
+    """Fill out[i] with the gas pressure [Pa] at states y[i]."""
+    for a in range(out.shape[0]):
+        out[a] = gas_state(y[a, S_T], y[a, S_RHO], P, TAB)[0]
+
+
+@kernel
 def volumes(angles, P, TAB, out):
     """Fill out[i] with the chamber's volume [m³] at the given angles [rad]."""
     for a in range(angles.shape[0]):

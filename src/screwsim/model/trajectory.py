@@ -77,6 +77,12 @@ class Trajectory(NamedTuple):
         self.module.history__states_at(angles, *self.rows, out)
         return out
 
+    def pressures_at(self, angles: Array) -> Array:
+        """Return the pressures [Pa] of the states themselves at increasing angles [rad]."""
+        c, found = self.composition, np.empty(len(angles))
+        self.module.trace__pressures(self.states_at(angles), c.P, c.TAB, found)
+        return found
+
     def sum_until(self, angle: float, quadrature: int) -> float:
         """Return what a quadrature has come to at an angle [rad], even within a step."""
         times, i = self.times, bisect_right(self.times, angle, 0, self.steps + 1) - 1

@@ -19,7 +19,7 @@ import textwrap
 import threading
 import types
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,7 @@ class Kernel:
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
 
-    @property
+    @cached_property
     def flat_name(self) -> str:
         """Name in the flat module: the module's (its last part for our own), two underscores, the function's name."""
         return f"{flat_module(self.function)}__{self.__name__}"

@@ -20,11 +20,16 @@ def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
     return found if found.derivatives else None
 
 
+def with_slopes(scene: Scene, result: Result) -> Result:
+    """Return a result with the derivatives that its scene keeps."""
+    found = kept_slopes(scene, result)
+    return result if found is None else replace(result, derivatives=Derivatives.of(found, result.performance))
+
+
 def simulate_with_slopes(
     many: Callable[[Iterable[Scene]], Iterator[Result]], scenes: Iterable[Scene]
 ) -> Iterator[Result]:
     """Yield the results of consecutive scenes by what simulates them, each with its derivatives."""
     first, second = tee(scenes)
     for result in many(first):
-        found = kept_slopes(next(second), result)
-        yield result if found is None else replace(result, derivatives=Derivatives.of(found, result.performance))
+        yield with_slopes(next(second), result)

@@ -19,7 +19,9 @@ import numpy as np
 
 from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of
+from screwsim.scene import with_values
 from screwsim.study.crew import Crew
+from screwsim.study.kept_slopes import with_slopes
 from screwsim.study.limit import CASE_LIMIT, Limit
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
@@ -166,8 +168,11 @@ def _block(work: _Work) -> Table:
     results: list[Result] = []
     for places in work.places:
         with Limit(limit):
-            results += [each.result for each in simulated(asked, asked.values(places), simulate)]
-    return table_of(results, keep_cycle=False)
+            values = asked.values(places)
+            machine = with_values(asked.scene, values)
+            for each in simulated(asked, values, simulate):
+                results.append(with_slopes(with_values(machine, each.values), each.result))
+    return table_of(results, keep_cycle=False, keep_slopes=True)
 
 
 def _dead(asked: Question) -> Table:

@@ -1,0 +1,71 @@
+"""States that place slices leave as little open as asked, and rates side by side are those one by one."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import screwsim
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Series, problem_of
+from screwsim.derivatives import beside, nearby
+from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.closed import collocated
+from screwsim.derivatives.slices import INTEGRALS
+from screwsim.solve.circuit import solved, steady
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.fixture(scope="module", params=["paper", "r134a"])
+def cycle(request):
+    """Return the collocated cycle of a scene."""
+    series = Series()
+    problem, search = steady(problem_of(screwsim.load(CONFIGS / request.param / "point.yaml"), series), series)
+    machinery = leased(problem)
+    of = solved(problem, machinery, None, search).evaluation
+    return collocated(of.problem, machinery, of.life)
+
+
+@pytest.mark.parametrize("bound", [1e-3, 1e-6])
+def test_states_nearby_leave_less_open_than_asked_and_are_near(cycle, bound):
+    pitch = cycle.pitch
+    pitch.install(cycle.start, cycle.nodes * (1.0 + 1e-4 * np.sin(np.arange(pitch.N))))
+    found = nearby.near(pitch, bound)
+    assert found is not None
+    start, Y = found
+    assert nearby.size_of(nearby.residual(pitch, Y, start, pitch.rates(Y)[0]), Y) < bound
+    pitch.install(cycle.start, cycle.nodes)
+    assert nearby.near(pitch, 1e-7) is not None
+    assert pitch.read() == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
+
+
+def test_what_is_followed_solves_the_stage_equations(cycle):
+    pitch, J = cycle.pitch, cycle.linear.slopes.by_states
+    draw = np.random.default_rng(1)
+    start, right = draw.normal(size=(pitch.N, 3)), draw.normal(size=(*cycle.nodes.shape, 3))
+    blocks = Blocks(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets))
+    found = blocks.follow(start, right.copy())
+    before = np.concatenate([start[None], found[:-1, -1]])[:, None]
+    inside = np.einsum("k,ij,kjnm,kjmc->kinc", pitch.slices.widths, INTEGRALS, J, found)
+    left = found - before - inside - right
+    assert np.abs(left).max() < 1e-9 * np.abs(found).max()
+
+
+def test_rates_side_by_side_are_those_one_by_one(cycle):
+    pitch, at = cycle.pitch, cycle.at
+    asked = []
+    for i in range(6):
+        P, edges = at.P.copy(), pitch.slices.edges.copy()
+        P[5 + i] *= 1.0 + 1e-4
+        edges[1:-1] += 1e-9 * i
+        asked.append(beside.Asked(at._replace(P=P), edges if i % 2 else None))
+    (which, f, g), *more = beside.rates_of(pitch, cycle.nodes, asked)
+    assert beside._entries[pitch.machinery.together.__name__] is not None
+    assert (which, more) == (slice(0, 6), [])
+    for i, (numbers, edges) in enumerate(asked):
+        pitch.put(numbers)
+        for one, many in zip(pitch.rates(cycle.nodes, edges), (f, g), strict=True):
+            scale = np.abs(one).max(axis=(0, 1))
+            assert (np.abs(many[..., i] - one) <= 1e-11 * scale).all()
+    pitch.put(at)
