@@ -195,6 +195,45 @@ def test_a_value_with_a_tolerance_outside_the_bounds_is_located(tmp_path):
     )
 
 
+@pytest.mark.parametrize(
+    ("prior", "column", "told"),
+    [
+        ("{mean: 20 bar, deviation: 1 um}", 68, ".mean: '20 bar' is not a length"),
+        ("{mean: 20 um, deviation: 1 bar}", 86, ".deviation: '1 bar' is not a length"),
+        ("{mean: 20 um, deviation: -1 um}", 86, ".deviation: '-1 um' is out of range (it must be greater than 0 mm)"),
+        ("{mean: 200 um, deviation: 1 um}", 68, ".mean: lies outside 0.01 mm … 0.1 mm (move it, or widen from and to)"),
+    ],
+)
+def test_a_prior_that_cannot_be_is_told_at_its_line(tmp_path, prior, column, told):
+    fit = FIT.replace("to: 100 um}", f"to: 100 um, prior: {prior}}}")
+    with pytest.raises(SceneError) as refused:
+        read_fit(write_fit(tmp_path, fit))
+    (line,) = str(refused.value).splitlines()
+    assert f"small.fit.yaml:5:{column}: parameters.{GAP}.prior{told}" in line
+
+
+def test_a_prior_of_what_is_no_parameter_is_told_at_its_line(tmp_path):
+    fit = FIT.replace("effects.tip_leakage.gap:", "effects.tip_leakage.gapp:").replace("um}", "um, prior: none}")
+    with pytest.raises(SceneError, match=r"small\.fit\.yaml:5:3: .*gapp: is not known; did you mean '.*\.gap'"):
+        read_fit(write_fit(tmp_path, fit))
+
+
+@pytest.mark.parametrize(
+    ("group", "told"),
+    [
+        (f"[{GAP}, {GAP}]", f"'{GAP}' is there twice (name it once)"),
+        (f"[{GAP}, {CAPACITY}, 1.5]", "1.5 is not a path; a group errs as one and has no coefficient"),
+        (f"[{GAP}, oil.density]", "'oil.density' has no tolerance in this scene"),
+    ],
+)
+def test_a_group_that_cannot_be_is_told_at_its_line(tmp_path, group, told):
+    scene = tolerant("50 um ± 20 um", "2 kJ/(kg K) ± 20 %") + f"uncertainty: {{correlated: [{group}]}}\n"
+    with pytest.raises(SceneError) as refused:
+        read_fit(write_fit(tmp_path, FIT, COARSE, scene))
+    (line,) = str(refused.value).splitlines()
+    assert f"machine.yaml:{len(scene.splitlines())}:" in line and f"uncertainty.correlated: {told}" in line
+
+
 def test_the_command_says_by_which_tolerance_a_parameter_is_held(tmp_path, capsys, monkeypatch):
     from screwsim.simulate import warm_up
 
