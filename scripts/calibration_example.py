@@ -1,13 +1,14 @@
 """Make the data of the worked examples in configs/calibration from machines whose parameters are known.
 
-    python scripts/calibration_example.py -> points.csv, later.csv, less_oil.csv, stuck.csv of configs/calibration
+    python scripts/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv
+        of configs/calibration
     screwsim calibrate configs/calibration/leakage.fit.yaml
     screwsim diagnose configs/calibration/fault.fit.yaml
 
 The points of later.csv are those of the machine of configs/paper after its tip gap has grown by 10 um, those of
-less_oil.csv with two thirds of its oil. Those of stuck.csv are of the machine of configs/control whose slide, commanded
-to 0.3 of its travel (slide.yaml), has stuck at 0.15. Noise is normal, of the standard deviation that the files state as
-uncertainty (0.5 % of flow and power, 0.5 K), seed 1.
+less_oil.csv with two thirds of its oil, those of both.csv with both faults. Those of stuck.csv are of the machine of
+configs/control whose slide, commanded to 0.3 of its travel (slide.yaml), has stuck at 0.15. Noise is normal, of the
+standard deviation that the files state as uncertainty (0.5 % of flow and power, 0.5 K), seed 1.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ TRUTH = {
 }
 SPEEDS = (1000.0, 2000.0, 4000.0)  # [rpm]
 LESS, STUCK = POINTS.with_name("less_oil.csv"), POINTS.with_name("stuck.csv")
+BOTH = POINTS.with_name("both.csv")
 SLIDE = POINTS.with_name("slide.yaml")
 GROWN = {"effects.tip_leakage.gap": 37.5e-6}  # of 27.5 um
 LITTLE_OIL = {"oil_supply.ratio": 2.0}  # of 3
@@ -103,6 +105,7 @@ def text(truth: Mapping[str, float] = TRUTH, ratio: float | None = RATIO, grid: 
 
 if __name__ == "__main__":
     faults = {LATER: text(GROWN, None), LESS: text(LITTLE_OIL, None), STUCK: text(STILL, None, CONTROL)}
+    faults[BOTH] = text({**GROWN, **LITTLE_OIL}, None)
     for file, made in {POINTS: text(), **faults}.items():
         file.write_text(made, encoding="utf-8")
         print(file)

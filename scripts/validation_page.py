@@ -23,7 +23,8 @@ from screwsim.study.validation.words import summary
 ROOT = Path(__file__).resolve().parent.parent
 KEPT, DOCS = ROOT / "validation" / "results.json", ROOT / "docs"
 PAGE, FIGURES = DOCS / "explanation" / "validation.md", DOCS / "figures"
-ORDER = ("exact", "plain", "cross_code", "paper", "bitzer", "giuffrida", "he2018", "cagi", "droplets", "limits")
+_MACHINES = ("paper", "bitzer", "giuffrida", "he2018", "cagi", "energyplus")
+ORDER = ("exact", "plain", "cross_code", *_MACHINES, "droplets", "limits")
 HEAD = """\
 # How far from the world
 

@@ -71,10 +71,23 @@ def test_a_fault_that_was_made_is_the_most_probable_and_its_size_is_found(file, 
     parameters = tuple(each for each in fit.parameters if each.path in paths)
     found = diagnose(replace(fit, parameters=parameters, points=fit.points[::3]), jobs=1)
     best = found.hypotheses[0]
-    assert best.path == paths[0] and best.probability > 0.99
+    # the rest is that the other has changed beside it, of which two or three points leave a few percent
+    assert best.path == paths[0] and best.probability > 0.95 and found.changed[paths[0]] > 0.999
     was = found.unchanged[paths[0]]
     assert was + best.low < truth < was + best.high
     assert sum(each.probability for each in found.hypotheses) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_two_faults_that_were_made_are_the_most_probable_pair():
+    gap, ratio = "effects.tip_leakage.gap", "oil_supply.ratio"
+    fit = read_fit(FOLDER / "fault.fit.yaml", data=FOLDER / "both.csv", fixed=False)
+    parameters = tuple(each for each in fit.parameters if each.path in (gap, ratio, "effects.mechanical.fraction"))
+    found = diagnose(replace(fit, parameters=parameters, points=fit.points[::2]), jobs=2)
+    best = found.hypotheses[0]
+    assert best.paths == (gap, ratio) and best.probability > 0.9 and best.linear == ""
+    for change, truth in zip(best.changes, (37.5e-6, 2.0), strict=True):
+        was = found.unchanged[change.path]
+        assert was + change.low < truth < was + change.high
 
 
 def test_droplet_radius_and_heat_transfer_are_said_not_to_be_told_apart():

@@ -11,6 +11,7 @@ from fit_fakes import FIT, POINTS, SCENE, plane, write_fit
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.fit import TOGETHER as CORRELATION
 from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.plan import candidates_of, plan
 from screwsim.study.calibration.posterior import posterior
@@ -55,6 +56,60 @@ def test_a_sum_is_shared_by_the_tolerances_as_linear_algebra_has_it(tmp_path):
     assert wide.parameters[0].median * 1e5 == pytest.approx(gap, abs=0.1 * deviation)
     assert wide.parameters[0].deviation * 1e5 == pytest.approx(deviation, rel=0.1)
     assert wide.parameters[0].of_prior == pytest.approx(deviation, rel=0.1)
+
+
+COARSE = HEAD + "".join(f"p{i},fit,2000,10,1\n" for i in range(5))
+TOGETHER = f"uncertainty: {{correlated: [[{GAP}, {CAPACITY}]]}}\n"
+
+
+def test_what_the_scene_says_errs_together_does_so_as_linear_algebra_has_it(tmp_path):
+    # at 2000 rpm 10 kW = gap + 2 capacity within 1/sqrt(5); gap 5 + z, capacity 2 + 0.2 z, of one z: 9 + 1.4 z = 10
+    scene = tolerant("50 um ± 20 um", "2 kJ/(kg K) ± 20 %") + TOGETHER
+    found = fitted(tmp_path, scene, points=COARSE)
+    information = 1.0 + 5.0 * 1.4**2
+    z, deviation = 5.0 * 1.4 / information, information**-0.5
+    for path, mean, size in ((GAP, 50e-6, 10e-6), (CAPACITY, 2000.0, 200.0)):
+        i = list(found.values).index(path)
+        assert found.values[path] == pytest.approx(mean + z * size, abs=5e-3 * size)
+        assert found.certainty.errors[i] == pytest.approx(deviation * size, rel=1e-2)
+    # as correlated beforehand, of which the points have narrowed the common part
+    across = 0.5 * (1.0 - CORRELATION)
+    assert found.certainty.correlation[0][1] == pytest.approx(1.0 - 2.0 * across / deviation**2, abs=3e-3)
+    assert found.certainty.open == ()  # it is the scene that holds them together
+    wide = posterior(found, jobs=1, simulate=plane, most_steps=6000)
+    assert wide.status == "ok"
+    gap, capacity = (wide.samples[:, 0] - 50e-6) / 10e-6, (wide.samples[:, 1] - 2000.0) / 200.0
+    assert np.corrcoef(gap, capacity)[0, 1] > 0.99
+    # the discrepancy's width is sampled, too, and leaves the points less to say: between theirs alone and the prior's
+    assert deviation < gap.std() < 1.0 and 0.0 < gap.mean() < z + 0.05
+
+
+@pytest.mark.parametrize("spacing", ["linear", "log"])
+def test_where_the_points_tell_nothing_the_posterior_is_what_errs_together(tmp_path, spacing):
+    fit = FIT.replace("to: 100 um}", f"to: 200 um, spacing: {spacing}}}")
+    scene = tolerant("50 um ×/÷ 1.5", "2 kJ/(kg K) ± 10 %") + TOGETHER
+    found = posterior(fitted(tmp_path, scene, fit, VAGUE), jobs=1, simulate=plane)
+    gap, capacity = np.log(found.samples[:, 0] / 50e-6) / (0.5 * math.log(1.5)), (found.samples[:, 1] - 2000.0) / 100.0
+    assert found.status == "ok"
+    error = 4.0 / min(len(gap), found.effective) ** 0.5
+    for each in (gap, capacity):
+        assert each.mean() == pytest.approx(0.0, abs=error) and each.std() == pytest.approx(1.0, abs=error)
+    assert np.std(gap - capacity) == pytest.approx((2.0 * (1.0 - CORRELATION)) ** 0.5, rel=0.2)
+
+
+def test_a_plan_knows_beforehand_what_errs_together(tmp_path):
+    scene = tolerant("50 um ± 20 um", "2 kJ/(kg K) ± 20 %") + TOGETHER
+    fit = read_fit(write_fit(tmp_path, FIT, COARSE, scene))
+    found = plan(fit, candidates_of(fit, paths=["operation.speed=1000 rpm..5000 rpm"]), count=1, jobs=1, simulate=plane)
+    assert found.before == pytest.approx(calibrate(fit, jobs=1, simulate=plane).certainty.errors, rel=1e-3)
+
+
+def test_only_what_the_scenes_tolerances_hold_is_held_together(tmp_path):
+    scene = tolerant("50 um ± 20 um", "2 kJ/(kg K) ± 20 %") + TOGETHER
+    assert read_fit(write_fit(tmp_path, FIT, COARSE, scene)).with_priors().together == ((0, 1),)
+    for prior in ("none", "{mean: 50 um, deviation: 10 um}"):
+        own = FIT.replace("to: 100 um}", f"to: 100 um, prior: {prior}}}")
+        assert read_fit(write_fit(tmp_path, own, COARSE, scene)).with_priors().together == ()
 
 
 @pytest.mark.parametrize("spacing", ["linear", "log"])
@@ -138,6 +193,45 @@ def test_a_value_with_a_tolerance_outside_the_bounds_is_located(tmp_path):
     read_fit(
         write_fit(tmp_path, FIT.replace("to: 100 um}", "to: 40 um, prior: none}"), POINTS, tolerant("50 um ± 5 um"))
     )
+
+
+@pytest.mark.parametrize(
+    ("prior", "column", "told"),
+    [
+        ("{mean: 20 bar, deviation: 1 um}", 68, ".mean: '20 bar' is not a length"),
+        ("{mean: 20 um, deviation: 1 bar}", 86, ".deviation: '1 bar' is not a length"),
+        ("{mean: 20 um, deviation: -1 um}", 86, ".deviation: '-1 um' is out of range (it must be greater than 0 mm)"),
+        ("{mean: 200 um, deviation: 1 um}", 68, ".mean: lies outside 0.01 mm … 0.1 mm (move it, or widen from and to)"),
+    ],
+)
+def test_a_prior_that_cannot_be_is_told_at_its_line(tmp_path, prior, column, told):
+    fit = FIT.replace("to: 100 um}", f"to: 100 um, prior: {prior}}}")
+    with pytest.raises(SceneError) as refused:
+        read_fit(write_fit(tmp_path, fit))
+    (line,) = str(refused.value).splitlines()
+    assert f"small.fit.yaml:5:{column}: parameters.{GAP}.prior{told}" in line
+
+
+def test_a_prior_of_what_is_no_parameter_is_told_at_its_line(tmp_path):
+    fit = FIT.replace("effects.tip_leakage.gap:", "effects.tip_leakage.gapp:").replace("um}", "um, prior: none}")
+    with pytest.raises(SceneError, match=r"small\.fit\.yaml:5:3: .*gapp: is not known; did you mean '.*\.gap'"):
+        read_fit(write_fit(tmp_path, fit))
+
+
+@pytest.mark.parametrize(
+    ("group", "told"),
+    [
+        (f"[{GAP}, {GAP}]", f"'{GAP}' is there twice (name it once)"),
+        (f"[{GAP}, {CAPACITY}, 1.5]", "1.5 is not a path; a group errs as one and has no coefficient"),
+        (f"[{GAP}, oil.density]", "'oil.density' has no tolerance in this scene"),
+    ],
+)
+def test_a_group_that_cannot_be_is_told_at_its_line(tmp_path, group, told):
+    scene = tolerant("50 um ± 20 um", "2 kJ/(kg K) ± 20 %") + f"uncertainty: {{correlated: [{group}]}}\n"
+    with pytest.raises(SceneError) as refused:
+        read_fit(write_fit(tmp_path, FIT, COARSE, scene))
+    (line,) = str(refused.value).splitlines()
+    assert f"machine.yaml:{len(scene.splitlines())}:" in line and f"uncertainty.correlated: {told}" in line
 
 
 def test_the_command_says_by_which_tolerance_a_parameter_is_held(tmp_path, capsys, monkeypatch):

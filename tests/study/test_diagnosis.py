@@ -300,7 +300,7 @@ def test_fifteen_pairs_of_six_parameters_cost_no_more_than_a_few(tmp_path):
     lines = "".join(f"  {path}: {{from: {low}, to: {high}}}\n" for path, (low, high) in MANY.items())
     file = write_fit(tmp_path, f"scene: machine.yaml\ndata: points.csv\nparameters:\n{lines}", text, scene.text)
     fit = read_fit(file, fixed=False)
-    alone, found = (diagnose(fit, pairs=odds, simulate=bilinear, jobs=1) for odds in (0.0, 0.1))
+    alone, found = (diagnose(fit, pairs=odds, simulate=bilinear, jobs=2) for odds in (0.0, 0.1))
     assert alone.chance < 0.01
     best = found.hypotheses[0]
     assert best.paths == (GAP, CAPACITY) and best.probability > 0.99 and best.linear == ""

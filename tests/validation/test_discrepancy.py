@@ -66,6 +66,22 @@ def test_what_is_shipped_is_what_the_stored_validation_has():
                 assert (told["low"], told["high"]) == pytest.approx((min(errors), max(errors)), abs=5e-4)
 
 
+def test_rated_compressors_of_which_nothing_is_fitted_say_by_how_much_a_written_machine_is_off():
+    told = stored()["reciprocating_r404a"]["figures"]["electrical_isentropic_efficiency"]
+    every = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))["sources"]["energyplus"]
+    off = [0.01 * (row["ours"] - row["theirs"]) for row in every["rows"]]
+    assert told["fitted"] is None and told["held_out"]["points"] == 6 * len(off)  # each beside six machines
+    assert told["held_out"]["mean"] == pytest.approx(math.fsum(off) / len(off), abs=1e-6)
+    assert told["held_out"]["low"] < min(off) and max(off) < told["held_out"]["high"]
+    scene = ROOT / "validation" / "energyplus" / "machine.yaml"
+    figures = {"pressure_ratio": 4.25, "electrical_isentropic_efficiency": 0.68}
+    inside, fast = (
+        model_error(screwsim.load(scene, ["uncertainty.model=reciprocating_r404a", *more]), figures)
+        for more in ((), ("operation.speed=2950 rpm",))
+    )
+    assert inside["outside"] == [] and [text.partition(" ")[0] for text in fast["outside"]] == ["speed"]
+
+
 def test_a_scene_is_told_the_error_of_the_validation_that_it_names_and_where_it_is_another():
     scene = screwsim.load(ROOT / "validation" / "bitzer" / "fitted" / "scene.yaml", ["uncertainty.model=bitzer"])
     figures = {"pressure_ratio": 4.0, "isentropic_efficiency": 0.7}

@@ -68,7 +68,14 @@ def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str
         "as_good_from": low_high[0],
         "as_good_to": low_high[1],
         "prior": None if parameter.prior is None else _prior(parameter.prior),
+        "errs_together_with": _beside(found, index),
     }
+
+
+def _beside(found: Calibration, index: int) -> list[str]:
+    """Return the parameters that err together with one beforehand."""
+    groups = (group for group in found.fit.together if index in group)
+    return [found.fit.parameters[i].path for group in groups for i in group if i != index]
 
 
 def _prior(prior: Prior) -> dict[str, Any]:
@@ -122,6 +129,9 @@ def print_calibration(found: Calibration) -> None:
     say("\n".join(plain_table(heads, rows, 1)))
     if any(tolerances):
         say(wrapped(_ABOUT_TOLERANCES))
+    for group in found.fit.together:
+        paths = ", ".join(found.fit.parameters[i].path for i in group)
+        say(wrapped(f"too large or too small together, as the scene's uncertainty.correlated says: {paths}"))
     say()
     say("\n".join(_points(found)))
     say()

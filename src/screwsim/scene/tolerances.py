@@ -177,10 +177,12 @@ def _together(
             if _is_left_out(node.value, scene):
                 continue
             if not isinstance(node.value, str):
-                what = f"{shown(node.value)} is not a path (write [[PATH, PATH], …])"
+                why = "; a group errs as one and has no coefficient" if isinstance(node.value, int | float) else ""
+                what = f"{shown(node.value)} is not a path{why} (write [[PATH, PATH], …])"
                 problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", what))
                 continue
-            why = "is in two groups (name it in one)" if node.value in seen else ""
+            twice = "is there twice (name it once)" if node.value in names else "is in two groups (name it in one)"
+            why = twice if node.value in seen else ""
             if not why and node.value not in known:
                 near = nearest(node.value, list(known))
                 hint = f"; did you mean '{near}'?" if near else ""

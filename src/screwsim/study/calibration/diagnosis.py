@@ -249,7 +249,7 @@ def _doubles(
         guesses = [(pair, found[pair]) for pair in wanted if pair not in tried][: MOST_PAIRS - len(tried)]
         if not guesses:
             break
-        call = partial(double.solved, fit, white, simulate, curves, guesses, LEVEL)
+        call = partial(double.solved, fit, white, simulate, guesses, LEVEL)
         answers = each(call, len(guesses), died=lambda number: None, jobs=jobs)
         found |= {pair: one for (pair, _), one in zip(guesses, answers, strict=True) if one}
         tried |= {pair for pair, _ in guesses}

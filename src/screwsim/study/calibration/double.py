@@ -34,13 +34,14 @@ Curve = Callable[[float], Array]
 
 @dataclass(frozen=True)
 class Both:
-    """The likelihood over two places: the best of them, its chi² and residuals, the evidence, intervals of both."""
+    """The likelihood over two places: the best, its chi², the evidence, intervals, residuals and slopes there."""
 
     places: tuple[float, float]
     misfit: float
     log_evidence: float
     intervals: tuple[tuple[float, float], tuple[float, float]]
     residuals: Array
+    slopes: Array
     solved: bool = False
     solutions: int = 0
     failed: int = 0
@@ -102,7 +103,7 @@ def _slope(curve: Curve, place: float) -> Array:
 
 
 def solved(
-    fit: Fit, white: Array, simulate: Simulate | None, curves: Curves, guesses: Guesses, level: float, number: int
+    fit: Fit, white: Array, simulate: Simulate | None, guesses: Guesses, level: float, number: int
 ) -> Both | None:
     """Return the likelihood over one of the pairs about its best places, which solutions find from the guess.
 
@@ -112,7 +113,7 @@ def solved(
     pair, guess = guesses[number]
     alone = replace(fit, parameters=tuple(fit.parameters[k] for k in pair), slopes=DIFFERENCES)
     asked, known, begin = Objective(alone, simulate), {}, np.array(guess.places)
-    first = [np.column_stack([_slope(curves.of[k], float(u)) for k, u in zip(pair, begin, strict=True)])]
+    first = [guess.slopes]
 
     def residuals(places: Array) -> Array:
         key = places.tobytes()
@@ -144,7 +145,7 @@ def normal_about(places: Array, residuals: Array, slopes: Array, level: float) -
         intervals.append((low, high))
         evidence = float(np.max(density) + np.log(mass[-1]))
     best = float(places[0]), float(places[1])
-    return Both(best, float(residuals @ residuals), evidence, (intervals[0], intervals[1]), residuals)
+    return Both(best, float(residuals @ residuals), evidence, (intervals[0], intervals[1]), residuals, slopes)
 
 
 def _over_one(places: Array, residuals: Array, slopes: Array, own: int, other: int) -> tuple[Array, Array]:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.types import COVERAGE
 
 EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
 TOLERANCE = "prior from the scene's tolerance"
+TOGETHER = 0.999  # correlation of what errs together: of one the density would have no width across
 LEAST = 1e-9  # of the mean of a logarithm: less counts as this, as bounds may begin at nothing
 
 
@@ -117,6 +122,16 @@ def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:
     return Prior(value, tolerance.around(value).standard, tolerance.factor, of_scene=True)
 
 
+def held_together(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tuple[int, ...], ...]:
+    """Return the parameters, by number, that are held by tolerances of which the scene says that they err together."""
+    found = []
+    for group in scene.correlated:
+        own = [i for i, each in enumerate(parameters) if each.path in group]
+        held = [prior_of(scene, parameters[i]) for i in own]
+        found.append(tuple(i for i, prior in zip(own, held, strict=True) if prior is not None and prior.of_scene))
+    return tuple(group for group in found if len(group) > 1)
+
+
 @dataclass(frozen=True)
 class Point:
     """One operating point: values [SI] by scene path, and what was measured there; `fitted` False: only predicted."""
@@ -129,7 +144,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Fit:
-    """The whole question. `scene` has no sweep and the accuracy that the fit asks of each solution."""
+    """The whole question. `scene` has no sweep and the accuracy that the fit asks of each solution.
+
+    `together` are parameters, by number, whose priors err together (`with_priors`).
+    """
 
     title: str
     name: str  # of the file
@@ -140,6 +158,25 @@ class Fit:
     starts: int = 8
     seed: int = 1
     slopes: str = DIFFERENCES
+    together: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def held(self) -> tuple[int, ...]:
+        """The parameters, by number, that have a prior."""
+        return tuple(i for i, each in enumerate(self.parameters) if each.prior is not None)
+
+    @cached_property
+    def whitener(self) -> NDArray[np.float64]:
+        """W that makes by how many standard deviations the held parameters are off independent of each other.
+
+        WᵀW is the inverse of their correlation: `TOGETHER` within a group, 0 else.
+        """
+        correlation = np.eye(len(self.held))
+        for group in self.together:
+            rows = [self.held.index(i) for i in group]
+            correlation[np.ix_(rows, rows)] = TOGETHER
+            correlation[rows, rows] = 1.0
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(correlation)), float)
 
     def machine(self, values: Mapping[str, float]) -> Scene:
         """Return the scene with other values [SI] of the parameters."""
@@ -159,7 +196,8 @@ class Fit:
     def with_priors(self) -> Fit:
         """Return the fit with the scene's tolerances as priors of those parameters that have none."""
         held = (replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
-        return replace(self, parameters=tuple(held))
+        together = held_together(self.scene, self.parameters)
+        return replace(self, parameters=tuple(held), together=together)
 
     def short_names(self) -> list[str]:
         """Return the last words of the parameters' paths, as many as tell them apart."""

@@ -50,8 +50,18 @@ def borders(places: Array) -> tuple[str, ...]:
     return tuple("lower" if u < BORDER else "upper" if u > 1.0 - BORDER else "" for u in places)
 
 
-def certainty(parameters: Sequence[Parameter], places: Array, slopes: Array) -> Certainty:
-    """Return how well parameters are known, from the slopes of the residuals over the places."""
+def certainty(
+    parameters: Sequence[Parameter],
+    places: Array,
+    slopes: Array,
+    *,
+    apart: Array | None = None,
+    together: Sequence[Sequence[int]] = (),
+) -> Certainty:
+    """Return how well parameters are known, from the slopes of the residuals over the places.
+
+    Of parameters whose priors err `together`, by number, `apart` are the slopes as if they did not.
+    """
     at = borders(places)
     free = [index for index, border in enumerate(at) if not border]
     n = len(parameters)
@@ -67,7 +77,7 @@ def certainty(parameters: Sequence[Parameter], places: Array, slopes: Array) -> 
             errors[index] = float(deviation[row]) * parameters[index].slope(value)
             for column, other in enumerate(free):
                 matrix[index][other] = float(correlation[row, column])
-    share, found = open_combinations(parameters, slopes)
+    share, found = open_combinations(parameters, slopes, slopes if apart is None else apart, together)
     return Certainty(tuple(errors), tuple(map(tuple, matrix)), at, found, share)
 
 
@@ -76,19 +86,22 @@ def _inverse(s: Array) -> Array:
 
 
 def open_combinations(
-    parameters: Sequence[Parameter], slopes: Array
+    parameters: Sequence[Parameter], slopes: Array, apart: Array, together: Sequence[Sequence[int]] = ()
 ) -> tuple[tuple[float, ...], tuple[Combination, ...]]:
     """Return singular values of the slopes over the largest, and what the data do not tell apart.
 
-    All parameters count, also those at a bound: there one of a pair may have ended by chance.
+    All parameters count, also those at a bound: there one of a pair may have ended by chance. The largest value is that
+    of slopes `apart`: what holds two parameters together says nothing of how well others are known.
     """
     _, s, v = np.linalg.svd(slopes, full_matrices=False)
-    share, inverse = s / max(float(s[0]), 1e-300), _inverse(s)
+    largest = float(s[0]) if apart is slopes else float(np.linalg.svd(apart, compute_uv=False)[0])
+    share, inverse = np.minimum(s / max(largest, 1e-300), 1.0), _inverse(s)
     scaled = v.T * inverse
     deviation = np.sqrt(np.sum(scaled**2, axis=1))
     correlation = (scaled @ scaled.T) / np.outer(deviation, deviation)
     found = list(_weak(parameters, share, inverse, v))
-    found += _pairs(parameters, correlation, deviation, {path for each in found for path in each.paths})
+    known = {path for each in found for path in each.paths}
+    found += _pairs(parameters, correlation, deviation, known, together)
     return tuple(map(float, share)), tuple(found)
 
 
@@ -102,12 +115,18 @@ def _weak(parameters: Sequence[Parameter], share: Array, inverse: Array, v: Arra
 
 
 def _pairs(
-    parameters: Sequence[Parameter], correlation: Array, deviation: Array, known: set[str]
+    parameters: Sequence[Parameter],
+    correlation: Array,
+    deviation: Array,
+    known: set[str],
+    together: Sequence[Sequence[int]],
 ) -> Iterator[Combination]:
-    """Yield pairs that are strongly correlated and in no weak combination already."""
+    """Yield pairs that are strongly correlated, in no weak combination already, and not held together."""
     for i, first in enumerate(parameters):
         for j, second in enumerate(parameters[:i]):
             r = float(correlation[i, j])
+            if any(i in group and j in group for group in together):
+                continue
             if abs(r) > CORRELATED and not {first.path, second.path} <= known:
                 moves = np.array([1.0, r * deviation[i] / deviation[j]])
                 moves /= np.max(np.abs(moves))

@@ -184,7 +184,11 @@ def _known(fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int) -
         if prior is None:
             even.append(one.path)
         diagonal.append(EVEN if prior is None else (one.slope(value) / prior.deviation_at(value)) ** 2)
-    return np.diag([*diagonal, *[1.0] * inputs]), tuple(even)
+    known, held = np.diag([*diagonal, *[1.0] * inputs]), replace(fit, scene=machine).with_priors()
+    if held.together:
+        of = held.whitener @ np.diag([known[i, i] ** 0.5 for i in held.held])
+        known[np.ix_(held.held, held.held)] = of.T @ of
+    return known, tuple(even)
 
 
 def told(

@@ -17,7 +17,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import ENDS, Posterior, Predicted, Spread
 from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured
-from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
@@ -34,7 +34,11 @@ UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on 
 
 @dataclass(frozen=True)
 class _Problem:
-    """The logarithm of the posterior over places and logarithms of the widths."""
+    """The logarithm of the posterior over places and logarithms of the widths.
+
+    Of parameters that err together the state has in place of the places by how many standard deviations they are off:
+    what holds them together is straight there, which chains follow.
+    """
 
     fit: Fit
     emulator: Emulator
@@ -52,7 +56,23 @@ class _Problem:
     def parted(self, at: Array) -> tuple[Array, Array]:
         """Return places and widths [SI] of states (…, size)."""
         count = len(self.fit.parameters)
-        return at[..., :count], np.exp(np.clip(at[..., count:], -30.0, 30.0)) * self.scale
+        places = np.array(at[..., :count])
+        for i in self._bound:
+            places[..., i] = _places_of_off(self.fit.parameters[i], at[..., i])
+        return places, np.exp(np.clip(at[..., count:], -30.0, 30.0)) * self.scale
+
+    @property
+    def _bound(self) -> tuple[int, ...]:
+        return tuple(i for group in self.fit.together for i in group)
+
+    def begun(self, places: Array) -> Array:
+        """Return the first part of states at places (n, parameters)."""
+        found = np.array(places)
+        for i in self._bound:
+            parameter = self.fit.parameters[i]
+            assert parameter.prior is not None
+            found[:, i] = [parameter.prior.off(parameter.value(place)) for place in places[:, i].tolist()]
+        return found
 
     def __call__(self, at: Array) -> Array:
         """Return the logarithms of the posterior of states (n, size)."""
@@ -71,15 +91,32 @@ class _Problem:
         Where nothing else is known the density over the place is even.
         """
         total = np.zeros(len(places))
-        for i, parameter in enumerate(self.fit.parameters):
+        off = np.zeros((len(self.fit.held), len(places)))
+        for row, i in enumerate(self.fit.held):
+            parameter = self.fit.parameters[i]
             prior = parameter.prior
-            if prior is None:
-                continue
+            assert prior is not None
             values = [parameter.value(float(place)) for place in places[:, i]]
-            total -= 0.5 * np.array([prior.off(value) for value in values]) ** 2
-            if prior.logarithmic != parameter.logarithmic:  # else value over place is the same everywhere
+            off[row] = [prior.off(value) for value in values]
+            if (
+                i not in self._bound and prior.logarithmic != parameter.logarithmic
+            ):  # else value over place is the same everywhere
                 total += np.log([prior.slope(value) * parameter.slope(value) for value in values])
-        return total
+        if self.fit.together:
+            off = self.fit.whitener @ off
+        return total - 0.5 * np.sum(off**2, axis=0)
+
+
+def _places_of_off(parameter: Parameter, off: Array) -> Array:
+    """Return the places at which a held parameter is off by so many standard deviations."""
+    prior = parameter.prior
+    assert prior is not None
+    by = prior.deviation * off
+    values = prior.mean * np.exp(np.clip(by, -700.0, 700.0)) if prior.logarithmic else prior.mean + by
+    if parameter.logarithmic:
+        size = np.log(parameter.high / parameter.low)
+        return np.log(np.maximum(values / parameter.low, 1e-300)) / size
+    return (values - parameter.low) / (parameter.high - parameter.low)
 
 
 def posterior(
@@ -174,7 +211,7 @@ def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _C
     margin = 0.01 * width
     start = np.clip(start, problem.emulator.low + margin, problem.emulator.high - margin)
     start += 1e-4 * width * generator.random(start.shape)  # no two alike where a bound has caught them
-    states = np.hstack([start, 0.3 * generator.standard_normal((walkers, len(problem.figures))) - 0.5])
+    states = np.hstack([problem.begun(start), 0.3 * generator.standard_normal((walkers, len(problem.figures))) - 0.5])
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, problem.size, problem, vectorize=True, moves=moves)
     sampler.random_state = np.random.RandomState(found.fit.seed).get_state()

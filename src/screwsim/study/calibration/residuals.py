@@ -81,9 +81,9 @@ class Objective:
             for point, result in zip(self.points, found, strict=True)
             for figure, measured in point.measured.items()
         ]
-        for each in self.fit.parameters:
-            if each.prior is not None:
-                residuals.append(each.prior.off(values[each.path]))
+        held = [self.fit.parameters[i] for i in self.fit.held]
+        off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
+        residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
         why = {point.name: why_not(point, result) for point, result in zip(self.points, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
         outcome = Outcome(np.array(residuals), tuple(result.performance for result in found), reasons)
@@ -130,12 +130,20 @@ class Objective:
             self.point_slopes(point, places, figures, sides)
             for point, figures in zip(self.points, outcome.figures, strict=True)
         ]
-        for index, each in enumerate(self.fit.parameters):
-            if each.prior is not None:
-                row = np.zeros((1, len(places)))
-                row[0, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
-                rows.append(row)
+        priors = np.zeros((len(self.fit.held), len(places)))
+        for row, index in enumerate(self.fit.held):
+            each = self.fit.parameters[index]
+            assert each.prior is not None
+            priors[row, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
+        rows.append(np.asarray(self.fit.whitener @ priors, float) if self.fit.together else priors)
         return np.vstack(rows)
+
+    def apart(self, slopes: Array) -> Array:
+        """Return slopes of all residuals as they would be if no priors erred together."""
+        if not self.fit.together:
+            return slopes
+        priors = np.asarray(np.linalg.solve(self.fit.whitener, slopes[-len(self.fit.held) :]), float)
+        return np.vstack([slopes[: -len(self.fit.held)], priors])
 
     def point_slopes(self, point: Point, places: Array, figures: Figures, sides: int = 2) -> Array:
         """Return the slopes (figures, places) of a point's residuals; `figures` are those at the places."""

@@ -244,7 +244,8 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
         assert asked.best is not None
         places = asked.best[1]
         best = replace(best, places=tuple(places.tolist()), cost=asked.best[0])
-        known = certainty(fit.parameters, places, asked.slopes(places))
+        slopes = asked.slopes(places)
+        known = certainty(fit.parameters, places, slopes, apart=asked.apart(slopes), together=fit.together)
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons = _compared(asked, outcome, values)
