@@ -123,7 +123,7 @@ def test_what_is_asked_for_is_in_the_scene(kind):
     ],
 )
 def test_boosters_of_light_cold_and_condensing_gases_close_with_oil_that_is_cooled(fluid, condition, flow):
-    """Friction goes with the size: oil for the gas alone grew cold and thick, and took twenty times the motor's power."""
+    """Friction goes with the size: oil for the gas alone grew cold and thick, and took many times the motor's power."""
     stated = {"fluid": fluid, "condition": condition, "displacement": f"{flow} m^3/h"}
     found, scene = figures("booster", **stated), scene_of("booster", **stated)
     assert 0.4 < found.isentropic_efficiency < 0.85
