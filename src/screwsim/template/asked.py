@@ -65,7 +65,7 @@ def asked_of(
         raise UsageError(f"--oil {oil}: is no stored oil{hint} (there are: {', '.join(OILS)})")
     if vi is not None and not 1.0 < vi <= 12.0:
         raise UsageError(f"--vi {vi:g}: a built-in volume ratio lies above 1 and at most at 12 (write e.g. --vi 3)")
-    flow = None if displacement is None else _quantity("--displacement", "volume_flow", displacement, "600 m^3/h")
+    flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
     at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
     if diameter is None:
         return Asked(fluid, flow, at, vi, oil, condition)
