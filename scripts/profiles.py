@@ -120,7 +120,7 @@ def paths(b: Scene) -> None:
             closed = replace(one, table=one.table.times(1e-9))  # the same model compiled
             others = tuple(closed if other is one else other for other in interfaces)
             changed = replace(laid, interfaces={**laid.interfaces, effect: others})
-            with patch("screwsim.machine.geometry.lay", return_value=changed):
+            with patch("screwsim.machine.profile_law.lay", return_value=changed):
                 found = simulate(b, trace=False).performance
             gained = [found[name] - whole[name] for name in ("volumetric_efficiency", "isentropic_efficiency")]
             print(f"{effect:<18}{one.offset:>3}{gained[0]:9.4f}{gained[1]:9.4f}")
@@ -147,7 +147,7 @@ def _profiles_figure(results: dict[str, Result]) -> Any:
         bars = left.bar(places + 0.4 * (j - 0.5), heights, 0.38, color=SHADES[2 * j], edgecolor="black", label=text)
         left.bar_label(bars, [f"{height:.1f}" for height in heights], fontsize=SMALL)
     left.set_xticks(places, [f"({name})" for name in results])
-    left.set(ylim=(70.0, 106.0), ylabel="efficiency [%]")
+    left.set(ylim=(70.0, 106.0), yticks=range(70, 101, 5), ylabel="efficiency [%]")
     left.legend(loc="upper left")
     base = np.zeros(len(results))
     for j, loss in enumerate(LOSSES):

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -74,7 +75,7 @@ def test_columns_of_the_pdf_have_room_for_their_letters(sheet):
         width = (datasheet_pdf.WIDE - 2.0 * datasheet_pdf.EDGE) / (1.0 if table.wide else 2.0)
         edges = [0.0, *datasheet_pdf._rights(table, 0.0, width)]
         longest = [max(len(row[i]) for row in table.rows) for i in range(len(table.heads))]
-        for low, high, letters in zip(edges, edges[1:], longest, strict=False):
+        for (low, high), letters in zip(pairwise(edges), longest, strict=True):
             assert high - low > datasheet_pdf.EM * letters, (table.title, letters)
     assert next(table for table in sheet.tables if table.title == "Part load at equal loads").wide
 
@@ -84,7 +85,7 @@ def test_three_drawings_stand_in_a_row(sheet):
     (drawn,) = [page for page in pages if page.axes]
     places = [axes.get_position() for axes in drawn.axes]
     assert len({round(place.y0, 9) for place in places}) == 1
-    assert all(a.x1 < b.x0 for a, b in zip(places, places[1:], strict=False))
+    assert all(a.x1 < b.x0 for a, b in pairwise(places))
 
 
 def test_the_envelope_ends_where_a_limit_is_met(rated):
