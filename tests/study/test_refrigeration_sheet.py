@@ -83,6 +83,10 @@ def test_columns_of_the_pdf_have_room_for_their_letters(sheet):
 def test_three_drawings_stand_in_a_row(sheet):
     pages = datasheet_pdf.pages_of(replace(sheet, drawings=sheet.drawings[:3]))
     (drawn,) = [page for page in pages if page.axes]
+    titles = [text for text in drawn.texts if text.get_text() in {each.title for each in sheet.drawings[:3]}]
+    ends = [text.get_window_extent().x1 for text in titles]
+    assert len(titles) == 3
+    assert max(ends) < drawn.bbox.x1  # none runs off the page
     places = [axes.get_position() for axes in drawn.axes]
     assert len({round(place.y0, 9) for place in places}) == 1
     assert all(a.x1 < b.x0 for a, b in pairwise(places))

@@ -21,6 +21,7 @@ EM = 0.53 * SIZE * 25.4 / 72.0  # [mm] mean width of a letter
 DRAWN = 54.0  # height of a drawing, its legend with it
 ABREAST, DRAWINGS = 2, 3  # narrow tables, and drawings where there are so many
 MOST_ROWS = 30  # that a table keeps together
+BOLD, FOOT = 0.21, 80  # [mm] mean width of a bold letter a point; letters of the title at the foot of a page
 NAMES = 26.0  # [mm] of the names of the lines
 LETTERS = int((WIDE - 2.0 * EDGE) / EM)
 
@@ -40,7 +41,8 @@ class Paper:
             figure.set_layout_engine("none")
             self.pages.append(figure)
             self.at = EDGE
-            foot = f"{self.title}  ·  screwsim {version()}  ·  page {len(self.pages)}"
+            title = textwrap.shorten(self.title, FOOT, placeholder=" …")
+            foot = f"{title}  ·  screwsim {version()}  ·  page {len(self.pages)}"
             self.text(EDGE, HIGH - 0.5 * EDGE, foot, size=6.5, color=GREY)
 
     def text(self, x: float, y: float, words: str, size: float = SIZE, **look: Any) -> None:
@@ -200,7 +202,7 @@ def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int) -> None:
     width = (WIDE - 2.0 * EDGE - (abreast - 1) * GUTTER) / abreast
     for number, one in enumerate(drawings):
         x = EDGE + number * (width + GUTTER)
-        paper.text(x, paper.at, one.title, HEAD, weight="bold")
+        paper.text(x, paper.at, one.title, min(HEAD, width / (BOLD * len(one.title))), weight="bold")
         legend = 6.0 if any(curve.name for curve in one.curves) else 0.0
         left, low = x + 11.0, paper.at + 3.0 + DRAWN - 11.0
         box = left / WIDE, 1.0 - low / HIGH, (width - 11.0) / WIDE, (DRAWN - 13.0 - legend) / HIGH
