@@ -19,7 +19,7 @@ from screwsim.study import performance_map as _map
 from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.answers import Posterior
-from screwsim.study.calibration.diagnosis import UNCHANGED, Diagnosis
+from screwsim.study.calibration.diagnosis import PAIRS, UNCHANGED, Diagnosis
 from screwsim.study.calibration.diagnosis import diagnose as _diagnose
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.plan import COUNT, LEVELS, Plan, candidates_of
@@ -131,16 +131,17 @@ def diagnose(
     scene: str | os.PathLike[str] | None = None,
     data: str | os.PathLike[str] | None = None,
     unchanged: float = UNCHANGED,
+    pairs: float = PAIRS,
     jobs: int | None = None,
     progress: bool | None = None,
 ) -> Diagnosis:
-    """Return which one parameter of a fit's machine has changed, with probabilities (`screwsim diagnose`).
+    """Return which parameters of a fit's machine have changed, one or two, with probabilities (`screwsim diagnose`).
 
     `scene` and `data` are files in place of those that a fit's file names; `unchanged` is how probable it is
-    beforehand that nothing changed.
+    beforehand that nothing changed, `pairs` are the odds of two changes at once against one (0: one alone).
     """
     asked = _fit_of(fit, scene, data)
-    return _diagnose(asked, unchanged=unchanged, jobs=jobs, progress=for_program("diagnose", progress))
+    return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=for_program("diagnose", progress))
 
 
 def plan(

@@ -29,7 +29,7 @@ from screwsim.scene.given import scene_of
 from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
-from screwsim.solve import circuit, drive, stability
+from screwsim.solve import another, circuit, drive, stability
 from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
 from screwsim.solve.circuit import Search, solved
 
@@ -182,6 +182,7 @@ def _solved(
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
+        *(another.warnings(of, machinery, accurate) if status == "ok" else ()),
     )
     figures = (found, balance, errors, numerics, notes, over_angle, kept)
     return Result(status, message, warnings, effects, states, *figures, impossible=impossible)
@@ -208,7 +209,9 @@ def _closed_in_entropy(
         closed = (balance["entropy"] or 0.0) <= balance["bound"]
         if accurate.cycle.status != "ok" or closed or problem.scene.numerics.rtol is not None:
             break
-        accurate = solve_tighter(machinery, accurate)
+        before, accurate = accurate, solve_tighter(machinery, accurate)
+        if accurate.cycle is before.cycle:  # none closes: nor would it the next time
+            break
         balance, book = _balanced(accurate, trace)
     return accurate, balance, book
 

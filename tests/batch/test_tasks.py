@@ -2,14 +2,17 @@
 
 import threading
 import time
+from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from greenlet import GreenletExit
 
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.model import leases
+from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
@@ -122,24 +125,102 @@ def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sam
             np.testing.assert_allclose(a, b, rtol=1e-5, atol=1e-10)
 
 
-def test_what_a_task_raises_is_raised_and_the_others_end():
-    ended = []
+def paper_point():
+    return load(str(ROOT / "configs" / "paper" / "point.yaml"))
 
-    def waits(scene):
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+def test_what_a_task_raises_is_raised_and_those_that_wait_end(error):
+    ended, scene = [], paper_point()
+
+    def waits():
         try:
             simulate(scene, trace=False)
         finally:
-            ended.append(threading.current_thread().name)
+            ended.append(1)
 
     def fails():
-        raise ZeroDivisionError("of one task")
+        raise error("of one task")
 
-    scene = load(str(ROOT / "configs" / "paper" / "point.yaml"))
-    before = threading.active_count()
-    with pytest.raises(ZeroDivisionError, match="of one task"):
-        together([partial(waits, scene), fails, partial(waits, scene)])
-    assert len(ended) == 2
-    assert threading.active_count() == before
+    with pytest.raises(error, match="of one task"):
+        together([waits, waits, fails, waits])
+    assert len(ended) == 2  # the last had not begun
+    assert here.turn is None
+
+
+def test_a_task_that_will_not_end_gets_no_turn_more():
+    asked, scene = [], paper_point()
+
+    def stubborn():
+        for _ in range(3):
+            try:
+                simulate(scene, trace=False)
+            except BaseException as error:  # noqa: BLE001 - that is what is tried
+                asked.append(type(error))
+
+    def fails():
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        together([stubborn, fails])
+    assert asked == [GreenletExit] * 3
+
+
+def test_what_a_call_raises_is_raised_where_its_turns_were_asked_for(monkeypatch):
+    def breaks(_asked):
+        raise MemoryError("of a call")
+
+    monkeypatch.setattr(tasks, "_turns", breaks)
+    told, scene = [], paper_point()
+
+    def hears():
+        try:
+            simulate(scene, trace=False)
+        except MemoryError as error:
+            told.append(str(error))
+
+    together([hears, hears])
+    assert told == ["of a call"] * 2
+
+
+def test_two_threads_solve_points_side_by_side_at_once(sample, many):
+    found = {}
+
+    def run(which):
+        found[which] = [result for (result,) in simulate_courses([[scene] for scene in sample[which::2]])]
+
+    threads = [threading.Thread(target=run, args=(which,)) for which in (0, 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for which in (0, 1):
+        assert list(map(told, found[which])) == list(map(told, many[which::2]))
+
+
+def test_points_side_by_side_within_a_task_of_others_are_what_they_are(sample, many):
+    def inner():
+        return [result for (result,) in simulate_courses([[scene] for scene in sample[:2]])]
+
+    found = together([inner, partial(simulate, sample[2], False)])
+    assert list(map(told, found[0])) == list(map(told, many[:2]))
+    assert told(found[1]) == told(many[2])
+
+
+def test_a_task_sees_what_is_set_around_it_and_sets_it_for_itself_alone():
+    seen, scene = {}, paper_point()
+    around = ContextVar("around", default=0)
+    around.set(1)
+
+    def sets(number):
+        seen[number] = [around.get()]
+        around.set(number)
+        simulate(scene, trace=False)  # others run
+        seen[number].append(around.get())
+
+    together([partial(sets, 2), partial(sets, 3)])
+    assert seen == {2: [1, 2], 3: [1, 3]}
+    assert around.get() == 1
 
 
 def test_so_many_points_at_a_time_share_their_working_arrays():

@@ -9,6 +9,8 @@ from hard_page import OF_EFFECTS
 from true_error import true_error
 
 from screwsim.effects import catalogue
+from screwsim.simulate import simulate
+from screwsim.solve import another
 
 MADE = json.loads(OF_EFFECTS.read_text(encoding="utf-8"))
 TRUE = MADE["true"]
@@ -50,6 +52,18 @@ def test_the_stored_estimates_hold():
     assert TRUE["compared"] >= 50
     assert TRUE["within_or_warned"] >= 0.98 * TRUE["compared"]
     assert TRUE["beyond_three_times_unwarned"] == []
+
+
+TWO_CYCLES, ONE = (4, 9), (0, 12)  # of "gaps full of oil", all of which close slowly
+
+
+@pytest.mark.parametrize("number", [*TWO_CYCLES, *ONE])
+def test_a_machine_with_another_cycle_says_so(number):
+    """Gaps that pass oil where there is enough and gas where not: begun with little oil some stay elsewhere."""
+    result = simulate(scene_of("gaps full of oil", 1, number), trace=False)
+    assert result.status == "ok"
+    assert result.numerics.rhs_evaluations > another.SLOW  # it was asked
+    assert any("another cycle" in words for words in result.warnings) == (number in TWO_CYCLES)
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from screwsim.cycle import newton, tangents
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import image, set_unknowns, unknowns
 from screwsim.cycle.guess import leased
+from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.newton import Corrections, Residual, corrected
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.tangents import linearised, shifted
@@ -71,15 +72,43 @@ def test_tangents_tell_what_a_change_of_an_unknown_makes_of_the_cycle(standing):
     start = np.zeros((len(found.around), len(met)))
     ends = found.along(start, found.by_unknowns)[-1]
     along = found.along(found.around @ shifted(ends, machinery.composition.chambers), found.by_unknowns)
-    sums = found.summed(along, found.by_unknowns) + found.sums_by_unknowns.sum(axis=0)
-    assert sums[0, temperature] == pytest.approx((work - other_work) / (2 * STEP), rel=0.15)
-    told = newton._made_of(
-        problem,
-        machinery,
-        Residual(np.zeros(0), np.zeros(0), cycle.q, met, image(problem, machinery.trajectory, cycle.q)),
-        np.column_stack([np.zeros(len(sums)), sums]),
-    )[:, 1 + temperature]
+    given = found.sums_along(along, found.by_unknowns) + found.sums_by_unknowns
+    assert given[:, 0, temperature].sum() == pytest.approx((work - other_work) / (2 * STEP), rel=0.15)
+    made_here = image(problem, machinery.trajectory, cycle.q)
+    told = slopes_of_image(problem, machinery, found, given, cycle.q, met, made_here)[:, temperature]
     np.testing.assert_allclose(told, (made - other_made) / (2 * STEP), rtol=0.15, atol=0.01)
+
+
+PLENUMS = {
+    "oil.transport": "carried",
+    "operation.speed": "1000 rpm",
+    "effects.plenums": {"discharge_volume": "3 l", "discharge_area": "15 cm^2"},
+}
+
+
+def test_tangents_tell_what_a_pressure_of_a_plenum_makes_of_itself():
+    """Of a line that pulsates, its harmonics: what the slices give the line over the pitch makes them."""
+    problem = problem_of(make(PLENUMS))
+    machinery = leased(problem)
+    cycle = close(problem, machinery, replace(problem.wanted, rtol=FINE))
+    assert cycle.status == "ok"
+    met = unknowns(problem, machinery)
+    here, names = problem.entries.coordinates(met), problem.entries.names
+    lines = [names.index(f"discharge_{wave}_{k}") for k in (1, 2, 3) for wave in ("cos", "sin")]
+    found = linearised(problem, machinery, met)
+    start = np.zeros((len(found.around), len(met)))
+    ends = found.along(start, found.by_unknowns)[-1]
+    along = found.along(found.around @ shifted(ends, machinery.composition.chambers), found.by_unknowns)
+    given = found.sums_along(along, found.by_unknowns) + found.sums_by_unknowns
+    told = slopes_of_image(
+        problem, machinery, found, given, cycle.q, met, image(problem, machinery.trajectory, cycle.q)
+    )
+    for which in lines[:2]:
+        ways = [here.copy(), here.copy()]
+        ways[0][which] += STEP
+        ways[1][which] -= STEP
+        (_, made), (_, other) = (settled(problem, machinery, cycle, way) for way in ways)
+        np.testing.assert_allclose(told[lines, which], ((made - other) / (2 * STEP))[lines], rtol=0.2, atol=0.02)
 
 
 def test_a_correction_takes_back_what_an_unknown_was_off_by(standing):

@@ -74,6 +74,18 @@ def test_where_the_points_tell_nothing_the_posterior_is_the_tolerance(tmp_path, 
     assert spread.of_prior == pytest.approx(1.0, abs=0.06)
 
 
+@pytest.mark.parametrize("spacing", ["linear", "log"])
+def test_a_prior_of_the_fit_is_normal_in_the_value_whatever_the_spacing(tmp_path, spacing):
+    prior = "prior: {mean: 50 um, deviation: 12 um}"
+    fit = FIT.replace("to: 100 um}", f"to: 200 um, spacing: {spacing}, {prior}}}").replace(f"  {ALONE}\n", "")
+    found = posterior(fitted(tmp_path, tolerant(), fit, VAGUE), jobs=1, simulate=plane, most_steps=4000)
+    values = 1e6 * found.samples[:, 0]
+    many = min(len(values), found.effective)
+    # normal between 10 and 200 um: the end cuts off 3.3 deviations below; without the density of the spacing 2.9 off
+    assert values.mean() == pytest.approx(50.0, abs=4.0 * 12.0 / many**0.5 + 0.03)
+    assert values.std() == pytest.approx(12.0, abs=4.0 * 12.0 / (2.0 * many) ** 0.5 + 0.06)
+
+
 def test_a_factor_pulls_in_the_logarithm(tmp_path):
     fit, points = FIT.replace(f"  {ALONE}\n", ""), HEAD + "a,fit,1000,3,1\n"
     found = fitted(tmp_path, tolerant("50 um ×/÷ 2"), fit, points)

@@ -1,24 +1,27 @@
 """Solve points side by side: each goes its own way, and what they have in common is done for many in one call.
 
-Each task runs in a thread of its own, one at a time, until it asks for a turn. When all of them have asked, the turns
-of one structure are integrated together (`model.side_by_side`). What is done between turns (mixing, corrections,
-estimates, figures, the verdict) is that of a single point, and so is what each lane computes: no result depends on
-which points ran beside it.
+Each task runs in a greenlet of its own until it asks for a turn; then the next goes on, in the same thread. When all of
+them have asked, the turns of one structure are integrated together (`model.side_by_side`). What is done between turns
+(mixing, corrections, estimates, figures, the verdict) is that of a single point, and so is what each lane computes: no
+result depends on which points ran beside it.
 """
 
 from __future__ import annotations
 
-import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from contextvars import copy_context
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
 
+from greenlet import GreenletExit, getcurrent, greenlet
+
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
+from screwsim.cycle.problem import sharing
 from screwsim.model import compiled, side_by_side
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
@@ -31,24 +34,15 @@ IN_FLIGHT = 2 * LANES  # tasks at a time: turns of like tolerance find each othe
 IN_STEP = LANES  # the same of courses, whose points take like turns: what more of them hold leaves the cache
 ON_GPU = 1024  # the same on a GPU, and turns in one call
 Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
-During = Callable[[Sequence[int]], AbstractContextManager[None]]  # the threads for which a call is made
-
-
-class Stopped(BaseException):
-    """The end of a task that nobody waits for any more."""
+During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # the tasks for which a call is made
 
 
 @dataclass(eq=False)
 class _Task:
     number: int
-    work: Callable[[], Any]
-    go: threading.Lock = field(default_factory=threading.Lock)  # held until it may go on
+    run: greenlet
     asked: side_by_side.Asked | None = None
     answer: Any = None
-    thread: threading.Thread | None = None
-
-    def __post_init__(self) -> None:
-        self.go.acquire()
 
 
 def together(
@@ -56,8 +50,9 @@ def together(
 ) -> list[Answer]:
     """Return what each task returns; the turns that they ask for are integrated side by side.
 
-    `in_flight` tasks run at a time. What a task raises is raised here, once all have ended. `during` surrounds waiting
-    and calls, for who takes times. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core.
+    `in_flight` tasks run at a time. What a task raises is raised here, once all have ended: those that wait for a turn
+    end by GreenletExit. `during` surrounds waiting and calls, for who takes times. With `gpu` a GPU integrates
+    (`screwsim.batch.cuda`), else the lanes of this core.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
     return _Together(
@@ -84,105 +79,95 @@ def warm_up(scene: Scene) -> None:
     together([partial(simulate, scene, scene.output.keep == "cycle")])
 
 
-def _plain(threads: Sequence[int]) -> AbstractContextManager[None]:
-    return nullcontext()
+_nothing = nullcontext()
+
+
+def _plain(tasks: Sequence[greenlet]) -> AbstractContextManager[None]:
+    return _nothing
 
 
 class _Together:
-    """Tasks in threads of their own, of which one runs at a time and hands on to the next."""
+    """Tasks in greenlets, of which one runs until it asks for a turn; who runs them lives in the caller's own."""
 
     def __init__(
         self, tasks: Sequence[Callable[[], Any]], in_flight: int, during: During, most: int, turns: Turns
     ) -> None:
-        self._left = deque(_Task(number, work) for number, work in enumerate(tasks))
+        self._left = deque(enumerate(tasks))
         self._answers: list[Any] = [None] * len(tasks)
         self._in_flight, self._during = in_flight, during
         self._most, self._turns = most, turns
         self._ready: deque[_Task] = deque()
         self._waiting: list[_Task] = []
-        self._alive = 0
-        self._threads: list[threading.Thread] = []
-        self._error: BaseException | None = None
-        self._stopped = False
-        self._ended = threading.Semaphore(0)
+        self._own = getcurrent()
+        self._now: _Task | None = None  # that runs
 
     def run(self) -> list[Any]:
+        before, here.turn = here.turn, self._turn
         try:
-            self._hand_on()
-            self._ended.acquire()
-        except BaseException:  # of who waits: Ctrl-C
-            self._stopped = True
-            self._ended.acquire()
-            raise
+            with sharing():
+                while self._go_on():
+                    pass
+            return self._answers
         finally:
-            for thread in self._threads:
-                thread.join()
-        if self._error is not None:
-            raise self._error
-        return self._answers
+            here.turn = _ended
+            try:
+                self._end_all()
+            finally:
+                here.turn = before
 
-    # ---- one runs at a time ----------------------------------------------------------------------------------------
-
-    def _hand_on(self) -> None:
+    def _go_on(self) -> bool:
         """Let the next task run: a new one while there is room, one that has its answer, one after a call."""
-        while self._left and self._alive < self._in_flight and not self._stopped:
-            self._begin(self._left.popleft())
+        while self._left and len(self._ready) + len(self._waiting) < self._in_flight:
+            self._begin(*self._left.popleft())
         if not self._ready and self._waiting:
             self._call()
         if self._ready:
-            self._ready.popleft().go.release()
-        elif not self._alive:
-            self._ended.release()
+            self._run(self._ready.popleft())
+        return bool(self._ready or self._waiting or self._left)
 
-    def _begin(self, task: _Task) -> None:
-        self._alive += 1
-        task.thread = threading.Thread(target=self._run, args=(task,), name=f"point {task.number}", daemon=True)
-        self._threads = [thread for thread in self._threads if thread.is_alive()] + [task.thread]
-        task.thread.start()
-        self._ready.append(task)
+    def _begin(self, number: int, work: Callable[[], Any]) -> None:
+        run = greenlet(work, self._own)
+        run.gr_context = copy_context()
+        self._ready.append(_Task(number, run))
 
     def _run(self, task: _Task) -> None:
-        here.turn = partial(self._turn, task)
-        task.go.acquire()
-        try:
-            self._answers[task.number] = task.work()
-        except Stopped:
-            pass
-        except BaseException as error:  # noqa: BLE001 - raised where all are waited for
-            self._error = self._error or error
-            self._stopped = True
-        self._alive -= 1
-        self._hand_on()
+        """Let a task run until it asks for a turn or ends; raise what it raises."""
+        self._now = task
+        answer = task.run.switch()
+        if task.run.dead:
+            self._answers[task.number] = answer
+        else:
+            self._waiting.append(task)
 
-    def _turn(self, task: _Task, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
-        """Ask for a turn, let others run, and return it (in the task's own thread)."""
-        began = time.perf_counter()
+    def _turn(self, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
+        """Ask for a turn, let others run, and return it (in the task's own greenlet)."""
+        began, task = time.perf_counter(), self._now
+        assert task is not None
         task.asked = side_by_side.Asked(machinery, y, rtol, h)
-        self._waiting.append(task)
-        with self._during([]):
-            self._hand_on()
-            task.go.acquire()
-        if self._stopped:
-            raise Stopped
+        with self._during(()):
+            self._own.switch()
         if isinstance(task.answer, BaseException):  # of the call: it is told in each that was waiting for it
             raise task.answer
         answer, share = task.answer
         machinery.compile_time += time.perf_counter() - began - share  # what others took is no time of this one
         return answer
 
+    def _end_all(self) -> None:
+        """End tasks that nobody waits for any more: they are told so where they asked for a turn."""
+        while self._ready or self._waiting:
+            task = self._ready.popleft() if self._ready else self._waiting.pop()
+            task.run.throw()
+
     # ---- turns in one call -----------------------------------------------------------------------------------------
 
     def _call(self) -> None:
         """Integrate turns of those that wait: of one structure, of like tolerance, the one that waits longest first."""
-        if self._stopped:
-            chosen = list(self._waiting)
-        else:
-            first = self._waiting[0].asked
-            assert first is not None
-            alike = [task for task in self._waiting if _alike(task.asked, first)]
-            alike.sort(key=lambda task: _distance(task.asked, first))
-            chosen = alike[: self._most]
-            self._answer(chosen)
+        first = self._waiting[0].asked
+        assert first is not None
+        alike = [task for task in self._waiting if _alike(task.asked, first)]
+        alike.sort(key=lambda task: _distance(task.asked, first))
+        chosen = alike[: self._most]
+        self._answer(chosen)
         self._waiting = [task for task in self._waiting if task not in chosen]
         self._ready.extend(chosen)
 
@@ -190,15 +175,20 @@ class _Together:
         asked = [task.asked for task in chosen if task.asked is not None]
         began = time.perf_counter()
         try:
-            with self._during([task.thread.ident or 0 for task in chosen if task.thread]):
+            with self._during([task.run for task in chosen]):
                 answers = self._turns(asked)
-        except BaseException as error:  # noqa: BLE001 - raised where the turns were asked for
+        except Exception as error:  # noqa: BLE001 - raised where the turns were asked for
             for task in chosen:
                 task.answer = error
             return
         share = (time.perf_counter() - began) / len(chosen)
         for task, answer in zip(chosen, answers, strict=True):
             task.answer = answer, share
+
+
+def _ended(*_asked: object) -> Any:
+    """End a task that asks for another turn although it was told that nobody waits for it."""
+    raise GreenletExit
 
 
 def _alike(one: side_by_side.Asked | None, other: side_by_side.Asked) -> bool:

@@ -26,61 +26,72 @@ from screwsim.model.parts import Effects
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import ActiveEffect, Scene
 
+MOST = 16  # kept of each: so many points of different machines may be solved side by side
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 
 
 class _Built(NamedTuple):
-    """Parts of an effect, and what they were built of beside the machine."""
+    """Parts of an effect, and what they were built of, which is held: where objects stand tells them."""
 
     active: ActiveEffect
-    numbers: Mapping[str, float]
+    geometry: MachineGeometry
     parts: list[Any]
 
 
 class Stock:
-    """What was built of machine and effects for the scene before: the next of a sweep shares most of it.
+    """What was built of machine and effects for the scenes before: the next of a sweep shares most of it.
 
-    Sections that are the same objects give the same parts, which is what `model.series.Composer` looks for.
+    Sections that are the same objects give the same parts, which is what `model.series.Composer` looks for. Some more
+    than the last are kept: those of courses that are solved side by side.
     """
 
     def __init__(self) -> None:
-        self._gas: tuple[GasSettings, Gas] | None = None
-        self._geometry: Any = None
-        self._built: dict[str, _Built] = {}
-        self._effects = Effects()
+        self._gas: dict[int, tuple[GasSettings, Gas]] = {}  # by the settings' id
+        self._geometry: dict[int, MachineGeometry] = {}  # the same
+        self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
+        self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
 
     def gas(self, scene: Scene) -> Gas:
         """Return the gas of a scene; the same one where nothing but the scene's gas tells it."""
         settings = scene.gas
         if (settings.model != "real" and settings.isentropic_exponent is None) or settings.relative_humidity:
             return build_gas(scene)
-        if self._gas is None or self._gas[0] is not settings:
-            self._gas = settings, build_gas(scene)
-        return self._gas[1]
+        found = self._gas.get(id(settings))
+        return found[1] if found else _kept(self._gas, id(settings), (settings, build_gas(scene)))[1]
 
     def geometry(self, machine: MachineSettings) -> MachineGeometry:
         """Return the geometry of a machine."""
-        if self._geometry is None or self._geometry.settings is not machine:
-            self._geometry = kind_of(machine).geometry(machine)
-            self._built, self._effects = {}, Effects()
-        return self._geometry
+        found = self._geometry.get(id(machine))
+        if found is not None and found.settings is machine:
+            return found
+        return _kept(self._geometry, id(machine), kind_of(machine).geometry(machine))
 
     def effects(self, scene: Scene, geometry: Any, at: Lines) -> Effects:
-        """Return the parts of a scene's effects, on the geometry that was asked for last."""
+        """Return the parts of a scene's effects on a geometry."""
         around = around_of(scene, at)
-        found = {name: self._effect(name, active, geometry, around) for name, active in scene.effects.items()}
-        same = list(found) == list(self._built) and all(found[name] is self._built[name] for name in found)
-        if not same:
-            self._built = found
-            self._effects = Effects(_acting({name: built.parts for name, built in found.items()}))
-        return self._effects
+        built = [self._effect(name, active, geometry, around) for name, active in scene.effects.items()]
+        key = tuple(map(id, built))
+        found = self._effects.get(key)
+        if found is None:
+            parts = {name: one.parts for name, one in zip(scene.effects, built, strict=True)}
+            found = _kept(self._effects, key, (built, Effects(_acting(parts))))
+        return found[1]
 
     def _effect(self, name: str, active: ActiveEffect, geometry: Any, around: Around) -> _Built:
-        effect, last = active.effect, self._built.get(name)
+        effect = active.effect
         numbers = effect.numbers(active.parameters, around) if effect.numbers is not None else {}
-        if last is not None and last.active is active and last.numbers == numbers:
-            return last
-        return _Built(active, numbers, _built(active, numbers, geometry))
+        known = self._built.setdefault(name, {})
+        key = id(active), id(geometry), *numbers.items()
+        found = known.get(key)
+        return found or _kept(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
+
+
+def _kept(known: dict[Any, Any], key: Any, value: Any) -> Any:
+    """Keep a value, and return it; the oldest goes where there are too many."""
+    if len(known) >= MOST:
+        known.pop(next(iter(known)), None)
+    known[key] = value
+    return value
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:

@@ -5,12 +5,14 @@ Heavy modules are imported inside the commands, so that `--help` answers at once
 
 from __future__ import annotations
 
+import copy
 import errno
 import io
 import os
 import sys
 import traceback
 from collections.abc import Sequence
+from functools import cache
 from typing import Annotated, Any
 
 import typer
@@ -64,11 +66,29 @@ for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILE
 app.add_typer(export_app, name="export")
 
 
+@cache
+def _line(name: str) -> Any:
+    """Return what reads the arguments of one command, or of all: to make them takes a tenth of a command's start."""
+    alone = copy.copy(app)
+    if name:
+        alone.registered_commands = [each for each in app.registered_commands if _name(each) == name]
+        alone.registered_groups = [each for each in app.registered_groups if each.name == name]
+    return typer.main.get_command(alone)
+
+
+def _name(command: Any) -> str:
+    return command.name or typer.main.get_command_name(command.callback.__name__)
+
+
+_NAMES = {*map(_name, app.registered_commands), *(group.name for group in app.registered_groups)}
+
+
 def exit_code(arguments: Sequence[str]) -> int:
     """Run a command; print on stderr what went wrong, and return the exit code."""
     try:
         # typer's own handling of errors would end with other exit codes
-        outcome = typer.main.get_command(app).main(list(arguments), "screwsim", standalone_mode=False)
+        named = arguments[0] if arguments and arguments[0] in _NAMES else ""
+        outcome = _line(named).main(list(arguments), "screwsim", standalone_mode=False)
         sys.stdout.flush()  # what finds no room is told here, and not at Python's end
     except KeyboardInterrupt:
         outcome = INTERRUPTED
@@ -102,7 +122,7 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
 
 def _below(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
     """Return the arguments from the command's name on, and the commands there are: those of a group behind its name."""
-    group = typer.main.get_group(app)
+    group = _line("")
     inner = group.commands.get(arguments[0]) if arguments else None
     below = getattr(inner, "commands", None)
     return (arguments[1:], below) if below else (arguments, group.commands)

@@ -25,10 +25,11 @@ def diagnose(
     scene: OtherScene = None,
     data: OtherData = None,
     unchanged: Annotated[float, option("P", "How probable it is beforehand that nothing changed.")] = 0.5,
+    pairs: Annotated[float, option("ODDS", "Odds beforehand of two changes at once against one; 0: one alone.")] = 0.1,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Tell from new measured points which one parameter of a machine has changed, and with what probability."""
+    """Tell from new measured points which parameters of a machine have changed, one or two, and how probably."""
     from screwsim.printing import show
     from screwsim.printing.diagnosis import diagnosis_document, print_diagnosis
     from screwsim.study.calibration import read_fit
@@ -36,7 +37,7 @@ def diagnose(
     from screwsim.study.progress import for_terminal
 
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
-    found = diagnosed(fit, unchanged=unchanged, jobs=jobs, progress=for_terminal("diagnose"))
+    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=for_terminal("diagnose"))
     show(as_json, diagnosis_document, print_diagnosis, found)
     return OK if found.status == "ok" else NOT_ALL_OK
 

@@ -59,6 +59,11 @@ def for_speed() -> Iterator[None]:
         _patience = before
 
 
+def hurried() -> bool:
+    """Tell whether code is written for speed at once."""
+    return _patience == 0.0
+
+
 def load(text: str, of: str, fast: bool = False) -> Module:
     """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
 
@@ -101,12 +106,19 @@ class Module(ModuleType):
         _, code, symbol, _ = self._code(name, kinds, True)
         return machine.loaded(code, symbol)
 
+    def has_lanes(self, name: str, kinds: tuple[Kind, ...]) -> bool:
+        """Tell whether what `of_lanes` returns is kept."""
+        return store.read(f"{self._symbol(name, kinds)}.fast") is not None
+
+    def _symbol(self, name: str, kinds: tuple[Kind, ...]) -> str:
+        of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
+        return f"{self.__name__}.{name}.{of}"
+
     def _code(self, name: str, kinds: tuple[Kind, ...], fast: bool) -> tuple[str, bytes, str, bool]:
         """Return what a function returns, its machine code, the symbol of its entry, and whether it is fast."""
         from screwsim.codegen import machine
 
-        of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
-        symbol, kept = f"{self.__name__}.{name}.{of}", None
+        symbol, kept = self._symbol(name, kinds), None
         lasting = not (self._outside or self._checks)
         if lasting:
             kept = store.read(f"{symbol}.fast")

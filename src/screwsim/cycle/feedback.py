@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +40,13 @@ Array = np.ndarray
 LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
+class IntoLines(NamedTuple):
+    """Flow [kg/s] into suction and discharge line (2, LINE_POINTS) over a pitch, and the volume [m³] open to each."""
+
+    flow: Array
+    volume: Array
+
+
 def unknowns(problem: Problem, machinery: Machinery) -> Array:
     """Return the unknowns as the next turn meets them: the discharge line, the suction line, what effects declare."""
     composition, R = machinery.composition, machinery.R
@@ -56,10 +64,12 @@ def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
     machinery.composition.P[list(machinery.composition.made)] = values[made:]
 
 
-def image(problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None) -> Array:
-    """Return what a life of these quadratures makes of the unknowns; `turn`, where it is known already."""
+def image(
+    problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None, into: IntoLines | None = None
+) -> Array:
+    """Return what a life of these quadratures makes of the unknowns; `turn`, `into`, where they are known already."""
     lines = [_outflow(problem, life.R, q)]
-    turn = turn or turn_of(problem, life, q) if problem.parts.made else None
+    turn = turn or turn_of(problem, life, q, into) if problem.parts.made else None
     if problem.parts.suction_line:
         heat = _suction_heat(problem, life, q, turn) / problem.rate
         streams = streams_of(problem.composition, q)
@@ -75,8 +85,11 @@ def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | Non
     return suction_line.heat(problem, shaft_power(parts, known_of(problem, life, q, turn=turn)))
 
 
-def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
-    """Return what a life of these quadratures tells of itself, with what it makes of the effects' unknowns."""
+def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None = None) -> Turn:
+    """Return what a life of these quadratures tells of itself, with what it makes of the effects' unknowns.
+
+    `into` is what flows into lines that pulsate, where that is known; else it is read from the life.
+    """
     parts, P, c = problem.parts, life.composition.P, problem.composition
     sums = problem.rate * walls_of(c, q)
     names = [wall.name for _, wall in parts.walls]
@@ -90,7 +103,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
         dict(zip(names, sums[:, 1].tolist(), strict=True)),
         {name: gap.gap for name, gap in stated if isinstance(gap, ClearanceParameters)},
         problem.scene.operation.ambient_temperature,
-        _line_flows(problem, life, q),
+        _line_flows(problem, life, q, into),
         parts.omega,
         parts.geometry.pitch,
         not parts.plenums,
@@ -103,9 +116,16 @@ def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
     return turn
 
 
-def _line_flows(problem: Problem, life: Trajectory, q: Array) -> Callable[[str], LineFlow]:
+def into_lines(life: Trajectory) -> IntoLines:
+    """Return the flow of a life's chambers into lines that pulsate."""
+    return IntoLines(*life.into_lines(LINE_POINTS))
+
+
+def _line_flows(
+    problem: Problem, life: Trajectory, q: Array, into: IntoLines | None = None
+) -> Callable[[str], LineFlow]:
     """Return a function that tells of the chambers' flow to a line; all is read once, when it is first asked."""
-    taken, gas = cache(lambda: life.into_lines(LINE_POINTS)), problem.parts.gas
+    taken, gas = cache(lambda: into or into_lines(life)), problem.parts.gas
 
     @cache
     def flow_to(line: str) -> LineFlow:

@@ -25,14 +25,25 @@ def leased(problem: Problem) -> Machinery:
     return machinery
 
 
-def begin(problem: Problem, machinery: Machinery) -> Array:
-    """Set the lines and a first guess; return the state at 0°."""
+def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
+    """Set the lines and a first guess; return the state at 0°. `oil` is a share of what chambers carry in it."""
     _anew(problem, machinery)
     parts, lines, suction, c = problem.parts, problem.lines, problem.suction, machinery.composition
     place = suction.place(problem.h_isentropic) if suction.changed else suction.line
     y = first_guess(parts, machinery, place[PRESSURE], suction.temperature(place, lines.T_s), lines.p_d)
+    if c.carried and oil != 1.0:
+        _share_of_oil(machinery, y, oil)
     set_lines(problem, machinery, float(y[0]), float(y[3]) if c.carried else 0.0)
     return y
+
+
+def _share_of_oil(machinery: Machinery, y: Array, share: float) -> None:
+    """Leave a share of the oil in the state y [in place] and along the last history."""
+    times, dense, quads, steps = machinery.last()
+    states = dense[:steps, :, : machinery.n].copy()
+    states[:, :, 3] *= share
+    y[3] *= share
+    machinery.install(times[: steps + 1].copy(), states, quads[:steps].copy())
 
 
 def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:

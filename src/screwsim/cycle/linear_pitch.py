@@ -47,7 +47,25 @@ class Tangents(NamedTuple):
 
     def summed(self, along: Array, sources: Array) -> Array:
         """Return what changes `along` a pitch, and the sources that made them, add to the quadratures (q, k)."""
-        return (self.sums @ along[:-1] + self.sums_gain @ sources).sum(axis=0)
+        return self.sums_along(along, sources).sum(axis=0)
+
+    def sums_along(self, along: Array, sources: Array) -> Array:
+        """Return the same, slice by slice (slices, q, k)."""
+        return self.sums @ along[:-1] + self.sums_gain @ sources
+
+    def spread(self, given: Array, points: int) -> Array:
+        """Return what a slice gives (slices, …), as rates by the angle [1/rad] at even angles of a pitch (points, …).
+
+        Each rate is the mean around its angle, so that none of what slices give is lost between angles.
+        """
+        pitch = float(self.edges[-1])
+        sums = np.concatenate([np.zeros((1, *given.shape[1:])), np.cumsum(given, axis=0)])
+        places = (np.arange(points + 1) - 0.5) * (pitch / points)
+        turns = np.floor(places / pitch)
+        flat = sums.reshape(len(sums), -1)
+        at = np.array([np.interp(places - turns * pitch, self.edges, column) for column in flat.T]).T
+        at += turns[:, None] * flat[-1]
+        return (np.diff(at, axis=0) * (points / pitch)).reshape(points, *given.shape[1:])
 
 
 def shifted(changes: Array, chambers: int) -> Array:

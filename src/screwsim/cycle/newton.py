@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.coordinates import logarithms, states_of
-from screwsim.cycle.feedback import image as image_of
-from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.linear_pitch import Tangents, shifted
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.tangents import angles_of, linearised
@@ -32,9 +31,9 @@ REPEATED = 0.5  # share of a correction that the next repeats, up to which what 
 LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is made ...
 LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing there
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
+OF_LINES = 8  # turns or pitches left to themselves before, where lines pulsate: their unknowns cost as much as some
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
-STEP = 1e-4  # of a change of the quadratures, for differences of what they make of the unknowns
 
 
 class Correction(NamedTuple):
@@ -78,10 +77,10 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     start[:, 0] = residual.start
     start = tangents.around @ (shifted(ends, c.chambers) + start)
     along = tangents.along(start, sources)
-    sums = tangents.summed(along, sources)
-    sums[:, 1:] += tangents.sums_by_unknowns.sum(axis=0)
+    given = tangents.sums_along(along, sources)
+    given[:, :, 1:] += tangents.sums_by_unknowns
     met, made = entries.coordinates(residual.met), entries.coordinates(residual.made)
-    back = _made_of(problem, machinery, residual, sums)
+    back = slopes_of_image(problem, machinery, tangents, given, residual.q, residual.met, residual.made)
     if not np.isfinite(back).all():
         return None
     matrix = np.eye(len(met)) - back[:, 1:]
@@ -97,7 +96,7 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     if share < LEAST_SHARE:
         return None
     of_states, along, of_unknowns = (share * each for each in found)
-    mass, work = _trapped(c, of_states), share * float(sums[0] @ weights)
+    mass, work = _trapped(c, of_states), share * float(given[:, 0].sum(axis=0) @ weights)
     return Correction(tangents.edges, of_states, along, of_unknowns, share, mass, work)
 
 
@@ -105,25 +104,6 @@ def _trapped(c: Composition, start: Array) -> float:
     """Return the relative change of the trapped gas: that of the density where oil is injected, or the largest."""
     density, index = start.reshape(c.chambers, -1)[:, 1], round(c.P[P_INJECTION] / c.P[P_PITCH])
     return float(density[index]) if index < c.chambers else float(np.abs(density).max())
-
-
-def _made_of(problem: Problem, machinery: Machinery, residual: Residual, sums: Array) -> Array:
-    """Return what changes of the quadratures make of the unknowns, those of the second column on with one unknown each.
-
-    They are differences of the image itself, whatever it is made of.
-    """
-    entries = problem.entries
-    met, made = entries.coordinates(residual.met), entries.coordinates(residual.made)
-    back = np.empty((len(met), sums.shape[1]))
-    for j, change in enumerate(sums.T):
-        there = met.copy()
-        if j:
-            there[j - 1] += STEP
-        set_unknowns(problem, machinery, entries.values(there, residual.met))
-        image = image_of(problem, machinery.trajectory, residual.q + STEP * change)
-        back[:, j] = (entries.coordinates(image) - made) / STEP
-    set_unknowns(problem, machinery, residual.met)
-    return back
 
 
 def _largest(changes: Sequence[Array]) -> float:
@@ -139,7 +119,8 @@ class Corrections:
     def __init__(self, problem: Problem, machinery: Machinery, lent: Tangents | None = None) -> None:
         self.problem, self.machinery = problem, machinery
         c = machinery.composition
-        self.able = c.chambers > 1 and not c.pulsating  # what a line's swing is made of is no quadrature
+        self.able = c.chambers > 1
+        self.patience = OF_LINES if c.pulsating else 0
         self.tangents, self.last = lent, lent
         self._fresh, self._moved, self._too_large, self._far = False, np.inf, 0, False
         self._before: Array | None = None  # correction before, in coordinates
@@ -158,7 +139,8 @@ class Corrections:
         stale = self.begun and moved > STALE * self._moved and not near
         if stale and self._fresh and moved > OF_NO_USE * self._moved:
             self.able = False
-        due = self.able and (slow or self.begun)
+        self.patience -= 1
+        due = self.able and self.patience < 0 and (slow or self.begun)
         if stale or (due and self._far and not near):
             self.tangents = None
         self._moved = moved

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import NamedTuple
@@ -85,13 +88,14 @@ class Problem:
 
 
 Built = tuple[Stock, Composer]
+shared: ContextVar[Built | None] = ContextVar("shared", default=None)  # of what is solved side by side
 
 
 class Series:
     """What scenes solved one after the other leave to the next: what was built, what was composed, what closed."""
 
     def __init__(self, built: Built | None = None) -> None:
-        self.stock, self.composer = built or (Stock(), Composer())
+        self.stock, self.composer = built or shared.get() or (Stock(), Composer())
         self.course = Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
         self.losses: PressureLosses | None = None  # of a package, found last
@@ -101,7 +105,7 @@ class Series:
 
 
 _free: list[Built] = []
-KEPT = 32  # of them: so many points may be solved side by side
+KEPT = 32  # of them: so many threads may solve points
 
 
 def one_alone() -> Series:
@@ -109,6 +113,8 @@ def one_alone() -> Series:
 
     That gives the numbers that building anew does. Whoever is done with it gives it back (`leave`).
     """
+    if shared.get() is not None:
+        return Series()
     try:
         return Series(_free.pop())  # one step of the interpreter's own
     except IndexError:
@@ -117,8 +123,18 @@ def one_alone() -> Series:
 
 def leave(series: Series) -> None:
     """Keep what was built and composed for the next scene that is solved alone."""
-    if len(_free) < KEPT:
+    if shared.get() is None and len(_free) < KEPT:
         _free.append((series.stock, series.composer))
+
+
+@contextmanager
+def sharing() -> Iterator[None]:
+    """Let all series that are begun within build and compose as one: scenes of the same sections share the parts."""
+    before = shared.set((Stock(), Composer()))
+    try:
+        yield
+    finally:
+        shared.reset(before)
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:

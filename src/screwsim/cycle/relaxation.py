@@ -48,6 +48,7 @@ HEAVIER = 2.0  # weight of what is to come of the unknowns: an energy balance wi
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
 PROGRESS = 0.5  # of the least gap before, below which a gap is progress
 REFINED = 0.4  # tolerance of the steps then over that before
+OF_RESIDUAL = 0.3  # of what a balance leaves open beyond its bound: where less is to come, it is for the steps
 FALLING = 0.5  # residual over that of the turn before, below which it is the turns that close a balance, not the steps
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
 LITTLE = 2e-3  # ... and below this
@@ -206,8 +207,16 @@ class _Turns:
         return None
 
     def refine(self) -> None:
-        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise."""
-        if self.corrections.begun and self.near and self.rtol <= self.finest:
+        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise.
+
+        And where what is still to come is too little to be what the balances leave open.
+        """
+        if not (self.corrections.begun and self.rtol <= self.finest):
+            return
+        open_by = self.residual - ENOUGH * self.wanted.bound
+        if self.left <= min(OF_RESIDUAL * open_by, FORESEEN * self.wanted.tolerance):
+            self.finest, self.least_gap, self.stalled = finer(self.finest, self.residual / self.wanted.bound), np.inf, 0
+        elif self.near:
             progress = self.gap < PROGRESS * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
             if self.stalled > STALL:

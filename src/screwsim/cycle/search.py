@@ -10,7 +10,6 @@ Source: P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, sect
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from screwsim.cycle.coordinates import logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.mixing import Pace
 from screwsim.cycle.problem import Problem
@@ -34,17 +34,17 @@ SLICES = 48  # of a pitch that is linearised: far from the cycle a coarse one le
 FOUND = 0.1  # of the tolerance: what a pitch changes where the cycle is found
 LONGEST = 1.0  # step, in coordinates
 LEAST_SHARE = 0.01  # of a Newton step: where only less would do, this is no way to the cycle
-STEP = 1e-4  # of a change of the quadratures and unknowns, for differences of what they make of the unknowns
 SINGULAR = 1e-12  # a derivative over the largest, below which it tells of no way
-MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates from one beginning
+MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates from one beginning ...
+MOST_STEPS = 60  # ... and steps: those that found a cycle took 42 at most
 MOST_TO_VERIFY = 1_000_000  # and in closing what was found
 BETWEEN = 300_000  # evaluations of damped pitches from one beginning to the next
 PITCHES_BETWEEN = 400  # and so many pitches at most
 
 
 def possible(problem: Problem) -> bool:
-    """Tell whether pitches can be linearised: not of one chamber, nor what a pulsating line's swing is made of."""
-    return problem.composition.chambers > 1 and not problem.composition.pulsating
+    """Tell whether pitches can be linearised: not of one chamber."""
+    return problem.composition.chambers > 1
 
 
 def sought_on(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int) -> CycleSolution:
@@ -77,7 +77,9 @@ def searched(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -
     budget = int(machinery.counts[2]) + MOST_OF_A_SEARCH
     here, share = pitch.first(y), 1.0
     before: tuple[Array, Array] | None = None  # the last step, and the one that was to follow it
-    while here is not None and machinery.counts[2] < budget:
+    for _ in range(MOST_STEPS + 1):
+        if here is None or machinery.counts[2] >= budget:
+            return None
         if float(np.abs(here.changed).max()) <= FOUND * wanted.tolerance:
             found, met = pitch.values(here.x, here.raw)
             set_unknowns(problem, machinery, met)
@@ -89,18 +91,20 @@ def searched(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -
         if before is not None:
             share *= _length(before[0]) * _length(before[1]) / _product(before[1] - step, step)
         share = min(max(share, LEAST_SHARE), LONGEST / max(float(np.abs(step).max()), LONGEST))
-        here, share, rest = _gone(pitch, here, step, inverse, share)
+        here, share, rest = _gone(pitch, here, step, inverse, share, budget)
         before = step, rest
     return None
 
 
-def _gone(pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float) -> tuple[Place | None, float, Array]:
+def _gone(
+    pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float, budget: int
+) -> tuple[Place | None, float, Array]:
     """Return where a share of a step leads, the share and the step that is left there, which is shorter; or no place.
 
     The share is lessened as far as it takes.
     """
     rest, length, least = step, _length(step), min(LEAST_SHARE, share)
-    while share >= least:
+    while share >= least and pitch.machinery.counts[2] < budget:
         there = pitch.at(here.x + share * step, here.raw)
         if there is None:
             share *= 0.5
@@ -159,10 +163,10 @@ class _Pitch:
         status, _, _, q = machinery.pitch(end, self.rtol, 1e-3, check=self.check)
         if status != 0:
             return None
+        machinery.install_coupled()
         made = image_of(self.problem, machinery.trajectory, q)
         to = machinery.shift(end), made
         changed = self._coordinates(*to) - x
-        machinery.install_coupled()
         return Place(x, changed, to, q) if np.isfinite(changed).all() else None
 
     def inverse(self, here: Place) -> Array | None:
@@ -174,30 +178,16 @@ class _Pitch:
             return None
 
     def _derivatives(self, here: Place) -> Array:
-        problem, machinery, entries = self.problem, self.machinery, self.problem.entries
+        problem, machinery = self.problem, self.machinery
         y, met = self.values(here.x, here.raw)
         tangents = linearised(problem, machinery, met, SLICES)
         N, size = len(y), len(here.x)
         start, sources = np.eye(N, size), np.zeros((SLICES, N, size))
         sources[:, :, N:] = tangents.by_unknowns
         along = tangents.along(start, sources)
-        sums = tangents.summed(along, sources)
-        sums[:, N:] += tangents.sums_by_unknowns.sum(axis=0)
+        given = tangents.sums_along(along, sources)
+        given[:, :, N:] += tangents.sums_by_unknowns
         J = np.empty((size, size))
         J[:N] = shifted(along[-1], self.c.chambers)
-        at_met, at_made = entries.coordinates(met), entries.coordinates(here.raw[1])
-        for j, values in enumerate(self._beside(at_met, met, N)):
-            set_unknowns(problem, machinery, values)
-            made = image_of(problem, machinery.trajectory, here.q + STEP * sums[:, j])
-            J[N:, j] = (entries.coordinates(made) - at_made) / STEP
-        set_unknowns(problem, machinery, met)
+        J[N:] = slopes_of_image(problem, machinery, tangents, given, here.q, met, here.raw[1])
         return J - np.eye(size)
-
-    def _beside(self, coordinates: Array, met: Array, states: int) -> Iterator[Array]:
-        """Yield the unknowns as they are met, once for each state, and with each of them shifted."""
-        for _ in range(states):
-            yield met
-        for j in range(len(met)):
-            there = coordinates.copy()
-            there[j] += STEP
-            yield self.problem.entries.values(there, met)

@@ -33,7 +33,8 @@ LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
 RELAXED = 3  # steps that lead the states in the middle of a slice to where they change as the history does ...
 STRAYED = 0.02  # ... while T or ρ would change by so much more, or less, of itself over the slice ...
 AT_MOST = 0.1  # ... of at most so much each
-SHIFT = 1e-5  # of a coordinate, for differences
+SHIFT = 1e-5  # of a coordinate, for differences ...
+OF_LINES = 1e-7  # ... and where lines pulsate: a chamber open to one is a few pascals from it
 
 
 def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
@@ -98,12 +99,13 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     """
     c, (phi, h, y, changes), N = machinery.composition, slices, slices.states.shape[1]
     logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
-    R, P = _moved(problem, machinery, met)
+    shift = OF_LINES if c.pulsating else SHIFT
+    R, P = _moved(problem, machinery, met, shift)
     u, nq, module = len(met), machinery.nq + 1, machinery.together
     A, Jq, F, G = (np.empty((len(phi), *size)) for size in ((N, N), (nq, N), (u, N), (u, nq)))
     least_oil, led = (LEAST_OIL if c.carried else 0.0), np.array([RELAXED, AT_MOST, STRAYED], float)
     states = phi, h, y, changes, logarithmic, machinery.n, least_oil, led
-    given = *states, R, P, SHIFT, machinery.coupled_context, c.n_E_all, A, Jq, F, G
+    given = *states, R, P, shift, machinery.coupled_context, c.n_E_all, A, Jq, F, G
     if "tangents" not in compiled.warm(module):
         at_first = y.copy()
         with machinery.compiling("tangents"):
@@ -115,14 +117,14 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
 
 
-def _moved(problem: Problem, machinery: Machinery, met: Array) -> tuple[Array, Array]:
+def _moved(problem: Problem, machinery: Machinery, met: Array, shift: float) -> tuple[Array, Array]:
     """Return R and P with each unknown shifted, one row each, and as they are met in the last one, as they are left."""
     entries, R, P = problem.entries, [], []
     here = entries.coordinates(met)
     for j in range(len(met) + 1):
         there = here.copy()
         if j < len(met):
-            there[j] += SHIFT
+            there[j] += shift
         set_unknowns(problem, machinery, entries.values(there, met) if j < len(met) else met)
         R.append(machinery.R.copy())
         P.append(machinery.composition.P.copy())

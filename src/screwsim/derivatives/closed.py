@@ -11,6 +11,8 @@ from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.peak import peak
+from screwsim.derivatives.nearby import near, size_of, stepped, tamed
+from screwsim.derivatives.nearby import residual as residual_of
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
     BEFORE,
@@ -35,9 +37,8 @@ MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
+SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
 SHIFT = 1e-6  # of coordinates, for differences of what they make
-LONGEST = 0.3  # change of a state in one iteration, over itself
-SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
@@ -85,12 +86,15 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
     plain = edges_of(machinery, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
+    turns, nearly, linear, found = crossings(pitch), NEARLY, None, None
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        Y, linear = _closed(pitch, nearly, kept)
-        before, turns, errors = turns, crossings(pitch), errors_of(pitch, pitch.begin(Y), Y)
+        found, linear = (near(pitch, SETTLED * tolerance), None) if nearly > CLOSED else (None, kept)
+        if found is None:
+            Y, linear = _closed(pitch, nearly, kept)
+            found = pitch.begin(Y), Y
+        before, turns, errors = turns, crossings(pitch), errors_of(pitch, *found)
         good = errors.max() <= tolerance
         if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
             break
@@ -99,7 +103,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
         of_plain = np.zeros(len(plain) - 1)
         np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
         plain = refined(plain, of_plain, tolerance)
-    return _linearised(pitch, Y)
+    return _linearised(pitch, found[1])
 
 
 def _peak(pitch: Pitch) -> float:
@@ -117,12 +121,14 @@ def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
-    """Return the relative error of each slice: Radau's embedded estimate, of order 3."""
+    """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, J = pitch.slopes_at(pitch.slices.edges[:-1], before)
     defect = f + np.einsum("j,kjn->kn", EMBEDDED, Y - before[:, None]) / widths[:, None]
-    matrix = (EIGENVALUE / widths)[:, None, None] * np.eye(pitch.N) - J
-    found = np.abs(np.linalg.solve(matrix, defect[..., None])[..., 0])
+    chambers = pitch.N // pitch.n
+    own = J.reshape(-1, chambers, pitch.n, chambers, pitch.n)[:, range(chambers), :, range(chambers)].swapaxes(0, 1)
+    matrix = (EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
+    found = np.abs(np.linalg.solve(matrix, defect.reshape(*own.shape[:-1], 1))).reshape(defect.shape)
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
 
@@ -138,9 +144,9 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
         sums = pitch.sums(rates[1])
         pitch.install(start, Y)
         met = pitch.met
-        residual = _residual(pitch, Y, start, rates[0])
+        residual = residual_of(pitch, Y, start, rates[0])
         off = pitch.image(sums) - entries.coordinates(met)
-        size = max(_size(residual, Y), float(np.max(np.abs(off), initial=0.0)))
+        size = max(size_of(residual, Y), float(np.max(np.abs(off), initial=0.0)))
         if size < nearly or (size < ENOUGH and left == 1):
             return Y, linear
         if not np.isfinite(size):
@@ -158,8 +164,8 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
         before = size
         back = made_of(pitch, Read(start, Y, sums, at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
-        last = _tamed(response.nodes @ np.append(1.0, change), last)
-        Y = _stepped(pitch, Y, last)
+        last = tamed(response.nodes @ np.append(1.0, change), last)
+        Y = stepped(pitch, Y, last)
         pitch.meet(entries.coordinates(met) + change, met)
     raise NotClosed(f"the collocated cycle leaves {size:.1g} open")
 
@@ -186,30 +192,6 @@ class Read(NamedTuple):
     nodes: Array
     sums: Array
     at: Numbers
-
-
-def _residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:
-    """Return what the stage equations leave open (slices, NODES, N)."""
-    before = np.concatenate([start[None], Y[:-1, -1]])
-    return Y - before[:, None] - np.einsum("k,ij,kjn->kin", pitch.slices.widths, INTEGRALS, f)
-
-
-def _size(residual: Array, Y: Array) -> float:
-    return float(np.max(np.abs(residual) / np.maximum(np.abs(Y), SMALL)))
-
-
-def _tamed(change: Array, last: Array) -> Array:
-    """Return a change, half of it where it all but takes the last one back: from side to side of a steep flow."""
-    swings = (change * last < 0.0) & (np.abs(change) > SWING * np.abs(last))
-    return np.where(swings, 0.5 * change, change)
-
-
-def _stepped(pitch: Pitch, Y: Array, change: Array) -> Array:
-    """Return states changed by no more than `LONGEST` of themselves, those that may have either sign as asked."""
-    c = pitch.machinery.composition
-    signed = np.tile(np.isin(np.arange(pitch.n), c.signed), c.chambers)
-    most = np.where(signed, np.inf, LONGEST * np.maximum(np.abs(Y), 0.0))
-    return Y + np.clip(change, -most, most)
 
 
 def _moved(pitch: Pitch, at: Numbers, met: Array, j: int) -> Change:

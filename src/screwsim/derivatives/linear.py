@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.linear_pitch import shifted
+from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.slices import INTEGRALS, NODES
@@ -80,16 +81,17 @@ class Change(NamedTuple):
         return self.numbers.nothing and self.edges is None
 
 
-def along(pitch: Pitch, Y: Array, at: Numbers, change: Change) -> tuple[Array, Array]:
-    """Return the derivatives of h f and h g at the nodes along a change."""
-    step, found, (numbers, edges, sides) = step_of(pitch), [], change
-    for sign in sides:
-        pitch.put(at.plus(sign * step, numbers))
-        there = pitch.slices.edges + (0.0 if edges is None else sign * step * edges)
-        rates = pitch.rates(Y, None if edges is None else there)
-        found.append([np.diff(there)[:, None, None] * each for each in rates])
-    pitch.put(at)
-    return tuple((above - below) / ((sides[0] - sides[1]) * step) for above, below in zip(*found, strict=True))  # type: ignore[return-value]
+def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
+    """Return the derivatives of h f and h g at the nodes along changes (slices, NODES, …, changes)."""
+    step, asked, widths = step_of(pitch), [], []
+    for numbers, edges, sides in changes:
+        for sign in sides:
+            there = None if edges is None else pitch.slices.edges + sign * step * edges
+            asked.append(Asked(at.plus(sign * step, numbers), there))
+            widths.append(pitch.slices.widths if there is None else np.diff(there))
+    h = np.array(widths).T[:, None, None] / (step * np.repeat([above - below for _, _, (above, below) in changes], 2))
+    found = [h * each for each in rates_of(pitch, Y, asked)]
+    return found[0][..., ::2] - found[0][..., 1::2], found[1][..., ::2] - found[1][..., 1::2]
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
@@ -129,25 +131,23 @@ class Linear:
         self.inject, self.noted = injection(pitch, Y)
         self.felt, self.changed = self._felt(), self.sources(changes)
         self._feels = [i for i in range(len(self.noted)) if self.felt.hf[..., i].any() or self.felt.hg[..., i].any()]
-        felt, columns = self.felt.hf[..., self._feels], 0 if stages is None else stages.shape[-1]
-        right = [self._right(felt), *([] if stages is None else [stages]), self._right(self.changed.hf)]
-        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, reach, np.concatenate(right, axis=-1))
-        gained, count = self.blocks.first, len(self._feels)
-        self._from, self._around = self._closing(gained[..., :count])
+        felt, N = len(self._feels), pitch.N
+        known = [self._right(self.felt.hf[..., self._feels]), *([] if stages is None else [stages])]
+        right = np.concatenate([np.zeros((*Y.shape, N)), *known, self._right(self.changed.hf)], axis=-1)
+        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
+        nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
+        self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
+        columns = 0 if stages is None else stages.shape[-1]
         nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
-        self.first = self._responded(nothing.and_then(self.changed), gained[..., count:])
+        self.first = self._responded(nothing.and_then(self.changed), nodes[..., N + felt :])
 
     def _felt(self) -> Sources:
         """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
         pitch, count = self.pitch, self.noted.shape[0]
-        columns = []
-        for i, cell in enumerate(pitch.cells().tolist()):
-            size = max(abs(cell), SMALL)
-            change = Change(pitch.cells_as_numbers(size * np.eye(count)[i]))
-            hf, hg = along(pitch, self.Y, self.at, change) if self._is_felt(i) else self.none()
-            columns.append((hf / size, hg / size))
-        hf, hg = (np.stack([one[i] for one in columns], axis=-1) for i in (0, 1))
-        return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((count, count)))
+        sizes = np.maximum(np.abs(pitch.cells()), SMALL)
+        changes = [pitch.cells_as_numbers(float(self._is_felt(i)) * size * np.eye(count)[i]) for i, size in enumerate(sizes)]
+        felt = self.sources([Change(each) for each in changes])
+        return Sources(felt.hf / sizes, felt.hg / sizes, felt.start, np.zeros((count, count)))
 
     def _is_felt(self, cell: int) -> bool:
         """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
@@ -156,29 +156,23 @@ class Linear:
 
     def sources(self, changes: Sequence[Change]) -> Sources:
         """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
-        pitch, count, none = self.pitch, len(changes), self.none()
-        columns = [none if each.nothing else along(pitch, self.Y, self.at, each) for each in changes]
-        hf, hg = (np.stack([one[i] for one in columns] or [none[i]], axis=-1)[..., :count] for i in (0, 1))
+        pitch, count = self.pitch, len(changes)
+        hf, hg = (np.zeros((pitch.count, NODES, size, count)) for size in (pitch.N, pitch.q))
+        some = [i for i, each in enumerate(changes) if not each.nothing]
+        if some:
+            hf[..., some], hg[..., some] = along(pitch, self.Y, self.at, [changes[i] for i in some])
         return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
 
-    def none(self) -> tuple[Array, Array]:
-        """Return what nothing makes of h f and h g."""
-        shape = self.pitch.count, NODES
-        return np.zeros((*shape, self.pitch.N)), np.zeros((*shape, self.pitch.q))
+    def _closing(self, end: Array) -> Array:
+        """Return the inverse of what closes the period: of start and cells less what they make of themselves.
 
-    def _closing(self, felt: Array) -> tuple[Array, Array]:
-        """Return what the start and felt cells make of all nodes, and the inverse of what closes the period.
-
-        That is of start and cells less what they make of themselves; `felt` is what slices gain by these cells.
+        `end` is what start and felt cells make of the states at the end.
         """
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        gained = np.zeros((*felt.shape[:3], N + felt.shape[-1]))
-        gained[..., N:] = felt
-        nodes = self.blocks.run(np.eye(N, gained.shape[-1]), gained)
         made = np.zeros((N, N + len(self.noted)))
-        made[:, [*range(N), *(N + i for i in self._feels)]] = nodes[-1, -1]
+        made[:, [*range(N), *(N + i for i in self._feels)]] = end
         back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
-        return nodes, np.linalg.inv(np.eye(len(back)) - back)
+        return np.linalg.inv(np.eye(len(back)) - back)
 
     def _right(self, hf: Array) -> Array:
         """Return the right sides of the stage equations that sources are (slices, NODES, N, k)."""
@@ -187,17 +181,17 @@ class Linear:
     def respond(self, sources: Sources, stages: Array | None = None) -> Response:
         """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
         right = self._right(sources.hf)
-        return self._responded(sources, self.blocks.solve(right if stages is None else right + stages))
+        right = right if stages is None else right + stages
+        return self._responded(sources, self.blocks.follow(np.zeros_like(sources.start), right))
 
-    def _responded(self, sources: Sources, gained: Array) -> Response:
-        """Return what sources make that add `gained` to the nodes of their slices (slices, NODES, N, k)."""
+    def _responded(self, sources: Sources, nodes: Array) -> Response:
+        """Return what sources make that, the start held, make `nodes` (slices, NODES, N, k) of the states."""
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        nodes = self.blocks.run(np.zeros_like(sources.start), gained)
         end = shifted(nodes[-1, -1], chambers)
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
         felt = cells[self._feels]
-        nodes += self._from @ np.concatenate([start, felt])
+        nodes = nodes + self._from @ np.concatenate([start, felt])
         hg = self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
         hg += sources.hg
         if len(felt):

@@ -18,6 +18,8 @@ Array = np.ndarray
 POINTS = 7  # of a step, through which a polynomial goes
 SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # shares of a step: Chebyshev's
 THROUGH = np.linalg.inv(np.vander(SAMPLES))  # coefficients of that polynomial, the highest power first
+POWERS = np.arange(POINTS - 1.0, 0.0, -1.0)
+BELOW = np.eye(POINTS - 2, k=-1)
 REAL = 1e-9  # imaginary part up to which a root is one
 
 
@@ -47,6 +49,24 @@ def _highest(life: Trajectory, times: Array, i: int, limits: tuple[float, float]
     p = [float(life.module.gas_state(float(y[0]), float(y[1]), c.P, c.TAB)[0]) for y in states]
     of_step = THROUGH @ np.array(p)
     from_, to = (min(1.0, max(0.0, (each - low) / (high - low))) for each in limits)
-    roots = np.roots(np.polyder(of_step))
-    turns = [float(each.real) for each in roots if abs(each.imag) < REAL and from_ < each.real < to]
-    return max((float(np.polyval(of_step, each)), low + (high - low) * each) for each in (from_, to, *turns))
+    turns = [float(each.real) for each in _turns(of_step) if abs(each.imag) < REAL and from_ < each.real < to]
+    coefficients = of_step.tolist()
+    return max((_value(coefficients, each), low + (high - low) * each) for each in (from_, to, *turns))
+
+
+def _turns(of_step: Array) -> Array:
+    """Return where the slope of a polynomial is nothing: eigenvalues of its companion, as `np.roots` has them."""
+    slope = of_step[:-1] * POWERS
+    if not slope[0]:
+        return np.roots(slope)
+    companion = BELOW.copy()
+    companion[0] = -slope[1:] / slope[0]
+    return np.linalg.eigvals(companion)
+
+
+def _value(coefficients: list[float], x: float) -> float:
+    """Return the value of a polynomial, the highest power first."""
+    found = 0.0
+    for each in coefficients:
+        found = found * x + each
+    return found

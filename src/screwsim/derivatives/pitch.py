@@ -128,7 +128,7 @@ class Pitch:
         """Return the rates of states and quadratures at the nodes, those of other edges where these are given."""
         slices = self.slices if edges is None else self.slices._replace(edges=edges)
         f, g = np.empty((self.count * NODES, self.N)), np.empty((self.count * NODES, self.q))
-        self._free()
+        self.free()
         self.machinery.together.slices__rates_at_all(*self._asked(Y, slices), f, g)
         return f.reshape(self.count, NODES, -1), g.reshape(self.count, NODES, -1)
 
@@ -150,7 +150,7 @@ class Pitch:
             with self.machinery.compiling("tangents"):
                 module.slices__derivatives_at_all(angles, *asked, *found)
         module.slices__derivatives_at_all(angles, *asked, *found)
-        self._free()
+        self.free()
         return found
 
     def _asked(self, Y: Array, slices: Slices) -> tuple[Any, ...]:
@@ -162,7 +162,7 @@ class Pitch:
     def _context(self) -> tuple[Any, int]:
         return self.machinery.coupled_context, self.machinery.composition.n_E_all
 
-    def _free(self) -> None:
+    def free(self) -> None:
         """Let the gas of no chamber be held in a phase."""
         c = self.machinery.composition
         self.machinery.coupled_space()["spaces"][0][(c.chambers + 1) * PLACE :] = FREE

@@ -1,4 +1,4 @@
-"""The stage equations of slices as compiled kernels: band matrices factored, all right sides solved together.
+"""The stage equations of slices as compiled kernels: band matrices factored, changes followed through all slices.
 
 Rows go by chamber, in it by node, so that a matrix whose chambers meet the next ones alone is a band. Pivots are sought
 in the band below: where a port is open the rates by the states are large and nearly of rank one.
@@ -70,70 +70,65 @@ def factor(J, widths, n, reach, M, pivots):
 
 
 @kernel
-def solve(M, pivots, n, reach, B):
-    """Solve with the factors of `factor`, right sides B (slices, 3 N, columns) in place, their rows by node."""
-    size = M.shape[1]
-    columns = B.shape[2]
-    N = size // 3
-    band = 3 * n * (reach + 1) - 1
-    place = np.empty(size, np.int64)
-    for row in range(size):
-        chamber = row // (3 * n)
-        node = (row - chamber * 3 * n) // n
-        place[row] = node * N + chamber * n + row - (3 * chamber + node) * n
-    for k in range(B.shape[0]):
-        for row in range(size):
-            a = place[row]
-            b = place[pivots[k, row]]
-            if a != b:
-                for c in range(columns):
-                    B[k, a, c], B[k, b, c] = B[k, b, c], B[k, a, c]
-            for i in range(row + 1, min(size, row + band + 1)):
-                share = M[k, i, row]
-                b = place[i]
-                if share != 0.0:
-                    for c in range(columns):
-                        B[k, b, c] -= share * B[k, a, c]
-        for row in range(size - 1, -1, -1):
-            a = place[row]
-            for j in range(row + 1, min(size, row + 2 * band + 1)):
-                share = M[k, row, j]
-                b = place[j]
-                if share != 0.0:
-                    for c in range(columns):
-                        B[k, a, c] -= share * B[k, b, c]
-            inverse = M[k, row, row]
-            for c in range(columns):
-                B[k, a, c] *= inverse
+def places(n, chambers, place):
+    """Fill place with where a row of the band, by chamber and node, stands among rows by node and chamber."""
+    for c in range(chambers):
+        for i in range(3):
+            for s in range(n):
+                place[(3 * c + i) * n + s] = (i * chambers + c) * n + s
 
 
 @kernel
-def carry(steps, gained, now, before, nodes):
-    """Fill before[k] with changes at the start of slice k, nodes[k] with those at its nodes.
+def solve(M, pivots, k, place, band, B):
+    """Solve with the factors of slice k, right sides B[k] (3 N, columns) in place, their rows by node."""
+    size = M.shape[1]
+    columns = B.shape[2]
+    for row in range(size):
+        a = place[row]
+        b = place[pivots[k, row]]
+        if a != b:
+            for c in range(columns):
+                B[k, a, c], B[k, b, c] = B[k, b, c], B[k, a, c]
+        for i in range(row + 1, min(size, row + band + 1)):
+            share = M[k, i, row]
+            b = place[i]
+            if share != 0.0:
+                for c in range(columns):
+                    B[k, b, c] -= share * B[k, a, c]
+    for row in range(size - 1, -1, -1):
+        a = place[row]
+        for j in range(row + 1, min(size, row + 2 * band + 1)):
+            share = M[k, row, j]
+            b = place[j]
+            if share != 0.0:
+                for c in range(columns):
+                    B[k, a, c] -= share * B[k, b, c]
+        inverse = M[k, row, row]
+        for c in range(columns):
+            B[k, a, c] *= inverse
 
-    They begin with `now` (N, columns), which becomes those at the end; steps (slices, 3 N, N), gained and nodes
-    (slices, 3 N, columns), before (slices, N, columns).
+
+@kernel
+def follow(M, pivots, n, reach, now, B):
+    """Follow changes through all slices, with the factors of `factor`: B (slices, 3 N, columns) become those at nodes.
+
+    They begin with `now` (N, columns), which becomes those at the end; B holds the right sides of the stage equations.
     """
-    N = now.shape[0]
-    columns = now.shape[1]
-    for k in range(gained.shape[0]):
+    size = M.shape[1]
+    N = size // 3
+    place = np.empty(size, np.int64)
+    places(n, N // n, place)
+    for k in range(B.shape[0]):
+        for row in range(size):
+            for c in range(B.shape[2]):
+                B[k, row, c] += now[row % N, c]
+        solve(M, pivots, k, place, 3 * n * (reach + 1) - 1, B)
         for i in range(N):
-            for c in range(columns):
-                before[k, i, c] = now[i, c]
-        for row in range(gained.shape[1]):
-            for c in range(columns):
-                nodes[k, row, c] = gained[k, row, c]
-            for j in range(N):
-                share = steps[k, row, j]
-                if share != 0.0:
-                    for c in range(columns):
-                        nodes[k, row, c] += share * before[k, j, c]
-        for i in range(N):
-            for c in range(columns):
-                now[i, c] = nodes[k, 2 * N + i, c]
+            for c in range(B.shape[2]):
+                now[i, c] = B[k, 2 * N + i, c]
 
 
 @cache
 def compiled() -> ModuleType:
     """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((factor, solve, carry)), "stages", fast=True)
+    return modules.load(flat_module((factor, follow)), "stages", fast=True)

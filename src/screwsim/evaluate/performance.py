@@ -52,7 +52,7 @@ def efficiencies(
     return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
     """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one."""
     ends = lines.p_s, lines.p_d, lines.T_s
@@ -63,7 +63,7 @@ def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
     return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
     """Return what `_ideal_works` does, of the fluid of a plenum."""
     isentropic = gas.isentropic_work_of_enthalpy(state.p, p_d, state.h)

@@ -8,22 +8,30 @@ from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
 from screwsim.model.trajectory import with_numbers
 
+MOST = 16  # compositions that are kept: as many as `screwsim.build.Stock` keeps machines and effects
+
 
 class Composer:
-    """Composes the scenes of a series; one that differs from the last by its operation alone gets its text.
+    """Composes the scenes of a series; one that differs from one before by its operation alone gets its text.
 
     It gets a vector P of its own: what one solution does to its numbers, another never sees.
     """
 
     def __init__(self) -> None:
-        self._last: tuple[Parts, Composition] | None = None
+        self._known: dict[tuple[int, int], tuple[Parts, Composition]] = {}  # by geometry and effects, which it holds
 
     def compose(self, parts: Parts) -> Composition:
         """Return what `compose` does."""
-        if self._last is None or not _alike(parts, self._last[0]):
-            self._last = parts, compose(parts)
-            return self._last[1]
-        return _filled(self._last[1], parts)
+        key = id(parts.geometry), id(parts.effects)
+        last = self._known.get(key)
+        if last is not None and _alike(parts, last[0]):
+            return _filled(last[1], parts)
+        self._known.pop(key, None)
+        if len(self._known) >= MOST:
+            self._known.pop(next(iter(self._known)), None)
+        found = compose(parts)
+        self._known[key] = parts, found
+        return found
 
 
 def _alike(parts: Parts, other: Parts) -> bool:

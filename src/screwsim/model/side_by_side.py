@@ -65,7 +65,7 @@ class Lanes:
         sizes = {"y": like.n, "q": like.nq, "P": len(c.P), "R": c.n_R, "counts": len(like.counts)}
         sizes |= {"kept": 2, "hints": len(like.hints), "state": len(like.spaces[0]), "own": len(like.spaces[1])}
         self._rows = {
-            name: _aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()
+            name: aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()
         }
         self._out = np.zeros(3 * LANES)
         self._n_E = c.n_E
@@ -129,7 +129,7 @@ class Lanes:
             if name in self._rows:
                 words.append(self._rows[name].ctypes.data)
             else:
-                each([_address(arrays[name]) for arrays in named])
+                each([address(arrays[name]) for arrays in named])
                 shape = (min(len(arrays[name]) for arrays in named), *shape[1:])
             words.extend(shape)
 
@@ -145,14 +145,15 @@ class Lanes:
         return np.array(words, np.int64)
 
 
-def _aligned(rows: int, of: Any) -> Array:
+def aligned(rows: int, of: Any = float) -> Array:
     """Return rows of lanes, each in a line of the processor's cache."""
     raw = np.zeros((rows + 1) * LANES, of)
     skip = -raw.ctypes.data % 64 // raw.itemsize
     return raw[skip : skip + rows * LANES].reshape(rows, LANES)
 
 
-def _address(table: Array) -> int:
+def address(table: Array) -> int:
+    """Return where the numbers of a table stand."""
     if table.flags.writeable and table.size:
         return ctypes.addressof(ctypes.c_char.from_buffer(table))  # type: ignore[arg-type]
     return table.ctypes.data  # the same, slower

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from screwsim.printing.fits import print_left_out, print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
-from screwsim.study.calibration.diagnosis import CHANCE, LEVEL, LIKELY, NONE, Diagnosis, Hypothesis
+from screwsim.study.calibration.diagnosis import Diagnosis
+from screwsim.study.calibration.hypotheses import CHANCE, LEVEL, LIKELY, NONE, Change, Hypothesis
 from screwsim.study.inputs import unit_of_change
 
 NOTHING = "nothing changed"
+TOLD = 0.01  # probability from which on a hypothesis is told in words, ...
+MOST_TOLD = 4  # ... and how many at most
 
 
 def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
@@ -24,7 +26,9 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "message": found.message,
         "level": LEVEL,
         "unchanged": dict(found.unchanged),
-        "hypotheses": [asdict(each) | {"path": each.path or None} for each in found.hypotheses],
+        "odds_of_two_changes_against_one": found.odds,
+        "hypotheses": [_hypothesis(each) for each in found.hypotheses],
+        "changed": found.changed,
         "not_told_apart": [each._asdict() for each in found.alike],
         "probability_of_a_misfit_as_large": found.chance,
         "uncertain_inputs": list(found.inputs),
@@ -32,6 +36,12 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "solutions": found.solutions,
         "failed_solutions": found.failed,
     }
+
+
+def _hypothesis(each: Hypothesis) -> dict[str, Any]:
+    own = ("probability", "log_evidence", "misfit", "freedom", "value", "change", "low", "high", "linear")
+    about = {name: getattr(each, name) for name in own}
+    return {"path": each.path or None, **about, "also": each.also, "changes": [one._asdict() for one in each.changes]}
 
 
 def print_diagnosis(found: Diagnosis) -> None:
@@ -49,35 +59,38 @@ def print_diagnosis(found: Diagnosis) -> None:
         say(wrapped(f"{found.status}: {found.message}"))
         return
     say()
-    heads = ["what changed", "probability", "by", f"{LEVEL:.0%} interval", "now", "", "misfit"]
-    say("\n".join(plain_table(heads, [_row(found, each) for each in found.hypotheses], 1)))
+    heads = ["what changed", "probable", "by", f"{LEVEL:.0%} interval", "now", "", "misfit"]
+    shown = [each for each in found.hypotheses if len(each.changes) < 2 or each.probability > LIKELY]
+    say("\n".join(plain_table(heads, [row for each in shown for row in _rows(found, each)], 1)))
     say()
     for line in _told(found):
         say(wrapped(line))
 
 
-def _row(found: Diagnosis, each: Hypothesis) -> list[str]:
-    probability = _probability(each.probability)
-    misfit = f"{each.misfit:.3g}"
-    if each.path == NONE or each.value is None:
-        return [NOTHING, probability, "", "", "", "", misfit]
-    name = _name(found, each.path) + (" *" if each.linear else "")
-    per, unit = unit_of_change(found.fit.scene, each.path, each.value)
-    low, high = (f"{per * (by or 0.0):+.2g}" for by in (each.low, each.high))
-    return [
-        name,
-        probability,
-        f"{per * (each.change or 0.0):+.3g}",
-        f"{low} … {high}",
-        f"{per * each.value:.4g}",
-        unit,
-        misfit,
-    ]
+def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
+    """Yield the row of a hypothesis, of two changes one for each."""
+    beside = [_probability(each.probability), f"{each.misfit:.3g}"]
+    if each.path == NONE:
+        yield [NOTHING, beside[0], "", "", "", "", beside[1]]
+    for number, change in enumerate(each.changes):
+        name = "+ " * (number > 0) + _name(found, change.path)
+        mark = " *" if each.linear and number + 1 == len(each.changes) else ""
+        per, unit = unit_of_change(found.fit.scene, change.path, change.value)
+        low, high = (f"{per * by:+.2g}" for by in (change.low, change.high))
+        probability, misfit = ("", "") if number else beside
+        sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", f"{per * change.value:.4g}", unit]
+        yield [name + mark, probability, *sizes, misfit]
 
 
-def _change(found: Diagnosis, each: Hypothesis) -> str:
-    per, unit = unit_of_change(found.fit.scene, each.path, each.value or 0.0)
-    return f"{per * (each.change or 0.0):+.3g} {unit}".strip()
+def _by(found: Diagnosis, change: Change) -> str:
+    per, unit = unit_of_change(found.fit.scene, change.path, change.value)
+    return f"{per * change.change:+.3g} {unit}".strip()
+
+
+def _short(found: Diagnosis, each: Hypothesis) -> str:
+    """Return a hypothesis in a few words, with its probability."""
+    parts = [f"{_name(found, change.path)} {_by(found, change)}" for change in each.changes]
+    return f"{' and '.join(parts) or NOTHING}: {_probability(each.probability)}"
 
 
 def _name(found: Diagnosis, path: str) -> str:
@@ -86,16 +99,31 @@ def _name(found: Diagnosis, path: str) -> str:
 
 
 def _probability(value: float) -> str:
-    return "< 0.0001" if value < 1e-4 else "> 0.9999" if value > 0.9999 else f"{value:.4f}"
+    if value < 1e-4:
+        return "< 0.01 %"
+    return "> 99.99 %" if value > 0.9999 else f"{100.0 * value:.3g} %" if value < 0.9995 else f"{100.0 * value:.2f} %"
 
 
 def _told(found: Diagnosis) -> Iterator[str]:
     best = found.hypotheses[0]
-    what = NOTHING if best.path == NONE else f"{best.path} has changed by {_change(found, best)}"
+    first, *rest = [f"{change.path} has changed by {_by(found, change)}" for change in best.changes] or [NOTHING]
+    what = " and ".join([first, *(text.replace(" has changed", "") for text in rest)])
     yield f"most probable: {what} ({_probability(best.probability)})"
+    others = [each for each in found.hypotheses[1:] if each.probability > TOLD]
+    if others:
+        yield f"then {'; '.join(_short(found, each) for each in others[:MOST_TOLD])}"
+    two = [each for each in found.hypotheses if len(each.changes) == 2]
+    if two:
+        changed = [f"{_name(found, path)} {_probability(each)}" for path, each in found.changed.items() if each > TOLD]
+        if changed and best.path != NONE:
+            yield f"changed, alone or with another: {', '.join(changed)}"
+        hidden = [each.probability for each in two if each.probability <= LIKELY]
+        shown = f", of which {len(hidden)} are not shown: {_probability(sum(hidden))} together" if hidden else ""
+        count = "1 pair of changes was" if len(two) == 1 else f"{len(two)} pairs of changes were"
+        yield f"{count} weighed{shown}; two changes at once are beforehand {found.odds:g} times as probable as one"
     for each in found.hypotheses:
         if each.also and each.probability > LIKELY:
-            per, unit = unit_of_change(found.fit.scene, each.path, each.value or 0.0)
+            per, unit = unit_of_change(found.fit.scene, each.path, each.changes[0].value)
             values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
             yield f"{each.path} = {values} fits nearly as well as the best of its values"
     for each in found.alike:
@@ -104,9 +132,10 @@ def _told(found: Diagnosis) -> Iterator[str]:
             f"within {each.off:.2g} uncertainties (screwsim plan says which points would tell)"
         )
     if found.chance is not None and found.chance < CHANCE:
+        several = "more than two" if two else "several"
         yield (
             f"warning: the best misfit is {best.misfit:.4g} of {best.freedom} degrees of freedom, which chance makes "
-            f"in {found.chance:.1g} of all cases: several have changed, or something else, or the uncertainties are "
+            f"in {found.chance:.1g} of all cases: {several} have changed, or something else, or the uncertainties are "
             "too small"
         )
     beside = f"; {', '.join(found.inputs)} known as tolerances and priors say" if found.inputs else ""

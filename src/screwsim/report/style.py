@@ -17,6 +17,7 @@ from screwsim.results.atomic import make_folder, replacing
 MM = 1.0 / 25.4  # [inch]
 SINGLE, DOUBLE = 88.0, 180.0  # [mm] width of one and of two columns
 SMALL = 7.0  # [pt] notes and direct labels
+DPI = 200.0
 GREY = "#6e6e6e"  # guides: lines that are no data
 
 # Colours by descending contrast: told apart in print without colour and with any colour vision.
@@ -53,7 +54,7 @@ _RC = {
     "legend.borderpad": 0.1,
     "axes.formatter.useoffset": False,
     "axes.unicode_minus": True,
-    "savefig.dpi": 200,
+    "savefig.dpi": DPI,
     "pdf.fonttype": 42,
     "figure.constrained_layout.h_pad": 0.03,
     "figure.constrained_layout.w_pad": 0.03,
@@ -86,12 +87,22 @@ def new_figure(width: float, height: float) -> Any:
 
 def write(figure: Any, folder: Path, name: str) -> list[str]:
     """Write a figure as PNG and PDF and return the paths; raise UsageError in one line when the system refuses."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
     written = []
+    figure.set_dpi(DPI)
+    layout = figure.get_layout_engine()
+    if layout is not None:
+        layout.execute(figure)  # once: all forms are to look alike. `savefig` would draw the figure twice for each
+        figure.set_layout_engine("none")
     for form, metadata in _FORMATS.items():
         path = folder / f"{name}.{form}"
         with replacing(path) as temporary, temporary.open("wb") as file:
-            figure.savefig(file, format=form, metadata=metadata)
-        figure.set_layout_engine("none")  # found once: it takes most of the time, and all forms are to look alike
+            if form == "png":
+                FigureCanvasAgg(figure).print_png(file, metadata=metadata)
+            else:
+                FigureCanvasPdf(figure).print_pdf(file, metadata=metadata)
         written.append(str(path))
     return written
 

@@ -212,7 +212,7 @@ class _Lives:
 
     def correct(self) -> bool:
         """Lead the last life to where all that follow would go; tell whether a correction was to be had."""
-        if not self.corrections.able:
+        if not self.corrections.able or (self.corrections.patience and not self.corrections.begun):
             return False
         n = self.machinery.n
         found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)

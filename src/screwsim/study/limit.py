@@ -11,12 +11,15 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+from greenlet import getcurrent, greenlet
+
 from screwsim.inputs.faults import UsageError
 
 CASE_LIMIT = 300.0  # [s] of one case; the hardest known ones take some seconds
 LEAST, MOST = 0.001, 1e8  # [s] that a case may be given: beyond, the system's timer overflows
-_deadlines: dict[int, float] = {}  # [s], by thread: a worker of a cluster may have several, a process has one timer
-_left: dict[int, float] = {}  # [s], of threads that wait for others
+# by what runs: a worker may have several threads, each several tasks in greenlets, and a process has one timer
+_deadlines: dict[greenlet, float] = {}  # [s]
+_left: dict[greenlet, float] = {}  # [s], of those that wait for others
 _lock = threading.Lock()
 
 
@@ -36,44 +39,48 @@ class Limit:
     def __enter__(self) -> None:
         if self._seconds is not None:
             with _lock:
-                _deadlines[threading.get_ident()] = time.monotonic() + self._seconds
+                _deadlines[getcurrent()] = time.monotonic() + self._seconds
                 _arm()
 
     def __exit__(self, *error: object) -> None:
         if self._seconds is not None:
             with _lock:
-                _deadlines.pop(threading.get_ident(), None)
+                _deadlines.pop(getcurrent(), None)
                 _arm()
 
 
 @contextmanager
-def running(threads: Sequence[int]) -> Iterator[None]:
-    """Let the time of these threads run within, which wait for what this one does; of none: stop that of this one."""
-    if not threads:
-        _stop([threading.get_ident()])
+def running(tasks: Sequence[greenlet]) -> Iterator[None]:
+    """Let the time of these run within, which wait for what this one does; of none: stop that of this one."""
+    if not tasks:
+        _stop([getcurrent()])
     else:
-        _go_on(threads)
+        _go_on(tasks)
     try:
         yield
     finally:
-        if not threads:
-            _go_on([threading.get_ident()])
+        if not tasks:
+            _go_on([getcurrent()])
         else:
-            _stop(threads)
+            _stop(tasks)
 
 
-def _stop(threads: Sequence[int]) -> None:
+def _stop(tasks: Sequence[greenlet]) -> None:
     with _lock:
         now = time.monotonic()
-        _left.update({one: _deadlines.pop(one) - now for one in threads if one in _deadlines})
-        _arm()
+        stopped = {one: _deadlines.pop(one) - now for one in tasks if one in _deadlines}
+        if stopped:
+            _left.update(stopped)
+            _arm()
 
 
-def _go_on(threads: Sequence[int]) -> None:
+def _go_on(tasks: Sequence[greenlet]) -> None:
     with _lock:
         now = time.monotonic()
-        _deadlines.update({one: now + _left.pop(one) for one in threads if one in _left})
-        _arm()
+        going = {one: now + _left.pop(one) for one in tasks if one in _left}
+        if going:
+            _deadlines.update(going)
+            _arm()
 
 
 def _arm() -> None:

@@ -1,9 +1,9 @@
-"""Which parameter of a machine has changed, and with what probability: single changes against none, by Bayes' rule.
+"""Which parameters of a machine have changed, and with what probability: one, two or none of them, by Bayes' rule.
 
-The machine is a fit's scene, its parameters at the means of their priors where these are stated. Each parameter alone
-may have come to lie anywhere between its bounds, or none has. Inputs of the unchanged machine are known as far as
-priors and the scene's tolerances say, and off by the same at all points. All hypotheses are judged by exact slopes at
-the unchanged machine; the likely ones are solved again at their best estimates.
+The machine is a fit's scene, its parameters at the means of their priors where these are stated. Each parameter alone,
+or each two at once, may have come to lie anywhere between their bounds, or none has. Inputs of the unchanged machine
+are known as far as priors and the scene's tolerances say, and off by the same at all points. All hypotheses are judged
+by exact slopes at the unchanged machine; the likely ones are solved again at their best estimates.
 """
 
 from __future__ import annotations
@@ -18,7 +18,21 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
+from screwsim.study.calibration import double
+from screwsim.study.calibration.double import Both, Curves, by_curves, curves_of
 from screwsim.study.calibration.fit import Fit, Parameter
+from screwsim.study.calibration.hypotheses import (
+    CHANCE,
+    LEVEL,
+    LIKELY,
+    Alike,
+    Beforehand,
+    Change,
+    Hypothesis,
+    alike,
+    by_chance,
+    probabilities,
+)
 from screwsim.study.calibration.machine import (
     Group,
     by_tolerance,
@@ -35,52 +49,21 @@ from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
-NONE = ""  # the path of the hypothesis that nothing changed
-LEVEL = 0.9  # of the intervals
 UNCHANGED = 0.5  # probability beforehand that nothing changed; the others share the rest
-LIKELY = 1e-3  # probability by slopes from which on a hypothesis is solved again, and in any case ...
-FIRST = 3  # ... so many of them
+PAIRS = 0.1  # odds beforehand of two changes at once against one
+FIRST = 3  # single changes that are solved again in any case, beside those that are likely by slopes
+LIKELY_PAIR = 1e-2  # probability from which on two changes at once are solved, ...
+MOST_PAIRS = 6  # ... at most so many of them, ...
+FIRST_PAIRS = 2  # ... and in any case so many where nothing else fits
 UNLIKELY, UNSOLVED = "hardly probable", "no other value has a solution at all points"  # why by slopes alone
-APART = 2.0  # uncertainties: nearer than that two changes make the same of the points
-CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """A change of one parameter, or none (path ''): its probability, and what is left over, chi² of all points.
-
-    `value` is what the parameter would be now, `change` from the unchanged one, between `low` and `high` with the
-    probability `LEVEL` [SI]; `also` are values that fit nearly as well, further off. `linear` says why it was not
-    solved again, '' where it was.
-    """
-
-    path: str
-    probability: float
-    log_evidence: float
-    misfit: float
-    freedom: int
-    value: float | None = None
-    change: float | None = None
-    low: float | None = None
-    high: float | None = None
-    linear: str = ""
-    also: tuple[float, ...] = ()
-
-
-class Alike(NamedTuple):
-    """Two changes that the points do not tell apart: `off` is by how many uncertainties they differ at all points."""
-
-    first: str
-    second: str
-    off: float
 
 
 @dataclass(frozen=True)
 class Diagnosis:
     """The answer: hypotheses, the most probable first; `unchanged` are the parameters [SI] of the machine as it was.
 
-    `chance` is the probability of a misfit at least as large as the best one's. `reasons` are those of points without a
-    solution. `status` ok | failed.
+    `chance` is the probability of a misfit at least as large as the best one's. `odds` are those of two changes at once
+    against one beforehand. `reasons` are those of points without a solution. `status` ok | failed.
     """
 
     fit: Fit
@@ -94,6 +77,16 @@ class Diagnosis:
     reasons: Mapping[str, str] = field(default_factory=dict)
     solutions: int = 0
     failed: int = 0
+    odds: float = 0.0
+
+    @property
+    def changed(self) -> dict[str, float]:
+        """How probable it is that each parameter has changed, alone or with another; the most probable first."""
+        sums = dict.fromkeys(self.unchanged, 0.0)
+        for one in self.hypotheses:
+            for path in one.paths:
+                sums[path] += one.probability
+        return dict(sorted(sums.items(), key=lambda item: -item[1]))
 
 
 class Here(NamedTuple):
@@ -112,16 +105,17 @@ def diagnose(
     fit: Fit,
     *,
     unchanged: float = UNCHANGED,
+    pairs: float = PAIRS,
     jobs: int | None = None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """Return which parameter of a fit's machine its points say has changed; `unchanged` is how probable none is.
+    """Return which parameters of a fit's machine its points say have changed; `unchanged` is how probable none is.
 
-    Raises UsageError where the unchanged machine lies outside a parameter's bounds.
+    `pairs` are the odds beforehand of two changes at once against one; 0: single changes alone are weighed. Raises
+    UsageError where the unchanged machine lies outside a parameter's bounds.
     """
-    if not 0.0 < unchanged < 1.0:
-        raise UsageError(f"--unchanged {unchanged:g}: is no probability between 0 and 1 (write e.g. 0.5)")
+    _check(unchanged, pairs)
     machine, before = unchanged_machine(fit)
     asked = posed(fit, machine, simulate)
     names, priors = inputs_of(fit, machine)
@@ -146,18 +140,39 @@ def diagnose(
     likely = _likely(none, by_slopes, unchanged)
     call = partial(refined, asked, white, simulate, likely, start, columns)
     solved = dict(zip(likely, each(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
-    solutions += sum(one.solutions for one in solved.values() if one)
-    failed += sum(one.failed for one in solved.values() if one)
-    best = {i: solved.get(i) or one for i, one in enumerate(by_slopes)}
-    left = [
-        one.residuals if isinstance(one, Profile) else straight(one, start[i], here_, columns[i])
-        for i, one in best.items()
-    ]
-    ranked = _ranked(asked, before, none, best, set(likely), unchanged, len(residuals))
-    alike = _alike(ranked, asked.parameters, left)
+    singles = [solved.get(i) or one for i, one in enumerate(by_slopes)]
+    odds = pairs if len(singles) > 1 else 0.0
+    prior = Beforehand(unchanged, odds, none, tuple(one.log_evidence for one in singles))
+    curves = curves_of(here_, start, columns, singles)
+    doubles = _doubles(asked, white, simulate, curves, prior, [none, *(one.misfit for one in singles)], jobs)
+    every = [*(one for one in solved.values() if one), *doubles.values()]
+    solutions += sum(one.solutions for one in every)
+    failed += sum(one.failed for one in every)
+    rows, left = _hypotheses(asked, before, singles, doubles, set(likely), prior, len(residuals))
+    for i, one in enumerate(singles):
+        left[(i,)] = one.residuals if isinstance(one, Profile) else straight(one, start[i], here_, columns[i])
+    ranked = tuple(sorted(rows, key=lambda each: -each.probability))
+    by_path = {tuple(asked.parameters[i].path for i in which): each for which, each in left.items()}
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
-    rest = (_chance(ranked), tuple(" + ".join(group) for group in (*names, *priors)), reasons, solutions, failed)
-    return Diagnosis(fit, "failed" if reasons else "ok", message, before, ranked, alike, *rest)
+    status, inputs = "failed" if reasons else "ok", tuple(" + ".join(group) for group in (*names, *priors))
+    rest = (
+        alike(ranked, by_path),
+        by_chance(ranked[0].misfit, ranked[0].freedom),
+        inputs,
+        reasons,
+        solutions,
+        failed,
+        odds,
+    )
+    return Diagnosis(fit, status, message, before, ranked, *rest)
+
+
+def _check(unchanged: float, pairs: float) -> None:
+    if not 0.0 < unchanged < 1.0:
+        raise UsageError(f"--unchanged {unchanged:g}: is no probability between 0 and 1 (write e.g. 0.5)")
+    if not (pairs >= 0.0 and np.isfinite(pairs)):
+        what = "are no odds of two changes at once against one (write e.g. 0.1, or 0 for single changes alone)"
+        raise UsageError(f"--pairs {pairs:g}: {what}")
 
 
 def here(
@@ -201,14 +216,6 @@ def _likely(none: float, by_slopes: Sequence[Along], unchanged: float) -> list[i
     return [i for rank, i in enumerate(ranked) if rank < FIRST or chances[i] > LIKELY]
 
 
-def probabilities(none: float, evidences: Sequence[float], unchanged: float) -> Array:
-    """Return the probabilities of no change (chi² `none`) and of each change, by logarithms of their evidences."""
-    logs = np.log([unchanged, *[(1.0 - unchanged) / max(len(evidences), 1)] * len(evidences)])
-    logs += np.array([-0.5 * none, *evidences])
-    weights = np.exp(logs - np.max(logs))
-    return weights / weights.sum()
-
-
 def refined(
     fit: Fit, white: Array, simulate: Simulate | None, likely: Sequence[int], start: Array, columns: Array, number: int
 ) -> Profile | None:
@@ -218,46 +225,64 @@ def refined(
     return profile(asked, white, float(start[index]), columns[index])
 
 
-def _ranked(
+def _doubles(
+    fit: Fit,
+    white: Array,
+    simulate: Simulate | None,
+    curves: Curves,
+    prior: Beforehand,
+    misfits: Sequence[float],
+    jobs: int | None,
+) -> dict[tuple[int, ...], Both]:
+    """Return the likelihoods of all pairs, those that are likely solved; none where pairs have no odds."""
+    if not prior.odds > 0.0:
+        return {}
+    found = {pair: by_curves(curves, pair, LEVEL) for pair in combinations(range(len(curves.start)), 2)}
+    tried: set[tuple[int, int]] = set()
+    while len(tried) < MOST_PAIRS:
+        order = list(found)
+        chances = prior.probabilities([found[pair].log_evidence for pair in order])[1 + len(prior.singles) :]
+        least = min([*misfits, *(one.misfit for one in found.values() if one.solved)])
+        first = FIRST_PAIRS if by_chance(least, len(white) - 1) < CHANCE else 0
+        ranked = sorted(range(len(order)), key=lambda i: -chances[i])
+        wanted = [order[i] for rank, i in enumerate(ranked) if rank < first or chances[i] > LIKELY_PAIR]
+        guesses = [(pair, found[pair]) for pair in wanted if pair not in tried][: MOST_PAIRS - len(tried)]
+        if not guesses:
+            break
+        call = partial(double.solved, fit, white, simulate, curves, guesses, LEVEL)
+        answers = each(call, len(guesses), died=lambda number: None, jobs=jobs)
+        found |= {pair: one for (pair, _), one in zip(guesses, answers, strict=True) if one}
+        tried |= {pair for pair, _ in guesses}
+    return {**found}
+
+
+def _hypotheses(
     fit: Fit,
     before: Mapping[str, float],
-    none: float,
-    best: Mapping[int, Along | Profile],
+    singles: Sequence[Along | Profile],
+    doubles: Mapping[tuple[int, ...], Both],
     likely: Set[int],
-    unchanged: float,
+    prior: Beforehand,
     count: int,
-) -> tuple[Hypothesis, ...]:
-    """Return all hypotheses, the most probable first."""
-    order = sorted(best)
-    chances = probabilities(none, [best[i].log_evidence for i in order], unchanged)
-    found = [Hypothesis(NONE, float(chances[0]), -0.5 * none, none, count)]
-    for i, chance in zip(order, chances[1:], strict=True):
-        parameter, one = fit.parameters[i], best[i]
-        was, value = before[parameter.path], parameter.value(one.estimate)
-        low, high = (parameter.value(place) - was for place in one.interval(LEVEL))
+) -> tuple[list[Hypothesis], dict[tuple[int, ...], Array]]:
+    """Return all hypotheses, and the residuals at the best values of pairs."""
+    chances = prior.probabilities([one.log_evidence for one in doubles.values()])
+    rows = [Hypothesis((), float(chances[0]), -0.5 * prior.none, prior.none, count)]
+    for i, (one, chance) in enumerate(zip(singles, chances[1:], strict=False)):
+        parameter = fit.parameters[i]
         also = tuple(map(parameter.value, one.others())) if isinstance(one, Profile) else ()
         why = "" if isinstance(one, Profile) else UNSOLVED if i in likely else UNLIKELY
-        rest = (value, value - was, low, high, why, also)
-        found.append(Hypothesis(parameter.path, float(chance), one.log_evidence, one.misfit, count - 1, *rest))
-    return tuple(sorted(found, key=lambda each: -each.probability))
+        changes = (_change(parameter, before, one.estimate, one.interval(LEVEL)),)
+        rows.append(Hypothesis(changes, float(chance), one.log_evidence, one.misfit, count - 1, why, also))
+    for (pair, one), chance in zip(doubles.items(), chances[1 + len(singles) :], strict=True):
+        ends = zip(pair, one.places, one.intervals, strict=True)
+        changes = tuple(_change(fit.parameters[i], before, place, interval) for i, place, interval in ends)
+        why = "" if one.solved else UNLIKELY
+        rows.append(Hypothesis(changes, float(chance), one.log_evidence, one.misfit, count - 2, why))
+    return rows, {pair: one.residuals for pair, one in doubles.items()}
 
 
-def _alike(ranked: Sequence[Hypothesis], parameters: Sequence[Parameter], left: Sequence[Array]) -> tuple[Alike, ...]:
-    """Return pairs of likely changes that the points do not tell apart; none where nothing changed most probably.
-
-    `left` are the residuals at the best value of each parameter.
-    """
-    by_path = {parameter.path: each for parameter, each in zip(parameters, left, strict=True)}
-    likely = [each for each in ranked if each.path and each.probability > LIKELY]
-    if ranked[0].path == NONE:
-        return ()
-    pairs = ((one, other, by_path[one.path] - by_path[other.path]) for one, other in combinations(likely, 2))
-    found = (Alike(one.path, other.path, float(np.linalg.norm(apart))) for one, other, apart in pairs)
-    return tuple(each for each in found if each.off < APART)
-
-
-def _chance(ranked: Sequence[Hypothesis]) -> float:
-    from scipy.stats import chi2
-
-    best = ranked[0]
-    return float(chi2.sf(best.misfit, max(best.freedom, 1)))
+def _change(parameter: Parameter, before: Mapping[str, float], place: float, ends: tuple[float, float]) -> Change:
+    was, value = before[parameter.path], parameter.value(place)
+    low, high = (parameter.value(end) - was for end in ends)
+    return Change(parameter.path, value, value - was, low, high)

@@ -66,7 +66,10 @@ class _Problem:
         return np.where(inside, -0.5 * left.sum(axis=-1) + wide + self._prior(places), -np.inf)
 
     def _prior(self, places: Array) -> Array:
-        """Return the logarithm of the parameters' priors; even priors in the value are so over the place if linear."""
+        """Return the logarithm of the parameters' priors, densities in the value itself, as densities over the place.
+
+        Where nothing else is known the density over the place is even.
+        """
         total = np.zeros(len(places))
         for i, parameter in enumerate(self.fit.parameters):
             prior = parameter.prior
@@ -74,7 +77,7 @@ class _Problem:
                 continue
             values = [parameter.value(float(place)) for place in places[:, i]]
             total -= 0.5 * np.array([prior.off(value) for value in values]) ** 2
-            if prior.of_scene and prior.logarithmic != parameter.logarithmic:  # else the density over the place is even
+            if prior.logarithmic != parameter.logarithmic:  # else value over place is the same everywhere
                 total += np.log([prior.slope(value) * parameter.slope(value) for value in values])
         return total
 

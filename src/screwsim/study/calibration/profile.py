@@ -7,7 +7,9 @@ solutions the residuals are interpolated (modified Akima); where the likelihood 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -26,13 +28,21 @@ BARRIER, DEEP = 2.0, 6.0  # of chi²: between two best values at least, and abov
 
 @dataclass(frozen=True)
 class Profile:
-    """Chi² over a grid of places, and residuals at the best of them; what was solved for it."""
+    """Chi² over a grid of places, and residuals at the best of them; what was solved for it.
+
+    `nodes` are the residuals at places that were solved.
+    """
 
     grid: Array
     chi_squared: Array
     residuals: Array
+    nodes: Mapping[float, Array]
     solutions: int = 0
     failed: int = 0
+
+    def curve(self) -> Callable[[Any], Array]:
+        """Return the residuals over the place, between solutions and beyond."""
+        return _between(self.nodes)
 
     @property
     def estimate(self) -> float:
@@ -105,7 +115,7 @@ def profile(asked: Objective, white: Array, place: float, slopes: Array) -> Prof
             if min(abs(each - known) for known in nodes) > max(near, 1e-5):
                 _solve(asked, white, each, nodes)
         found = _over(nodes)
-    return Profile(found.grid, found.chi_squared, found.residuals, asked.solutions, asked.failed)
+    return replace(found, solutions=asked.solutions, failed=asked.failed)
 
 
 def _solve(asked: Objective, white: Array, place: float, nodes: dict[float, Array]) -> bool:
@@ -134,16 +144,19 @@ def _walk(asked: Objective, white: Array, place: float, slopes: Array, nodes: di
         slopes = white @ asked.slopes(np.array([place]))[:, 0]
 
 
-def _over(nodes: dict[float, Array]) -> Profile:
-    """Return the likelihood from residuals at places, beyond which it is that of the outer two."""
+def _between(nodes: Mapping[float, Array]) -> Callable[[Any], Array]:
     from scipy.interpolate import Akima1DInterpolator
 
     places = np.array(sorted(nodes))
     residuals = np.array([nodes[place] for place in places])
     if len(places) > 2:
-        between = Akima1DInterpolator(places, residuals, method="makima", extrapolate=True)
-    else:
-        between = _line(places, residuals)
+        return Akima1DInterpolator(places, residuals, method="makima", extrapolate=True)
+    return _line(places, residuals)
+
+
+def _over(nodes: Mapping[float, Array]) -> Profile:
+    """Return the likelihood from residuals at places, beyond which it is that of the outer two."""
+    places, between = np.array(sorted(nodes)), _between(nodes)
     grid = np.linspace(0.0, 1.0, GRID)
     for _ in range(FINER):
         chi_squared = np.sum(between(grid) ** 2, axis=1)
@@ -152,7 +165,7 @@ def _over(nodes: dict[float, Array]) -> Profile:
         grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
     grid = np.union1d(grid, places)
     chi_squared = np.sum(between(grid) ** 2, axis=1)
-    return Profile(grid, chi_squared, between(grid[np.argmin(chi_squared)]))
+    return Profile(grid, chi_squared, between(grid[np.argmin(chi_squared)]), dict(nodes))
 
 
 def _line(places: Array, residuals: Array):

@@ -42,7 +42,7 @@ class Along:
         if self.information <= 0.0:
             return -0.5 * self.chi_squared
         sharp = self.information**0.5
-        width = _log_mass(-self.place * sharp, (1.0 - self.place) * sharp)
+        width = float(log_mass(-self.place * sharp, (1.0 - self.place) * sharp))
         return -0.5 * self.chi_squared + 0.5 * float(np.log(2.0 * np.pi / self.information)) + width
 
     def interval(self, level: float) -> tuple[float, float]:
@@ -72,11 +72,13 @@ def whitener(inputs: Array) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(np.eye(len(inputs)) + inputs @ inputs.T)), float)
 
 
-def _log_mass(low: float, high: float) -> float:
+def log_mass(low: float | Array, high: float | Array) -> Array:
     """Return the logarithm of the standard normal distribution's mass between two ends, of tails too."""
     from scipy.special import log_ndtr
 
-    if low > 0.0:
-        low, high = -high, -low
-    below, above = float(log_ndtr(low)), float(log_ndtr(high))
-    return above + float(np.log1p(-np.exp(min(below - above, -1e-300)))) if above > below else -np.inf
+    right = np.greater(low, 0.0)
+    low, high = np.where(right, -np.asarray(high), low), np.where(right, -np.asarray(low), high)
+    below, above = log_ndtr(low), log_ndtr(high)
+    inside = above > below
+    share = -np.exp(np.minimum(np.where(inside, below - above, -1.0), -1e-300))
+    return np.where(inside, above + np.log1p(share), -np.inf)

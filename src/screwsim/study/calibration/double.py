@@ -1,0 +1,170 @@
+"""Two parameters at once against measured points: their best change, and how probable that makes both.
+
+The best places are found by least squares. About them the likelihood is taken as normal (Laplace's approximation, with
+the slopes there), and its integral over the places, even between the bounds of both, is the evidence: over one place in
+closed form, over the other by the trapezoidal rule.
+
+All pairs are judged without a solution: what two changes make of the residuals is taken as the sum of what each makes
+alone, by its slopes or, where it was solved again, by its solutions. The likely pairs are then solved.
+
+Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms, Cambridge 2003, chapters 27 and 28.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.study.calibration.descent import descend
+from screwsim.study.calibration.fit import DIFFERENCES, Fit
+from screwsim.study.calibration.profile import Profile
+from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Simulate
+from screwsim.study.calibration.single import Along, log_mass
+
+STEPS, CHEAP = 8, 40  # of least squares, with solutions and without
+GRID, FINER = 401, 3  # places of a grid, and how often it is made finer where the likelihood lies
+FAR = 40.0  # of the logarithm below the largest: there is no likelihood
+APART = 1e-4  # between places for the slope of a curve through solutions
+
+Curve = Callable[[float], Array]
+
+
+@dataclass(frozen=True)
+class Both:
+    """The likelihood over two places: the best of them, its chi² and residuals, the evidence, intervals of both."""
+
+    places: tuple[float, float]
+    misfit: float
+    log_evidence: float
+    intervals: tuple[tuple[float, float], tuple[float, float]]
+    residuals: Array
+    solved: bool = False
+    solutions: int = 0
+    failed: int = 0
+
+
+Guesses = Sequence[tuple[tuple[int, int], Both]]  # pairs of parameters, and where their best places may be
+
+
+class Curves(NamedTuple):
+    """What each parameter alone makes of the whitened residuals `here` of the machine as it was, at places `start`.
+
+    `of` are the changes of the residuals over the place; `best` the best places of each alone.
+    """
+
+    here: Array
+    start: Array
+    of: tuple[Curve, ...]
+    best: Array
+
+
+def curves_of(here: Array, start: Array, columns: Array, singles: Sequence[Along | Profile]) -> Curves:
+    """Return the curves by solutions where there are any, else by slopes (parameters, n)."""
+    of = tuple(
+        _solved_curve(one, here) if isinstance(one, Profile) else _straight_curve(float(place), column)
+        for one, place, column in zip(singles, start, columns, strict=True)
+    )
+    return Curves(here, start, of, np.array([one.estimate for one in singles]))
+
+
+def _solved_curve(one: Profile, here: Array) -> Curve:
+    between = one.curve()
+    return lambda place: between(place) - here
+
+
+def _straight_curve(start: float, column: Array) -> Curve:
+    return lambda place: column * (place - start)
+
+
+def by_curves(curves: Curves, pair: tuple[int, int], level: float) -> Both:
+    """Return the likelihood over two parameters without a solution: their changes are added up."""
+    i, j = pair
+    alone = curves.start[i], curves.start[j]
+    begins = [alone, (curves.best[i], alone[1]), (alone[0], curves.best[j])]
+
+    def residuals(places: Array) -> Array:
+        return curves.here + curves.of[i](float(places[0])) + curves.of[j](float(places[1]))
+
+    def slopes(places: Array) -> Array:
+        return np.column_stack([_slope(curves.of[k], float(u)) for k, u in zip(pair, places, strict=True)])
+
+    ends = [descend(residuals, slopes, np.array(begin), CHEAP, confirmed=True)[0] for begin in begins]
+    end = min(ends, key=lambda places: float(np.sum(residuals(places) ** 2)))
+    return normal_about(end, residuals(end), slopes(end), level)
+
+
+def _slope(curve: Curve, place: float) -> Array:
+    low, high = max(0.0, place - APART), min(1.0, place + APART)
+    return (curve(high) - curve(low)) / (high - low)
+
+
+def solved(
+    fit: Fit, white: Array, simulate: Simulate | None, curves: Curves, guesses: Guesses, level: float, number: int
+) -> Both | None:
+    """Return the likelihood over one of the pairs about its best places, which solutions find from the guess.
+
+    The first slopes are those of the guess, later ones and those at the end differences. None where the best
+    places have no solution at all points.
+    """
+    pair, guess = guesses[number]
+    alone = replace(fit, parameters=tuple(fit.parameters[k] for k in pair), slopes=DIFFERENCES)
+    asked, known, begin = Objective(alone, simulate), {}, np.array(guess.places)
+    first = [np.column_stack([_slope(curves.of[k], float(u)) for k, u in zip(pair, begin, strict=True)])]
+
+    def residuals(places: Array) -> Array:
+        key = places.tobytes()
+        if key not in known:
+            there = asked.outcome(places)
+            known[key] = np.full(len(white), PENALTY) if there.reasons else white @ there.residuals
+        return known[key]
+
+    def slopes(places: Array) -> Array:
+        return first.pop() if first else white @ asked.slopes(places, 1)
+
+    end, _ = descend(residuals, slopes, begin, STEPS, confirmed=False)
+    left = residuals(end)
+    if np.any(np.abs(left) >= PENALTY):
+        return None
+    found = normal_about(end, left, white @ asked.slopes(end), level)
+    return replace(found, solved=True, solutions=asked.solutions, failed=asked.failed)
+
+
+def normal_about(places: Array, residuals: Array, slopes: Array, level: float) -> Both:
+    """Return the likelihood over two places, linear about these, from whitened residuals (n,) and slopes (n, 2)."""
+    intervals, evidence = [], -np.inf
+    for own, other in ((0, 1), (1, 0)):
+        grid, density = _over_one(places, residuals, slopes, own, other)
+        weights = np.exp(density - np.max(density))
+        mass = np.concatenate([[0.0], np.cumsum(0.5 * (weights[1:] + weights[:-1]) * np.diff(grid))])
+        tails = np.array([0.5 - 0.5 * level, 0.5 + 0.5 * level]) * mass[-1]
+        low, high = (float(each) for each in np.interp(tails, mass, grid))
+        intervals.append((low, high))
+        evidence = float(np.max(density) + np.log(mass[-1]))
+    best = float(places[0]), float(places[1])
+    return Both(best, float(residuals @ residuals), evidence, (intervals[0], intervals[1]), residuals)
+
+
+def _over_one(places: Array, residuals: Array, slopes: Array, own: int, other: int) -> tuple[Array, Array]:
+    """Return a grid of one place, and the logarithms of the likelihood integrated over the other."""
+    along, beside = slopes[:, own], slopes[:, other]
+    information = float(beside @ beside)
+
+    def density(grid: Array) -> Array:
+        off = grid - places[own]
+        chi_squared = residuals @ residuals + 2.0 * (residuals @ along) * off + (along @ along) * off**2
+        if information <= 1e-12:
+            return -0.5 * chi_squared
+        step = -(beside @ residuals + (beside @ along) * off) / information
+        centre, sharp = places[other] + step, information**0.5
+        inside = log_mass(-centre * sharp, (1.0 - centre) * sharp)
+        return -0.5 * (chi_squared - information * step**2) + 0.5 * np.log(2.0 * np.pi / information) + inside
+
+    grid = np.linspace(0.0, 1.0, GRID)
+    for _ in range(FINER):
+        there = np.flatnonzero(density(grid) > np.max(density(grid)) - FAR)
+        first, last = max(0, there[0] - 1), min(len(grid) - 1, there[-1] + 1)
+        grid = np.union1d(grid, np.linspace(grid[first], grid[last], GRID))
+    return grid, density(grid)

@@ -1,0 +1,132 @@
+"""What may have changed of a machine: hypotheses of one change, two or none, and their probabilities by Bayes' rule."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.study.calibration.residuals import Array
+
+NONE = ""  # the path of the hypothesis that nothing changed
+LEVEL = 0.9  # of the intervals
+LIKELY = 1e-3  # probability from which on a hypothesis counts
+APART = 2.0  # uncertainties: nearer than that two changes make the same of the points
+CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
+
+
+class Change(NamedTuple):
+    """What one parameter would be now, and by how much it has changed, between `low` and `high` with `LEVEL` [SI]."""
+
+    path: str
+    value: float
+    change: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A change of one parameter, of two at once, or none: its probability, and what is left over, chi² of all points.
+
+    `also` are values [SI] of one parameter that fit nearly as well, further off. `linear` says why it was not solved
+    again, '' where it was.
+    """
+
+    changes: tuple[Change, ...]
+    probability: float
+    log_evidence: float
+    misfit: float
+    freedom: int
+    linear: str = ""
+    also: tuple[float, ...] = ()
+
+    @property
+    def path(self) -> str:
+        """The path of what has changed, or two of them joined by ' + '; '' of none."""
+        return " + ".join(self.paths)
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        return tuple(each.path for each in self.changes)
+
+    def _only(self, name: str) -> float | None:
+        return getattr(self.changes[0], name) if len(self.changes) == 1 else None
+
+    @property
+    def value(self) -> float | None:
+        """What the one parameter would be now [SI]."""
+        return self._only("value")
+
+    @property
+    def change(self) -> float | None:
+        """By how much the one parameter has changed [SI]."""
+        return self._only("change")
+
+    @property
+    def low(self) -> float | None:
+        return self._only("low")
+
+    @property
+    def high(self) -> float | None:
+        return self._only("high")
+
+
+class Alike(NamedTuple):
+    """Two hypotheses that the points do not tell apart: `off`: by how many uncertainties they differ at all points."""
+
+    first: str
+    second: str
+    off: float
+
+
+class Beforehand(NamedTuple):
+    """What is known without pairs: probabilities beforehand, chi² of no change, logarithms of singles' evidences."""
+
+    unchanged: float
+    odds: float
+    none: float
+    singles: tuple[float, ...]
+
+    def probabilities(self, doubles: Sequence[float]) -> Array:
+        """Return the probabilities of no change, of each single one and of each pair, by the pairs' log evidences."""
+        return probabilities(self.none, self.singles, self.unchanged, doubles, self.odds)
+
+
+def probabilities(
+    none: float, singles: Sequence[float], unchanged: float, doubles: Sequence[float] = (), odds: float = 0.0
+) -> Array:
+    """Return the probabilities of no change (chi² `none`), of each single change and pair, by their log evidences.
+
+    `odds` are those of the pairs together against the single changes together beforehand.
+    """
+    odds = odds if doubles else 0.0
+    changed = (1.0 - unchanged) / (1.0 + odds)
+    each_one, each_two = changed / max(len(singles), 1), changed * odds / max(len(doubles), 1)
+    before = [unchanged, *[each_one] * len(singles), *[each_two] * len(doubles)]
+    logs = np.log(before) + np.array([-0.5 * none, *singles, *doubles])
+    weights = np.exp(logs - np.max(logs))
+    return weights / weights.sum()
+
+
+def alike(ranked: Sequence[Hypothesis], left: Mapping[tuple[str, ...], Array]) -> tuple[Alike, ...]:
+    """Return likely hypotheses that the points do not tell apart; none where nothing changed most probably.
+
+    Only of as many changes as the most probable one has: a pair always fits as well as each of its two alone.
+    """
+    likely = [one for one in ranked if len(one.paths) == len(ranked[0].paths) and one.probability > LIKELY]
+    if ranked[0].path == NONE:
+        return ()
+    pairs = ((one.path, other.path, left[one.paths] - left[other.paths]) for one, other in combinations(likely, 2))
+    found = (Alike(one, other, float(np.linalg.norm(apart))) for one, other, apart in pairs)
+    return tuple(one for one in found if one.off < APART)
+
+
+def by_chance(misfit: float, freedom: int) -> float:
+    """Return how probable a misfit at least as large is."""
+    from scipy.stats import chi2
+
+    return float(chi2.sf(misfit, max(freedom, 1)))
