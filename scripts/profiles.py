@@ -115,13 +115,16 @@ def paths(b: Scene) -> None:
     """Print what each leakage path of (b) takes, by its effect and the pitches between its chambers."""
     laid, whole = lay(b.machine), simulate(b, trace=False).performance
     print("\nWhat a path takes of profile (b), path by path: lambda, eta_s")
+    number = 0
     for effect, interfaces in laid.interfaces.items():
         for one in interfaces:
             closed = replace(one, table=one.table.times(1e-9))  # the same model compiled
             others = tuple(closed if other is one else other for other in interfaces)
             changed = replace(laid, interfaces={**laid.interfaces, effect: others})
-            with patch("screwsim.machine.geometry.lay", return_value=changed):
-                found = simulate(b, trace=False).performance
+            number += 1  # another machine, whose geometry is not known yet
+            other = with_values(b, {"machine.rotor_length": b.machine.rotor_length * (1.0 + 1e-13 * number)})
+            with patch("screwsim.machine.profile_law.lay", return_value=changed):
+                found = simulate(other, trace=False).performance
             gained = [found[name] - whole[name] for name in ("volumetric_efficiency", "isentropic_efficiency")]
             print(f"{effect:<18}{one.offset:>3}{gained[0]:9.4f}{gained[1]:9.4f}")
 
@@ -147,7 +150,7 @@ def _profiles_figure(results: dict[str, Result]) -> Any:
         bars = left.bar(places + 0.4 * (j - 0.5), heights, 0.38, color=SHADES[2 * j], edgecolor="black", label=text)
         left.bar_label(bars, [f"{height:.1f}" for height in heights], fontsize=SMALL)
     left.set_xticks(places, [f"({name})" for name in results])
-    left.set(ylim=(70.0, 106.0), ylabel="efficiency [%]")
+    left.set(ylim=(70.0, 106.0), yticks=range(70, 101, 5), ylabel="efficiency [%]")
     left.legend(loc="upper left")
     base = np.zeros(len(results))
     for j, loss in enumerate(LOSSES):

@@ -9,18 +9,17 @@ efficiencies of the electrical power by the ratings of semi-hermetic ones (valid
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
-
-from CoolProp.CoolProp import PropsSI
 
 from screwsim.effects.parts.rating import STANDARDS
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
+from screwsim.study.validation import sibling
 from screwsim.template import asked_of, new_scene
 
-RATED = (("-10/40", 28.3), ("-17.8/40", 36.1), ("-6.7/48.9", 25))  # the suction gas of 18.3 degC
+_ratings = sibling(Path(__file__).parents[1] / "validation" / "templates" / "ratings.py")
+RATED, ratings = _ratings.POINTS, _ratings.ratings
 OPTIONS = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
     *(("refrigeration", {"displacement": f"{flow} m^3/h"}) for flow in (100, 250, 600, 1500, 3000)),
@@ -37,8 +36,6 @@ CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
     *(("reciprocating", {"displacement": f"{flow} m^3/h"}) for flow in (10, 60)),
     *(("reciprocating", {"fluid": "R404A", "condition": f"{each} degC, {superheat} K"}) for each, superheat in RATED),
 )
-RATINGS = Path(__file__).parents[1] / "validation" / "energyplus" / "reciprocating.csv"
-SUCTION = 291.45  # [K] at which they are rated
 
 
 def row(kind: str, stated: Mapping[str, object]) -> str:
@@ -67,22 +64,6 @@ def beside(kind: str, found: Mapping[str, float]) -> str:
         asked = STANDARDS["fixed", "air"].least(found["free_air_delivered"])
         return f"package {100.0 * found['package_isentropic_efficiency']:.1f}, asked {100.0 * asked:.1f}"
     return ""
-
-
-def ratings(evaporating: float, condensing: float) -> list[float]:
-    """Return the isentropic efficiencies of the electrical power by the ratings, at saturation temperatures [K]."""
-    lines = [line for line in RATINGS.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
-    values: dict[str, dict[str, float]] = {}
-    x, y = evaporating - 273.15, condensing - 273.15
-    terms = (1.0, x, x * x, y, y * y, x * y, x**3, y**3, x * x * y, x * y * y)
-    for each in csv.DictReader(lines):
-        watts = sum(float(each[f"c{i}"]) * term for i, term in enumerate(terms))
-        values.setdefault(each["model"], {})[each["figure"]] = watts
-    low, high = (PropsSI("P", "T", T, "Q", 1, "R404A") for T in (evaporating, condensing))
-    h, s = (PropsSI(name, "T", SUCTION, "P", low, "R404A") for name in "HS")
-    rise = PropsSI("H", "P", high, "S", s, "R404A") - h
-    cooling = h - PropsSI("H", "T", condensing, "Q", 0, "R404A")
-    return [each["capacity"] / cooling * rise / each["power"] for each in values.values()]
 
 
 def rated(scene: Scene, found: Mapping[str, float]) -> str:

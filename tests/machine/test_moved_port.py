@@ -135,7 +135,7 @@ def test_a_table_beside_rotors_follows_their_ratio(tmp_path):
 def test_explain_says_where_the_moved_port_opens(tables):
     scene = tabled(tables, "machine.built_in_volume_ratio=4")
     opens = math.degrees(geometry(scene).discharge_opens)
-    told = " ".join(explain(scene).split())
+    told = " ".join(str(explain(scene)).split())
     assert f"volume ratio 4, to which the table of the discharge port is moved: opens {opens:.5g} deg (M394)" in told
 
 

@@ -178,3 +178,18 @@ def test_a_machine_gives_the_capacity_that_was_sought():
     # a solution that begins from another differs by less than the accuracy asked for
     assert again.performance.cooling_capacity == pytest.approx(1.1 * before, rel=3e-4)
     assert found.solutions < 8
+
+
+def test_a_scene_of_another_size_says_so_in_its_title(tmp_path):
+    """The title of a new scene has the size that was asked for; of a machine that was sized anew that is not true."""
+    from screwsim.scene import with_values
+    from screwsim.template import asked_of, new_scene
+
+    base = tmp_path / "machine.yaml"
+    base.write_text(new_scene("refrigeration", asked_of(None, "600 m^3/h", None, None, None, None)), encoding="utf-8")
+    values = {"machine.displacement.flow": 1250.0 / 3600.0}
+    path = tmp_path / "sized.yaml"
+    write_found(path, with_values(screwsim.load(base), values), values, str(base), [], [], "find machine.yaml")
+    again = screwsim.load(path)
+    assert again.title.endswith("600 m^3/h at 2950 rpm; resized: machine.displacement.flow = 1250 m^3/h")
+    assert again.machine.displacement.flow == pytest.approx(1250.0 / 3600.0, rel=1e-12)

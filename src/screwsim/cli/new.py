@@ -25,6 +25,9 @@ def new(
     displacement: Annotated[
         str | None, option("FLOW", "Displaced volume at the speed, e.g. '600 m^3/h' (default: the kind's).")
     ] = None,
+    diameter: Annotated[
+        str | None, option("LENGTH", "Of the male rotor, in place of --displacement, e.g. '204 mm'.")
+    ] = None,
     vi: Annotated[float | None, option("RATIO", "Built-in volume ratio (default: what the pressures ask for).")] = None,
     speed: Annotated[str | None, option("SPEED", "Of the male rotor, or the crank (default: 2950 rpm).")] = None,
     oil: Annotated[str | None, option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's).")] = None,
@@ -45,7 +48,7 @@ def new(
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
-    text = new_scene(kind, asked_of(fluid, displacement, vi, speed, oil, condition))
+    text = new_scene(kind, asked_of(fluid, displacement, vi, speed, oil, condition, diameter))
     if output is None:
         say(text.rstrip("\n"))
         return

@@ -165,7 +165,7 @@ def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     """Yield what states the machine's size and port in place of lengths and angles."""
     stated = machine.displacement
     if stated is not None:
-        flow, at = readable_quantity(KINDS["volume_flow"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
+        flow, at = readable_quantity(KINDS["displacement"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
         follows = "the rotors' size" if machine.volume.law == "profile" else "the chambers' volume"
         yield row("displacement", f"{flow} at {at}, from which {follows} follows")
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio

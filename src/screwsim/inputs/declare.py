@@ -71,6 +71,7 @@ KINDS = {
         Kind("area", "m^2", "20 cm^2", most=1e9),
         Kind("volume", "m^3", "500 cm^3", most=1e9),
         Kind("volume_flow", "m^3/s", "20 m^3/min", most=1e9),
+        Kind("displacement", "m^3/s", "600 m^3/h", most=1e9),
         Kind("pressure", "Pa", "2 bar", most=1e13),
         Kind("pressure_difference", "Pa", "0.5 bar", most=1e9),
         Kind("temperature", "K", "285 K", most=1e4, least=1.0),

@@ -82,7 +82,7 @@ class DischargePort:
 class Displacement:
     """The size of a machine as catalogues state it: the volume that it displaces at a speed of their own."""
 
-    flow: float = quantity("volume_flow", "displaced volume a time, of all chambers", gt=0.0, hardly=(1e-3, 10.0))
+    flow: float = quantity("displacement", "displaced volume a time, of all chambers", gt=0.0, hardly=(1e-3, 10.0))
     at: float = quantity("speed", "speed of the male rotor at which that is (catalogues: 2950 rpm)", gt=0.0)
 
     @property

@@ -19,8 +19,9 @@ LINE = 4.2  # of a line of text, of SIZE points
 SIZE, TITLE, HEAD = 8.0, 13.0, 9.5  # [pt]
 EM = 0.53 * SIZE * 25.4 / 72.0  # [mm] mean width of a letter
 DRAWN = 54.0  # height of a drawing, its legend with it
-ABREAST = 2  # narrow tables, and drawings
+ABREAST, DRAWINGS = 2, 3  # narrow tables, and drawings where there are so many
 MOST_ROWS = 30  # that a table keeps together
+BOLD, FOOT = 0.21, 80  # [mm] mean width of a bold letter a point; letters of the title at the foot of a page
 NAMES = 26.0  # [mm] of the names of the lines
 LETTERS = int((WIDE - 2.0 * EDGE) / EM)
 
@@ -40,7 +41,8 @@ class Paper:
             figure.set_layout_engine("none")
             self.pages.append(figure)
             self.at = EDGE
-            foot = f"{self.title}  ·  screwsim {version()}  ·  page {len(self.pages)}"
+            title = textwrap.shorten(self.title, FOOT, placeholder=" …")
+            foot = f"{title}  ·  screwsim {version()}  ·  page {len(self.pages)}"
             self.text(EDGE, HIGH - 0.5 * EDGE, foot, size=6.5, color=GREY)
 
     def text(self, x: float, y: float, words: str, size: float = SIZE, **look: Any) -> None:
@@ -84,8 +86,9 @@ def pages_of(sheet: Any) -> list[Any]:
         _line(paper, name, words)
     for tables in _beside(sheet.tables):
         _tables(paper, tables)
-    for i in range(0, len(sheet.drawings), ABREAST):
-        _drawings(paper, sheet.drawings[i : i + ABREAST])
+    abreast = DRAWINGS if len(sheet.drawings) == DRAWINGS else ABREAST
+    for i in range(0, len(sheet.drawings), abreast):
+        _drawings(paper, sheet.drawings[i : i + abreast], abreast)
     if sheet.verdict is not None:
         what, words, good = sheet.verdict
         _heading(paper, what, 2.0 * LINE)
@@ -193,13 +196,13 @@ def _cells(paper: Paper, table: Any, cells: Sequence[str], x: float, rights: Seq
 # ---- drawings ----------------------------------------------------------------------------------------------------
 
 
-def _drawings(paper: Paper, drawings: Sequence[Any]) -> None:
+def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int) -> None:
     paper.room(DRAWN + 12.0)
     paper.down(7.0)
-    width = 0.5 * (WIDE - 2.0 * EDGE - GUTTER)
+    width = (WIDE - 2.0 * EDGE - (abreast - 1) * GUTTER) / abreast
     for number, one in enumerate(drawings):
         x = EDGE + number * (width + GUTTER)
-        paper.text(x, paper.at, one.title, HEAD, weight="bold")
+        paper.text(x, paper.at, one.title, min(HEAD, width / (BOLD * len(one.title))), weight="bold")
         legend = 6.0 if any(curve.name for curve in one.curves) else 0.0
         left, low = x + 11.0, paper.at + 3.0 + DRAWN - 11.0
         box = left / WIDE, 1.0 - low / HIGH, (width - 11.0) / WIDE, (DRAWN - 13.0 - legend) / HIGH

@@ -64,7 +64,7 @@ def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, order
     )
     left.set(xlim=(0.0, longest), ylim=(0.0, highest), ylabel="frequency (Hz)")
     right.set(yscale="log", ylim=(0.2, None), ylabel="coupling torque, amplitude (N m)")
-    left.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
+    left.legend(loc="center right", bbox_to_anchor=(1.0, 0.3))  # below the lines of the orders
     right.legend(loc="lower left", frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")

@@ -17,6 +17,7 @@ from screwsim.scene.write import quoted
 from screwsim.study.calibration.scene import keys
 
 BEGINS = "# Found by: screwsim "  # a scene that a study wrote
+SIZES = {"machine.displacement.flow", "machine.rotor_diameter", "machine.rotor_length", "machine.volume.max"}
 
 
 def check_scene_file(path: Path, option: str = "-o") -> None:
@@ -42,6 +43,9 @@ def write_found(
     """
     make_folder(path.parent)
     head = f"{BEGINS}{' '.join(told.split())}\n"
+    sizes = [f"{path} = {text_of(leaf_of(found, path), value)}" for path, value in values.items() if path in SIZES]
+    if sizes:  # the title may say another one
+        found = replace(found, title="; ".join(filter(None, (found.title, f"resized: {', '.join(sizes)}"))))
     text = head + _over(found, values, file, overrides, without, path.parent)
     if not _same(text, found, path.parent):
         text = head + scene_text(replace(found, folder=os.path.abspath(path.parent)))
@@ -60,6 +64,8 @@ def _over(
         tree.setdefault("effects", {})[name] = "off"
     for path, value in values.items():
         _put(tree, path, text_of(leaf_of(found, path), value))
+    if not SIZES.isdisjoint(values):
+        _put(tree, "title", quoted(found.title))
     lines = [f"base: {quoted(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
     return "\n".join([*lines, *_lines(tree, "")]) + "\n"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,9 @@ from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.near import nearest
 from screwsim.scene.units import NUMBER, Refused, over, parse_quantity
+from screwsim.template import sizes
 
+SPEED = 2950.0 * math.pi / 30.0  # [rad/s] of screws
 ATMOSPHERE = 1e5  # [Pa] of the surroundings of a template, as ISO 1217 has it
 _PAIR = re.compile(rf"\s*({NUMBER})\s*([^/,]*?)\s*/\s*({NUMBER})\s*([^,]*?)\s*(?:,\s*(.+?)\s*)?")
 
@@ -38,6 +41,7 @@ class Asked:
     ratio: float | None = None  # built-in
     oil: str | None = None
     condition: str | None = None
+    diameter: float | None = None  # of the male rotor, from which the flow follows
 
 
 def asked_of(
@@ -47,6 +51,7 @@ def asked_of(
     speed: str | None,
     oil: str | None,
     condition: str | None,
+    diameter: str | None = None,
 ) -> Asked:
     """Return what is asked for; raise UsageError, in one line, for what cannot be."""
     if fluid is not None and constants.limits(fluid) is None:
@@ -60,10 +65,17 @@ def asked_of(
         raise UsageError(f"--oil {oil}: is no stored oil{hint} (there are: {', '.join(OILS)})")
     if vi is not None and not 1.0 < vi <= 12.0:
         raise UsageError(f"--vi {vi:g}: a built-in volume ratio lies above 1 and at most at 12 (write e.g. --vi 3)")
-    flow = None if displacement is None else _quantity("--displacement", "volume_flow", displacement, "600 m^3/h")
-    return Asked(
-        fluid, flow, None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm"), vi, oil, condition
-    )
+    flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
+    at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
+    if diameter is None:
+        return Asked(fluid, flow, at, vi, oil, condition)
+    if flow is not None:
+        raise UsageError("--diameter: is given beside --displacement, which states it, too (remove one of the two)")
+    rotor = _quantity("--diameter", "length", diameter, "204 mm")
+    if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
+        ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
+        raise UsageError(f"--diameter {diameter}: screws are cut from {ends} (choose one within)")
+    return Asked(fluid, sizes.displaced(rotor, at or SPEED), at, vi, oil, condition, rotor)
 
 
 def _quantity(option: str, kind: str, text: str, example: str) -> float:

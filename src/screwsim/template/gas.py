@@ -5,20 +5,28 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from screwsim.effects.oil_drag import end_drag, tip_drag
 from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
+from screwsim.machine.rotors.families import FAMILIES
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, Condition, beside_of, condition_of, refused
+from screwsim.template.refrigeration import OILS_FOR
 
 RPM = math.pi / 30.0
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; an expander's: what a filled inlet gives
 DRY = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
 AIR_OIL = 4.0  # kilograms per kilogram of air that leave oil some 30 K warmer (validation/cagi)
 LEAVES, WARMED = 353.15, 30.0  # [K]: what leaves a booster, and by how much its oil is warmed
-LEAST_OIL = 2.0  # kilograms per kilogram of gas
+LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # kilograms per kilogram of gas; of the displaced volume (air packages: 0.5 %)
+UNCOOLED = 0.75  # of the way from the suction to where nothing is cooled, that gas and oil leave at most
+COMPRESSING = 0.88  # for an estimate: efficiency without friction, which goes with the size and not with the gas
+FRICTION = 1.5  # over that of the films alone: bearings, and oil that is brought to speed
 SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut
 FAN = 0.04  # of the motor
+SOLIDITY = 0.63  # of end faces, as the text of flooded machines has it
 
 
 class Duty(NamedTuple):
@@ -59,7 +67,7 @@ def _duty(asked: Asked, fluid: str, example: str, temperature: str, expands: boo
 def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: float, speed: float) -> dict[str, str]:
     usual = sizes.matching(duty.ratio, duty.k, share)
     return {
-        "machine": texts.machine(size, asked.ratio, usual, duty.ratio, flow, speed),
+        "machine": texts.machine(size, asked, usual, duty.ratio, flow, speed),
         "flow": sizes.flow_text(flow),
         "speed": sizes.rpm(speed),
         "low": duty.at.low_text,
@@ -84,7 +92,7 @@ def air(asked: Asked) -> str:
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **motor,
-        "flooded": texts.flooded(size),
+        "flooded": texts.flooded(size, LEAVES),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(AIR_OIL * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
         "free_air": f"{60.0 * LAMBDA * flow:.3g} m^3/min",
@@ -94,21 +102,43 @@ def air(asked: Asked) -> str:
     return texts.filled("air", values)
 
 
+def _friction(size: sizes.Size, speed: float, oil: str) -> float:
+    """Return what the films of oil in tip and end gaps take [W] (M141, M142), as warm as they should be."""
+    rotors, big, gap = FAMILIES["b"], size.diameter / 0.240, sizes.GAP * size.clearance
+    total = 0.0
+    for ratio, lobes in ((1.0, rotors.male_lobes), (rotors.male_lobes / rotors.female_lobes, rotors.female_lobes)):
+        total += tip_drag(ratio * speed, size.diameter, lobes, size.length, 0.003 * big, gap)
+        total += end_drag(ratio * speed, size.diameter, SOLIDITY, gap)
+    return OILS[oil].viscosity_at(LEAVES - 0.5 * WARMED) * total
+
+
+def _condenses(fluid: str, duty: Duty) -> bool:
+    """Tell whether a gas at the temperature that comes in would be liquid at the pressure that goes out."""
+    limits = constants.limits(fluid)
+    return limits is not None and duty.T < limits.T_critical and constants.dew_pressure(fluid, duty.T) < duty.at.high
+
+
 def booster(asked: Asked) -> str:
     """Return the scene of a screw that sucks gas at pressure: a fuel-gas booster, or a second stage."""
-    fluid, oil = asked.fluid or "Methane", asked.oil or "PAG_100"
+    fluid = asked.fluid or "Methane"
+    oil = asked.oil or OILS_FOR.get(fluid.lower(), "PAG_100")
     flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, "5/20 bar", "20 degC")
     c_p = duty.R * duty.k / (duty.k - 1.0)
-    left = duty.work / ETA - c_p * (LEAVES - duty.T)
-    ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(LEAVES - 0.5 * WARMED) * WARMED)) / 2.0
+    gas_flow = LAMBDA * flow * duty.density
+    taken = max(duty.work / ETA, duty.work / COMPRESSING + FRICTION * _friction(size, speed, oil) / gas_flow)
+    leaves = min(LEAVES, 273.15 + 5.0 * math.floor((duty.T + UNCOOLED * taken / c_p - 273.15) / 5.0))
+    left = taken - c_p * (leaves - duty.T)
+    least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
+    ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * WARMED)) / 2.0
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
-        **_motor(LAMBDA * flow * duty.density * duty.work / ETA),
-        "flooded": texts.flooded(size),
+        **_motor(gas_flow * taken),
+        "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
+        "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not is_blend(fluid) else "",
         "oil": oil,
-        "oil_ratio": f"{max(LEAST_OIL, ratio):g}",
+        "oil_ratio": f"{max(math.ceil(2.0 * least) / 2.0, ratio):g}",
     }
     return texts.filled("booster", values)
 

@@ -22,6 +22,7 @@ WALL = 0.57  # of the way from suction gas to that compressed without loss: 360 
 def reciprocating(asked: Asked) -> str:
     """Return the scene of one cylinder."""
     refused("--vi", asked.ratio, "a cylinder has no built-in volume ratio, its valves open by themselves (remove it)")
+    refused("--diameter", asked.diameter, "is of rotors; a bore follows from --displacement (write that)")
     refused("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
     fluid, speed, example = asked.fluid or "R134a", asked.speed or 1450.0 * RPM, "-10/40 degC, 20 K"
     flow = asked.flow or 10.0 / 3600.0

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from screwsim.machine.rotors.families import FAMILIES
 from screwsim.machine.stated import unit_volume
 
+SMALLEST, LARGEST = 0.05, 0.55  # [m], diameters of rotors that are cut
 KNOWN = 0.160  # [m], diameter of the machine that was fitted
 GAP, SHAFTS = 26e-6, 9.6e-6  # [m], [m^2]
 LANDS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}  # [m] along the leak (validation/bitzer/machine.yaml)

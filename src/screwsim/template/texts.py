@@ -9,8 +9,7 @@ from string import Template
 
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
-
-SMALLEST, LARGEST = 0.05, 0.55  # [m] of rotors that are cut
+from screwsim.template.asked import Asked
 
 
 @cache
@@ -26,29 +25,35 @@ def filled(name: str, values: Mapping[str, str]) -> str:
 def sized(flow: float, speed: float) -> sizes.Size:
     """Return the rotors that displace a flow [m³/s] at a speed [rad/s]; raise UsageError for none that are cut."""
     size = sizes.size_of(flow, speed)
-    if SMALLEST <= size.diameter <= LARGEST:
+    if sizes.SMALLEST <= size.diameter <= sizes.LARGEST:
         return size
-    ends = [sizes.displaced(diameter, speed) for diameter in (SMALLEST, LARGEST)]
+    ends = [sizes.displaced(diameter, speed) for diameter in (sizes.SMALLEST, sizes.LARGEST)]
     stated = f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}"
-    what = f"would take rotors of {sizes.mm(size.diameter)}; screws are cut from {sizes.mm(SMALLEST)} to"
+    what = f"would take rotors of {sizes.mm(size.diameter)}; screws are cut from {sizes.mm(sizes.SMALLEST)} to"
     usual = " to ".join(f"{float(f'{3600.0 * each:.2g}'):g} m^3/h" for each in ends)
-    raise UsageError(f"{stated}: {what} {sizes.mm(LARGEST)} (choose {usual}, or another --speed)")
+    raise UsageError(f"{stated}: {what} {sizes.mm(sizes.LARGEST)} (choose {usual}, or another --speed)")
 
 
-def machine(size: sizes.Size, asked: float | None, usual: float, pressures: float, flow: float, speed: float) -> str:
-    """Return the section of the machine; `asked` is a built-in volume ratio, `usual` what the pressures call for."""
+def machine(size: sizes.Size, asked: Asked, usual: float, pressures: float, flow: float, speed: float) -> str:
+    """Return the section of the machine; `usual` is the built-in volume ratio that the pressures call for."""
     told = f"for a pressure ratio of {pressures:.3g}; machines are sold with 1.8 to 5"
-    if asked is not None:
+    if asked.ratio is not None:
         told = f"as asked; a pressure ratio of {pressures:.3g} calls for about {usual:g}"
     values = {
-        "diameter": sizes.mm(size.diameter, 4),
-        "length": sizes.mm(size.length, 4),
-        "flow": sizes.flow_text(flow),
-        "speed": sizes.rpm(speed),
-        "ratio": f"{asked or usual:g}",
+        "size": _size(size, asked.diameter is not None, sizes.flow_text(flow), sizes.rpm(speed)),
+        "ratio": f"{asked.ratio or usual:g}",
         "ratio_told": told,
     }
     return filled("rotors", values)
+
+
+def _size(size: sizes.Size, by_diameter: bool, flow: str, speed: str) -> str:
+    """Return the lines that state how large a machine is: by its rotors, or as catalogues do."""
+    diameter, length = sizes.mm(size.diameter, 6 if by_diameter else 4), sizes.mm(size.length, 4)
+    if by_diameter:
+        return f"  rotor_diameter: {diameter}    # rotors of {length} length follow, which displace {flow} at {speed}"
+    told = f"  # the size as catalogues state it; the rotors that follow are {diameter} x {length}"
+    return f"{told}\n  displacement: {{flow: {flow}, at: {speed}}}"
 
 
 def ports(size: sizes.Size, viscosity: str = "") -> str:
@@ -57,11 +62,12 @@ def ports(size: sizes.Size, viscosity: str = "") -> str:
     return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
 
 
-def flooded(size: sizes.Size) -> str:
-    """Return what a flooded machine on a gas has, sizes as shares of that of configs/air/fixed_speed_7.yaml."""
+def flooded(size: sizes.Size, leaves: float) -> str:
+    """Return what a flooded machine on a gas has that leaves it with a temperature [K]; sizes as in configs/air."""
     big = size.diameter / 0.240
     values = {
         "ports": ports(size),
+        "leaves": f"{leaves - 273.15:.0f} degC",
         "gap": sizes.um(sizes.GAP * size.clearance),
         "shaft": sizes.mm(0.105 * big),
         "shaft_clearance": sizes.um(42e-6 * size.clearance),

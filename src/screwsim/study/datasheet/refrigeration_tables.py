@@ -133,7 +133,7 @@ def part_loads(rated: Rating) -> Iterator[Table]:
             note += (
                 f"; best Vi: machine.built_in_volume_ratio of the best COP at that load, within {low:.3g} … {high:.3g}"
             )
-        yield Table("Part load at equal loads", heads, rows, note, left=1)
+        yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
 
 def envelope_table(rated: Rating) -> Iterator[Table]:

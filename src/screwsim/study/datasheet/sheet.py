@@ -20,11 +20,12 @@ class Table:
     rows: Sequence[Sequence[str]]
     note: str = ""
     left: int = 0
+    across: bool = False
 
     @property
     def wide(self) -> bool:
-        """Tell whether it asks for the width of a page: by its columns, or by words in them."""
-        return len(self.heads) > COLUMNS or any(len(cell) > LETTERS for row in self.rows for cell in row)
+        """Tell whether it asks for the width of a page: by itself, by its columns, or by words in them."""
+        return self.across or len(self.heads) > COLUMNS or any(len(cell) > LETTERS for row in self.rows for cell in row)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,188 @@
+"""What the machines that `screwsim new` writes do, beside machines of their kind that were measured or rated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from CoolProp.CoolProp import PropsSI
+
+from screwsim.effects.parts.rating import STANDARDS
+from screwsim.outputs import Figures
+from screwsim.scene import loads
+from screwsim.simulate import simulate
+from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, read_table, sibling, trend
+from screwsim.template import asked_of, new_scene
+
+ratings = sibling(Path(__file__).parent / "ratings.py")
+
+TITLE = "New scenes: volumetric and isentropic efficiencies beside those of real machines"
+CITATION = (
+    "Screws: mean curves of validation/bitzer. Reciprocating: ratings of validation/energyplus. Air: 10 CFR 431.345 "
+    "and the sheet of validation/cagi. Expanders: Hsu et al., Energies 7 (2014) 6172; Ziviani et al. in the library "
+    "ORCmKit; Dumont et al., ORC 2017 (expanders.csv says what of each was at hand)"
+)
+ABOUT = (
+    "Machines as `screwsim new KIND` writes them, nothing adjusted to what they are compared with, but that gaps, "
+    "ports and friction of flooded screws were fitted to one machine within those mean curves (160 mm, R134a). "
+    "Tolerances are taken, not the sources' own: a template is no machine of a maker, and a mean holds machines of "
+    "several sizes. Expanders: gaps and friction are assumed; a single screw is another kind of machine, shown for "
+    "its size alone. For boosters that suck gas at pressure, and for ammonia, no measured or rated volumetric or "
+    "isentropic efficiency with its conditions was found: those rows have no verdict; λ and η_s rest on the laws and "
+    "on what was fitted on R134a."
+)
+OPTIONS = ("fluid", "displacement", "vi", "speed", "oil", "condition")
+FILLED, WORK, SMALL, RECIPROCATING, EXPANDER = 0.04, 0.06, 0.08, 0.05, 0.05  # tolerances
+SIZES = (100, 250, 600, 1500, 3000)  # m³/h
+BEST = 0.845  # of the sheet of validation/cagi at full flow
+TAKEN = "taken: a mean over machines of several sizes"
+
+
+def figures(kind: str, **stated: object) -> Figures:
+    """Return the figures of a new machine; raise NotRun where its cycle does not close."""
+    result = simulate(loads(new_scene(kind, asked_of(*(stated.get(name) for name in OPTIONS)))), trace=False)  # type: ignore[arg-type]
+    if result.status != "ok":
+        raise NotRun(f"new {kind} {stated}: {result.told}")
+    return result.performance
+
+
+def mean_curve(here: Path) -> tuple[float, float]:
+    """Return λ and η_s of compact screws at 0/40 °C."""
+    rows = read_table(here.parent / "bitzer" / "conditions.csv")
+    row = next(row for row in rows if (row["evaporating_degC"], row["condensing_degC"]) == ("0", "40"))
+    return float(row["volumetric_efficiency"]), float(row["isentropic_efficiency"])
+
+
+def _screws(here: Path, found: Mapping[int, Figures]) -> Iterator[Row]:
+    filled, work = mean_curve(here)
+    for flow, each in found.items():
+        name, narrow = f"refrigeration, R134a, 0/40 °C, {flow} m³/h", SMALL if flow < 200 else FILLED
+        own = each.volumetric_efficiency, each.isentropic_efficiency
+        yield equal(f"{name}: λ", 100.0 * own[0], 100.0 * filled, 100.0 * narrow, "published", unit="%", basis=TAKEN)
+        yield equal(f"{name}: η_s", 100.0 * own[1], 100.0 * work, 100.0 * WORK, "published", unit="%", basis=TAKEN)
+
+
+def _air() -> Iterator[Row]:
+    for flow in (200, 1200):
+        found = figures("air", displacement=f"{flow} m^3/h")
+        least, own = (
+            STANDARDS["fixed", "air"].least(found["free_air_delivered"]),
+            found["package_isentropic_efficiency"],
+        )
+        yield trend(
+            f"air, {flow} m³/h: isentropic efficiency of the package",
+            f"{100.0 * own:.1f} %",
+            f"{100.0 * least:.1f} % must be, {100.0 * BEST:.1f} % has the best sheet at hand",
+            least <= own <= BEST,
+        )
+
+
+def _reciprocating() -> Iterator[Row]:
+    for condition, superheat in ratings.POINTS:
+        found = figures("reciprocating", fluid="R404A", condition=f"{condition} degC, {superheat} K")
+        evaporating, condensing = (float(each) + 273.15 for each in condition.split("/"))
+        every = ratings.ratings(evaporating, condensing)
+        own = 100.0 * found["electrical_isentropic_efficiency"]
+        name, middle = f"reciprocating, R404A, {condition} °C: electrical η_s", 50.0 * (min(every) + max(every))
+        within = 50.0 * (max(every) - min(every)) + 100.0 * RECIPROCATING
+        basis = "half the spread of six ratings, and 5 points, taken"
+        yield equal(name, own, middle, within, "published", unit="%", basis=basis)
+
+
+def measured(here: Path) -> dict[str, dict[str, str]]:
+    """Return the measured expanders by name."""
+    return {row["name"]: row for row in read_table(here / "expanders.csv")}
+
+
+def hermetic(row: Mapping[str, str], flow: str = "375 m^3/h") -> Figures:
+    """Return the figures of a new expander of a size at the saturation pressures of a source, 5 K superheated."""
+    T = [float(row[name]) + 273.15 for name in ("evaporating_degC", "condensing_degC")]
+    high, low = (1e-5 * PropsSI("P", "T", each, "Q", 1, row["fluid"]) for each in T)
+    at = f"{high:.5g}/{low:.5g} bar, {T[0] - 273.15 + 5.0:.5g} degC"
+    return figures("expander", fluid=row["fluid"], displacement=flow, condition=at)
+
+
+def grooved(row: Mapping[str, str]) -> Figures:
+    """Return the figures of a new expander that displaces what the single screw of a source does, at its conditions."""
+    flow = 60e-6 * float(row["groove_volume_cm3"]) * float(row["speed_rpm"])
+    at = f"{row['inlet_bar']}/{row['outlet_bar']} bar, {row['inlet_degC']} degC"
+    stated = {
+        "displacement": f"{flow:.6g} m^3/h",
+        "speed": f"{row['speed_rpm']} rpm",
+        "vi": float(row["built_in_ratio"]),
+    }
+    return figures("expander", fluid=row["fluid"], condition=at, **stated)
+
+
+def _expanders(here: Path) -> Iterator[Row]:
+    known = measured(here)
+    row = known["hermetic"]
+    found = {flow: hermetic(row, f"{flow} m^3/h") for flow in (200, 375, 600)}
+    electrical = {flow: 100.0 * each.electrical_isentropic_efficiency for flow, each in found.items()}
+    shaft = 100.0 * found[375].isentropic_efficiency
+    yield equal(
+        "expander, R245fa, 101/45 °C, 375 m³/h: electrical η_s",
+        electrical[375],
+        100.0 * float(row["efficiency"]),
+        100.0 * EXPANDER,
+        "published",
+        unit="%",
+        basis="5 points, taken: the best that was measured, its size and speed not at hand",
+        note=f"200 m³/h: {electrical[200]:.1f} %, 600: {electrical[600]:.1f} %; at the shaft of 375: {shaft:.1f} %",
+    )
+    row = known["single_screw"]
+    single = grooved(row)
+    name, why = "expander, R245fa, 10/1.67 bar, 147 m³/h", "a single screw: another kind of machine"
+    pairs = (
+        ("electrical η_s", 100.0, "%", single.electrical_isentropic_efficiency, "efficiency"),
+        ("filling factor", 1.0, "", single.filling_factor, "filling_factor"),
+    )
+    for what, scale, unit, own, column in pairs:
+        theirs = scale * float(row[column])
+        yield equal(f"{name}: {what}", scale * own, theirs, None, "published", unit=unit, note=why, comparable=False)
+    small = hermetic(known["hermetic"], "20 m^3/h")
+    told = (
+        f"{100.0 * small.electrical_isentropic_efficiency:.1f} % at {-1e-3 * small.electrical_power:.2f} kW, 101/45 °C"
+    )
+    theirs = f"{100.0 * float(known['oil_free']['efficiency']):.0f} % at some 2 kW"
+    note = "a twin screw without oil; its conditions are not at hand"
+    yield Row("expander, R245fa, 20 m³/h: electrical η_s", told, theirs, "published", "no verdict", note=note)
+
+
+def _unmeasured() -> Iterator[Row]:
+    cases = {
+        "booster, methane, 5/20 bar, 600 m³/h": figures("booster"),
+        "refrigeration, ammonia, -10/35 °C, 600 m³/h": figures(
+            "refrigeration", fluid="Ammonia", condition="-10/35 degC"
+        ),
+    }
+    for name, each in cases.items():
+        told = f"λ {100.0 * each.volumetric_efficiency:.1f} %, η_s {100.0 * each.isentropic_efficiency:.1f} %"
+        yield Row(name, told, "none found", "estimate", "no verdict")
+
+
+def compare(here: Path) -> Comparison:
+    """Return the rows of all kinds, and the figure of refrigeration machines over their size."""
+    screws = {flow: figures("refrigeration", displacement=f"{flow} m^3/h") for flow in SIZES}
+    rows = [*_screws(here, screws), *_air(), *_reciprocating(), *_expanders(here), *_unmeasured()]
+    mean, flows = mean_curve(here), [float(flow) for flow in SIZES]
+    own = [
+        [100.0 * getattr(each, name) for each in screws.values()]
+        for name in ("volumetric_efficiency", "isentropic_efficiency")
+    ]
+    panels = tuple(
+        Panel(
+            "displacement / m³/h",
+            label,
+            (
+                Series("new refrigeration machines, R134a, 0/40 °C", flows, values),
+                Series("mean of compact screws", flows[1:4], [100.0 * theirs] * 3, theirs=True, error=100.0 * within),
+            ),
+            log_x=True,
+        )
+        for label, values, theirs, within in (
+            ("volumetric efficiency / %", own[0], mean[0], FILLED),
+            ("isentropic efficiency / %", own[1], mean[1], WORK),
+        )
+    )
+    return Comparison(TITLE, CITATION, ABOUT, rows, panels)
