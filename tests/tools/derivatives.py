@@ -10,6 +10,7 @@ each. Central differences over one, two and four times `STEP` are extrapolated t
 results differ the reference is uncertain (`own`). Errors count over the slope, or over `LEAST` percent per percent
 where it is less. A pair that errs by more than `GOOD` is listed with its reason: `kink` where differences to both sides
 disagree, `reference` where that is no better itself, `slices` where finer slices bring it nearer, else `unexplained`.
+`--quick` tries none of these: `open`.
 `--again` finds the exact derivatives anew beside the references that a file holds.
 """
 
@@ -175,7 +176,7 @@ def rows(scene: Scene, paths: Sequence[str]) -> Iterator[Row]:
     leases.give_back(other)
 
 
-def judged(scene: Scene, found: list[Row], exact: Exact | None = None) -> None:
+def judged(scene: Scene, found: list[Row], exact: Exact | None = None, quick: bool = False) -> None:
     """Write the error and the reason of a miss into each row."""
     for row in found:
         row["error"] = _error(row, row["exact"])
@@ -189,6 +190,8 @@ def judged(scene: Scene, found: list[Row], exact: Exact | None = None) -> None:
             row["reason"] = "kink"
         elif row["own"] > 0.3 * row["error"]:
             row["reason"] = "reference"
+        elif quick:
+            row["reason"] = "open"
         else:
             if fine is None:
                 exact = exact or Exact(scene)
@@ -262,6 +265,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, help="the first scene, of a run in parts")
     parser.add_argument("--accuracy", type=float, help="of all scenes (default: their own)")
     parser.add_argument("--again", nargs="+", metavar="PAIRS", default=[], help="beside the references of these files")
+    parser.add_argument("--quick", action="store_true", help="try no finer slices: the reason of other misses is open")
     parser.add_argument("-o", metavar="PAIRS", help="file of all pairs")
     parser.add_argument("--misses", metavar="MISSES", help="file of those that miss, with their reasons")
     return parser.parse_args()
@@ -277,7 +281,7 @@ def of_scene(asked: argparse.Namespace, number: int, old: list[Row]) -> list[Row
         else:
             there = list(moving(scene))
             found = list(rows(scene, list(random.choice(there, min(asked.paths, len(there)), replace=False))))
-        judged(scene, found, exact)
+        judged(scene, found, exact, asked.quick)
     except (NotClosed, NotTight, Impossible, SceneError, UsageError) as error:
         print(f"{number} {name}: {type(error).__name__}: {error}", file=sys.stderr)
         return []
