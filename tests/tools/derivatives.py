@@ -243,7 +243,8 @@ def told(pairs: Sequence[Row]) -> None:
         print(f"{len(those)} {what}: median {np.median(errors):.1e}, {shares}", file=sys.stderr)
     for closing in CLOSINGS:
         errors = np.array([row["error"] for row in pairs if row["closing"] == closing])
-        print(f"closed by {closing}: {len(errors)}, {np.mean(errors < GOOD):.2%} below {GOOD:g}", file=sys.stderr)
+        if len(errors):
+            print(f"closed by {closing}: {len(errors)}, {np.mean(errors < GOOD):.2%} below {GOOD:g}", file=sys.stderr)
     print(f"misses: {dict(Counter(row['reason'] for row in misses))}", file=sys.stderr)
 
 
