@@ -2,18 +2,36 @@
 
 from dataclasses import replace
 
+import numpy as np
+
+from screwsim.build import Temperatures, filled, open_temperatures
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
+from screwsim.cycle.problem import Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
+from screwsim.solve.circuit import KPA, asked_of, unknowns_of
 
 RTOL, TOLERANCE = 1e-8, 1e-10  # of a step, of a change: differences over 1e-4 are good to 1e-5
 BOUND = 1e-4  # on the balances, which such steps keep anyway
+MOST = 10**9  # evaluations: as many as it takes
+AROUND = 1e-3  # [K, kPa] over which what the surroundings make of themselves is differenced ...
+AGREED = 1e-9  # ... and up to which they are left open
+TURNS = 12  # of the surroundings
 
 
-def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANCE):
-    """Return the evaluation of a problem's cycle, of coupled chambers, begun from a life near by where one is given."""
+class NotTight(Exception):
+    """A cycle does not close as tightly as a reference must."""
+
+
+def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANCE, widths=None):
+    """Return the evaluation of a problem's cycle, of coupled chambers, begun from a life near by where one is given.
+
+    `widths` [Pa] of the regularisation are those of the problem where none are given.
+    """
     wanted = replace(problem.wanted, rtol=rtol, tolerance=tolerance, bound=BOUND, closing="coupled")
+    wanted = wanted if widths is None else replace(wanted, widths=widths)
     machinery.begin(problem.composition)
     if begun is None:
         close(problem, machinery, problem.wanted)
@@ -24,6 +42,58 @@ def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANC
         machinery.composition.P[:] = numbers
         set_lines(problem, machinery, float(begun.ends[0][0]), 0.0)
         set_unknowns(problem, machinery, met)
-    cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
-    assert cycle.status == "ok"
+    cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery), most=MOST)
+    if cycle.status != "ok":
+        raise NotTight(f"a cycle is {cycle.status} at {rtol:g} a step")
     return Evaluation(problem, cycle.trajectory, cycle.q)
+
+
+class Tight:
+    """Tightly closed cycles around one scene, what lies around the machine closed with each of them."""
+
+    def __init__(self, problem, machinery, widths=None, rtol=RTOL, tolerance=TOLERANCE):
+        """`problem` stands at what lies around it, as a solution found that."""
+        self.machinery, self.series, self.how = machinery, Series(), (rtol, tolerance, widths)
+        lost = (2, 3) if problem.scene.losses is not None else ()
+        self.open = [*(i for i, each in enumerate(open_temperatures(problem.scene)) if each), *lost]
+        self.x, self.begun, self.inverse = unknowns_of(problem), None, None
+        base = self._closed(problem.scene, self.x)
+        self.begun = base.life
+        if self.open:
+            off = self._off(base)
+            columns = []
+            for i in self.open:
+                x = self.x.copy()
+                x[i] += AROUND
+                columns.append((self._off(self._closed(problem.scene, x)) - off) / AROUND)
+            self.inverse = np.linalg.inv(np.array(columns).T)
+        self.base = self.of(problem.scene)
+        self.begun, self.x = self.base.life, unknowns_of(self.base.problem)
+
+    def of(self, scene):
+        """Return the evaluation of a scene near by."""
+        x = self.x.copy()
+        found = self._closed(scene, x)
+        for _ in range(TURNS if self.open else 0):
+            off = self._off(found)
+            if np.abs(off).max() < AGREED:
+                break
+            x[self.open] -= self.inverse @ off
+            found = self._closed(scene, x)
+        return found
+
+    def _off(self, of):
+        asked = asked_of(of)
+        if asked is None:
+            raise NotTight("gas and oil do not part")
+        return asked.off[self.open]
+
+    def _closed(self, scene, x):
+        if any(open_temperatures(scene)):
+            self.series.temperatures = Temperatures(*x[:2].tolist())
+            scene = filled(scene, self.series.temperatures)
+        if scene.losses is not None:
+            self.series.losses = PressureLosses(*(KPA * x[2:4]).tolist())
+            scene = replace(scene, losses=self.series.losses)
+        rtol, tolerance, widths = self.how
+        return closed_tightly(problem_of(scene, self.series), self.machinery, self.begun, rtol, tolerance, widths)

@@ -1,63 +1,94 @@
-"""Are derivatives exact? Random scenes: exact derivatives beside differences of tightly closed cycles.
+"""Are derivatives exact? Random scenes of all effects: exact derivatives beside differences of tightly closed cycles.
 
-    python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [-LOG10(ACCURACY)] > outcome.csv
+    python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [--first N] [--accuracy A] [-o PAIRS] [--misses MISSES]
+    python tests/tools/derivatives.py --again PAIRS … [-o …] [--misses …]
 
-Scenes are drawn around some bases (their numbers up to a tenth off), a few numbers of each are taken, and each figure's
-derivative is held against central differences of cycles closed at 1e-8 a step with the same regularisation: those over
-`STEP` and over twice that, extrapolated to none (Richardson). What extrapolation changes is the reference's own error,
-`own`: pairs whose reference is not good to `GOOD` are told apart, as they are no evidence. A row a pair; what was found
-is summed up on stderr. Errors count over the slope, or over `LEAST` percent per percent where it is less.
+Scenes are drawn around shipped ones and the structures of `effects_space`, their numbers up to a tenth off, closed by
+histories and by coupled chambers in turn. A few numbers of each are taken, and each figure's derivative is held against
+differences of cycles closed at `RTOL` a step with the same regularisation, what lies around the machine closed with
+each. Central differences over one, two and four times `STEP` are extrapolated twice (Richardson); by what both
+results differ the reference is uncertain (`own`). Errors count over the slope, or over `LEAST` percent per percent
+where it is less. A pair that errs by more than `GOOD` is listed with its reason: `kink` where differences to both sides
+disagree, `reference` where that is no better itself, `slices` where finer slices bring it nearer, else `unexplained`.
+`--quick` tries none of these: `open`.
+`--again` finds the exact derivatives anew beside the references that a file holds.
 """
 
 from __future__ import annotations
 
+import argparse
 import csv
 import sys
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.derivatives.around import derivatives
-from screwsim.derivatives.closed import NotClosed, collocated
-from screwsim.derivatives.figures import figures_of
-from screwsim.inputs.faults import Impossible, UsageError
-from screwsim.scene import Scene, cross_check, load, with_values
-from screwsim.solve.accurately import solve
-from screwsim.study.local import numeric_paths
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws", "derivatives")]
+import effects_space  # noqa: E402
+from tight import NotTight, Tight  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "derivatives"))
-from tight import closed_tightly
+from screwsim.cycle.guess import leased  # noqa: E402
+from screwsim.cycle.problem import Series, problem_of  # noqa: E402
+from screwsim.derivatives import closed, slices, solving  # noqa: E402
+from screwsim.derivatives.around import derivatives  # noqa: E402
+from screwsim.derivatives.closed import NotClosed, collocated  # noqa: E402
+from screwsim.derivatives.figures import figures_of  # noqa: E402
+from screwsim.inputs.faults import Impossible, SceneError, UsageError  # noqa: E402
+from screwsim.model import leases  # noqa: E402
+from screwsim.scene import Scene, cross_check, load, with_values  # noqa: E402
+from screwsim.solve.circuit import solved, steady  # noqa: E402
+from screwsim.study.local import numeric_paths  # noqa: E402
 
-ROOT = Path(__file__).parents[2]
-BASES = (
-    ("configs/paper/point.yaml", ("numerics.closing=histories",)),
-    ("configs/paper/point.yaml", ("numerics.closing=coupled",)),
-    ("tests/plain/r134a.yaml", ()),
-    ("configs/r454b/point.yaml", ()),
-    ("configs/r134a/point.yaml", ("oil_supply.temperature=327 K",)),  # else its circuit would be closed each time
-)
+SHIPPED = {
+    "paper": "configs/paper/point.yaml",
+    "r134a": "tests/plain/r134a.yaml",
+    "blend": "configs/r454b/point.yaml",
+    "r134a's machine": "configs/r134a/point.yaml",
+}
+NAMES = (*SHIPPED, *effects_space.STRUCTURES)
+CLOSINGS = "histories", "coupled"
 OFF = 0.1  # of a number, in a random scene
-STEP = 5e-5  # of a number, in differences; of an angle a tenth: a percent of it is several degrees
-GOOD = 1e-5  # own error of a reference that is evidence
+STEP = 3e-4  # of a number, in differences; of an angle a tenth: a percent of it is several degrees
+MANY = np.array((1.0, 2.0, 4.0))
+GOOD = 1e-5
+KINK = 30.0  # times what the reference is uncertain by, by which both sides differ ...
+BENT = 1e-3  # ... and times the slope
 LEAST = 1e-2  # percent per percent
-RTOL, TOLERANCE = 1e-8, 1e-10  # of a step and of a change, of reference cycles
+RTOL, TOLERANCE = 3e-9, 1e-10  # of a step and of a change, of reference cycles
+FINER = 0.03  # of the error of a slice, to tell what is owed to them
 FIXED = ("machine.rotor", "effects.blow_hole.opens", "effects.blow_hole.closes")  # angles that belong to the machine
 LIMITS = (1e-5, 1e-4, 1e-3, 1e-2)
-ANGLES = ("opens", "phi_A", "phi_B", "phi_C", "closes")
+ANGLES = ("opens", "phi_A", "phi_B", "phi_C", "closes", "opens_moved")
+COLUMNS = ("scene", "base", "closing", "path", "figure", "value", "exact", "differences", "error", "own", "jump")
+COLUMNS = (*COLUMNS, "left", "right", "reason")
+Row = dict[str, Any]
+_SIDE = np.linalg.inv(np.vander(np.append(0.0, MANY), increasing=True))[1]  # weights of a difference to one side
+
+
+def scene_of(number: int, seed: int, accuracy: float | None = None) -> tuple[str, str, Scene]:
+    """Return the name of what a scene is drawn around, its closing, and the scene."""
+    random, name = np.random.default_rng((seed, number)), NAMES[number % len(NAMES)]
+    closing = CLOSINGS[(number + number // len(NAMES)) % 2]
+    changes = [f"numerics.closing={closing}", *([f"numerics.accuracy={accuracy}"] if accuracy else [])]
+    if name in SHIPPED:
+        base = load(ROOT / SHIPPED[name], changes)
+    else:
+        structure = effects_space.STRUCTURES[name]
+        base = load(ROOT / "configs" / structure.config, [*structure.sets, *changes])
+    return name, closing, drawn(base, random)
 
 
 def drawn(scene: Scene, random: np.random.Generator) -> Scene:
     """Return a scene with other numbers: angles by a degree, temperatures by two kelvin, others by a tenth."""
-    values, _ = numeric_paths(scene)
     for _ in range(100):
         changes = {}
-        for path, value in values.items():
+        for path, value in moving(scene).items():
             by = float(random.uniform(-1.0, 1.0))
-            if path.startswith(FIXED) or not value:
+            if path.startswith(FIXED):
                 continue
             if path.endswith(ANGLES):
                 changes[path] = value + by * np.radians(1.0)
@@ -68,77 +99,211 @@ def drawn(scene: Scene, random: np.random.Generator) -> Scene:
         found = with_values(scene, changes)
         if not cross_check(found):
             return found
-    raise ValueError("no scene that makes sense was drawn")
+    raise UsageError("no scene that makes sense was drawn")
 
 
-def rows(scene: Scene, paths: list[str]) -> Iterator[dict[str, Any]]:
-    """Yield a row for each figure and path of a scene."""
+def moving(scene: Scene) -> dict[str, float]:
+    """Return the numbers [SI] of a scene that it takes: those of another kind of part may not even be stated."""
     values, _ = numeric_paths(scene)
-    problem = problem_of(scene)
-    machinery, series = leased(problem), Series()
-    accurate = solve(problem, machinery)
-    if accurate.cycle.status != "ok":
-        return
-    cycle = collocated(problem, machinery, accurate.evaluation.life)
-    widths = accurate.wanted.widths
-    slopes, _ = derivatives(cycle, {path: values[path] for path in paths})
-    other = leased(problem)
-    base = closed_tightly(problem, other, None, RTOL, TOLERANCE)
+    return {path: value for path, value in values.items() if value and not cross_check(shifted(scene, path, STEP))}
+
+
+def shifted(scene: Scene, path: str, by: float) -> Scene:
+    """Return a scene with a number shifted by a share of itself."""
+    return with_values(scene, {path: numeric_paths(scene)[0][path] * (1.0 + by)})
+
+
+class Exact:
+    """The exact derivatives of a scene, as `sensitivities` has them."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Solve it; raise UsageError with the reason where differences of cycles stand in."""
+        self.scene, self.series, self.values = scene, Series(), numeric_paths(scene)[0]
+        self.problem, search = steady(problem_of(scene, self.series), self.series)
+        why = solving._refused(self.problem)
+        if why:
+            raise UsageError(why)
+        self.machinery = leased(self.problem)
+        accurate = solved(self.problem, self.machinery, None, search)
+        if accurate.cycle.status != "ok":
+            raise UsageError("the cycle does not close")
+        of, self.widths = accurate.evaluation, accurate.wanted.widths
+        self.problem, self.life = of.problem, of.life
+
+    def slopes(self, paths: Sequence[str]) -> dict[str, dict[str, float]]:
+        """Return derivatives [SI] by path and figure times the number at the path."""
+        cycle = collocated(self.problem, self.machinery, self.life)
+        found, _ = derivatives(cycle, {path: self.values[path] for path in paths})
+        return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
+
+    def finer(self, paths: Sequence[str]) -> dict[str, dict[str, float]]:
+        """Return the same with finer slices."""
+        usual = closed.ERROR, slices.RING, slices.WIDER
+        closed.ERROR, slices.RING, slices.WIDER = FINER * usual[0], 0.2 * usual[1], 0.5 * (1.0 + usual[2])
+        try:
+            return self.slopes(paths)
+        finally:
+            closed.ERROR, slices.RING, slices.WIDER = usual
+
+
+def rows(scene: Scene, paths: Sequence[str]) -> Iterator[Row]:
+    """Yield a row for each figure and path of a scene."""
+    exact = Exact(scene)
+    slopes = exact.slopes(paths)
+    other = leased(exact.problem)
+    tight = Tight(exact.problem, other, exact.widths, RTOL, TOLERANCE)
+    at = figures_of(tight.base)
     for path in slopes:
         step = 0.1 * STEP if path.endswith(ANGLES) else STEP
-        shifts = [values[path] * (1.0 + by * step) for by in (1.0, -1.0, 2.0, -2.0)]
-        sides = [_tight(problem, series, other, base, path, value) for value in shifts]
-        at = figures_of(base)
+        signs = (1.0, -1.0)
+        sides = [
+            [figures_of(tight.of(shifted(scene, path, sign * step * many))) for many in MANY.tolist()] for sign in signs
+        ]
         for name, slope in slopes[path].items():
-            if not at.get(name) or any(name not in each for each in sides):
+            if not at.get(name) or any(name not in each for side in sides for each in side):
                 continue
-            near = (sides[0][name] - sides[1][name]) / (2.0 * step * at[name])
-            far = (sides[2][name] - sides[3][name]) / (4.0 * step * at[name])
-            ours, theirs = slope * values[path] / at[name], (4.0 * near - far) / 3.0
+            above, below = (np.array([each[name] for each in side]) / at[name] for side in sides)
+            near, middle, far = ((above - below) / (2.0 * step * MANY)).tolist()
+            theirs = (4.0 * middle - far) / 3.0
             size = max(abs(theirs), LEAST)
-            error, own = abs(ours - theirs) / size, abs(theirs - near) / size
-            found = {"path": path, "figure": name, "exact": ours, "differences": theirs, "error": error, "own": own}
-            yield found | {"w": widths[0]}
+            right, left = (
+                float(sign * _SIDE @ np.append(1.0, each)) / step
+                for sign, each in zip(signs, (above, below), strict=True)
+            )
+            own = abs((4.0 * near - middle) / 3.0 - theirs) / size
+            found = {"path": path, "figure": name, "value": at[name], "exact": slope / at[name], "own": own}
+            yield found | {"differences": theirs, "jump": abs(right - left) / size, "left": left, "right": right}
+    leases.give_back(other)
 
 
-def _tight(problem: Problem, series: Series, machinery: Any, base: Any, path: str, value: float) -> dict[str, float]:
-    other = problem_of(with_values(problem.scene, {path: value}), series)
-    return figures_of(closed_tightly(other, machinery, base.life, RTOL, TOLERANCE))
+def judged(scene: Scene, found: list[Row], exact: Exact | None = None, quick: bool = False) -> None:
+    """Write the error and the reason of a miss into each row."""
+    for row in found:
+        row["error"] = _error(row, row["exact"])
+        row["reason"] = ""
+    missed = [row for row in found if not row["error"] < GOOD]
+    if not missed:
+        return
+    fine = None
+    for row in missed:
+        if row["jump"] > max(BENT, KINK * row["own"]):
+            row["reason"] = "kink"
+        elif row["own"] > 0.3 * row["error"]:
+            row["reason"] = "reference"
+        elif quick:
+            row["reason"] = "open"
+        else:
+            if fine is None:
+                exact = exact or Exact(scene)
+                try:
+                    fine = exact.finer(sorted({each["path"] for each in missed}))
+                except NotClosed:
+                    fine = {}
+            value = fine.get(row["path"], {}).get(row["figure"])
+            error = np.inf if value is None else _error(row, value / row["value"])
+            row["reason"] = "slices" if error < max(GOOD, 0.3 * row["error"]) else "unexplained"
 
 
-def main(scenes: int = 10, count: int = 6, seed: int = 1, digits: int = 0) -> None:
-    """Write the rows of random scenes as CSV, and a summary on stderr."""
-    random, errors, others, every = np.random.default_rng(seed), [], [], 0
-    writer = None
-    for number in range(scenes):
-        file, changes = BASES[number % len(BASES)]
-        finer = [f"numerics.accuracy=1e-{digits}"] if digits else []
-        scene = drawn(load(ROOT / file, [*changes, *finer]), random)
-        values, _ = numeric_paths(scene)
-        felt = [path for path, value in values.items() if value]
-        try:
-            found = list(rows(scene, list(random.choice(felt, count, replace=False))))
-        except (NotClosed, Impossible, UsageError, AssertionError) as error:
-            print(f"{number} {file}: {type(error).__name__}: {error}", file=sys.stderr)
-            continue
+def _error(row: Row, exact: float) -> float:
+    return abs(exact - row["differences"]) / max(abs(row["differences"]), LEAST)
+
+
+def again(scene: Scene, found: list[Row]) -> Exact:
+    """Find the exact derivatives of a scene's rows anew."""
+    exact = Exact(scene)
+    slopes = exact.slopes(list(dict.fromkeys(row["path"] for row in found)))
+    for row in found:
+        row["exact"] = slopes[row["path"]][row["figure"]] / row["value"]
+    return exact
+
+
+def read(files: Sequence[str]) -> dict[int, list[Row]]:
+    """Return the rows of files by the number of their scene."""
+    found: dict[int, list[Row]] = {}
+    for file in files:
+        with open(file, encoding="utf-8", newline="") as stream:
+            for line in csv.DictReader(stream):
+                words = {"scene", "base", "closing", "path", "figure", "reason"}
+                row: Row = {name: each if name in words else float(each) for name, each in line.items()}
+                found.setdefault(int(row["scene"]), []).append(row)
+    return found
+
+
+def told(pairs: Sequence[Row]) -> None:
+    """Print what was found to stderr."""
+    misses = [row for row in pairs if row["reason"]]
+    sure = [row for row in pairs if row["own"] <= GOOD]
+    print(f"{len(pairs)} pairs of {len({row['scene'] for row in pairs})} scenes", file=sys.stderr)
+    steep = [row for row in sure if abs(row["differences"]) > LEAST]
+    angled = [row for row in sure if not row["path"].endswith(ANGLES)]
+    of = "pairs", "whose reference is good", f"... and of a slope above {LEAST:g}", "... and without angles"
+    for those, what in zip((pairs, sure, steep, angled), of, strict=True):
+        errors = np.array([row["error"] for row in those])
+        shares = ", ".join(f"{np.mean(errors < limit):.2%} below {limit:g}" for limit in LIMITS)
+        print(f"{len(those)} {what}: median {np.median(errors):.1e}, {shares}", file=sys.stderr)
+    for closing in CLOSINGS:
+        errors = np.array([row["error"] for row in pairs if row["closing"] == closing])
+        if len(errors):
+            print(f"closed by {closing}: {len(errors)}, {np.mean(errors < GOOD):.2%} below {GOOD:g}", file=sys.stderr)
+    print(f"misses: {dict(Counter(row['reason'] for row in misses))}", file=sys.stderr)
+
+
+def written(file: str, found: Sequence[Row]) -> None:
+    """Write rows to a file."""
+    with open(file, "w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
         for row in found:
-            row = {"scene": number, "base": file, **row}
-            if writer is None:
-                writer = csv.DictWriter(sys.stdout, list(row))
-                writer.writeheader()
-            writer.writerow(row)
-            if row["own"] <= GOOD:
-                errors.append(row["error"])
-                if not row["path"].endswith(ANGLES):
-                    others.append(row["error"])
-            every += 1
-        worst = max((row["error"] for row in found), default=0.0)
-        print(f"{number} {file}: {len(found)} pairs, largest error {worst:.1e}", file=sys.stderr)
-    print(f"{every - len(errors)} of {every} pairs have a reference that is no evidence", file=sys.stderr)
-    for those, what in ((errors, "pairs"), (others, "pairs without angles")):
-        shares = ", ".join(f"{np.mean(np.array(those) < limit):.1%} below {limit:g}" for limit in LIMITS)
-        print(f"{len(those)} {what}: median {np.median(those):.1e}, {shares}", file=sys.stderr)
+            writer.writerow({name: f"{each:.9g}" if isinstance(each, float) else each for name, each in row.items()})
+
+
+def arguments() -> argparse.Namespace:
+    """Return what is asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenes", type=int, nargs="?", default=len(NAMES))
+    parser.add_argument("paths", type=int, nargs="?", default=4, help="numbers of each scene")
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    parser.add_argument("--first", type=int, default=0, help="the first scene, of a run in parts")
+    parser.add_argument("--accuracy", type=float, help="of all scenes (default: their own)")
+    parser.add_argument("--again", nargs="+", metavar="PAIRS", default=[], help="beside the references of these files")
+    parser.add_argument("--quick", action="store_true", help="try no finer slices: the reason of other misses is open")
+    parser.add_argument("-o", metavar="PAIRS", help="file of all pairs")
+    parser.add_argument("--misses", metavar="MISSES", help="file of those that miss, with their reasons")
+    return parser.parse_args()
+
+
+def of_scene(asked: argparse.Namespace, number: int, old: list[Row]) -> list[Row]:
+    """Return the judged rows of one scene; none, with the reason on stderr, where it has no exact derivatives."""
+    name, closing, scene = scene_of(number, asked.seed, asked.accuracy)
+    random, exact = np.random.default_rng((asked.seed, number, 1)), None
+    try:
+        if old:
+            found, exact = old, again(scene, old)
+        else:
+            there = list(moving(scene))
+            found = list(rows(scene, list(random.choice(there, min(asked.paths, len(there)), replace=False))))
+        judged(scene, found, exact, asked.quick)
+    except (NotClosed, NotTight, Impossible, SceneError, UsageError) as error:
+        print(f"{number} {name}: {type(error).__name__}: {error}", file=sys.stderr)
+        return []
+    worst = max((row["error"] for row in found), default=0.0)
+    missed = sum(bool(row["reason"]) for row in found)
+    print(f"{number} {name}, {closing}: {len(found)} pairs, {missed} missed, worst {worst:.1e}", file=sys.stderr)
+    return [{"scene": number, "base": name, "closing": closing, **row} for row in found]
+
+
+def main() -> None:
+    """Write the rows of random scenes, and a summary on stderr."""
+    asked = arguments()
+    old, pairs = read(asked.again), []
+    for number in sorted(old) or range(asked.first, asked.first + asked.scenes):
+        pairs += of_scene(asked, number, old.get(number, []))
+        if asked.o:
+            written(asked.o, pairs)
+    told(pairs)
+    if asked.misses:
+        written(asked.misses, [row for row in pairs if row["reason"]])
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main()

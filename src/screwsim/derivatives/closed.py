@@ -23,6 +23,7 @@ from screwsim.derivatives.slices import (
     edges_of,
     refined,
     ringed,
+    seams_of,
 )
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
@@ -40,6 +41,7 @@ SETTLED = 0.1  # of a slice's error: what states leave open of which its estimat
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 SMALL = 1e-3  # of a state, for relative residuals
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
+LOST = 20.0  # layers from any crossing, where one of before is not there any more
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -82,18 +84,18 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory) -> Clos
 def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float) -> Closed:
     """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
     machinery.put(life)
-    breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
-    plain = edges_of(machinery, steps)
+    seams, tolerance = seams_of(machinery, problem.parts), ERROR * problem.scene.numerics.accuracy
+    plain = edges_of(machinery, seams, steps)
     pitch = Pitch(problem, machinery, between(plain))
     Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
     for left in range(ROUNDS, 0, -1):
-        pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns, _peak(pitch))))
+        pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
         placed = near(pitch, SETTLED * tolerance) if nearly > CLOSED else None
         if placed is None:
             Y, linear = _closed(pitch, nearly, kept)
         start, Y = placed or (pitch.begin(Y), Y)
-        before, turns, errors = turns, crossings(pitch), errors_of(pitch, start, Y)
+        before, turns, errors = turns, _with_lost(crossings(pitch), turns), errors_of(pitch, start, Y)
         good = errors.max() <= tolerance
         if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
             break
@@ -109,6 +111,12 @@ def _peak(pitch: Pitch) -> float:
     """Return where in a pitch [rad] the pressure of the last history is highest; NaN for nowhere."""
     c = pitch.machinery.composition
     return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
+
+
+def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
+    """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not."""
+    lost = [one for one in before if all(abs(one.angle - each.angle) > LOST * one.layer for each in turns)]
+    return sorted([*turns, *lost])
 
 
 def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:

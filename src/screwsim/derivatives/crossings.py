@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import numpy as np
 
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.slices import SHARES, Crossing
 from screwsim.effects.base import FlowPath
-from screwsim.model.slots import P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
+from screwsim.model.slots import P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import brentq
 
@@ -15,40 +18,75 @@ Array = np.ndarray
 PLACED = 1e-10  # of the distance between two of these, and of the angle: how well a crossing is placed
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
 LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
+STEEP = 1.0  # of a slice: layers of gaps that are wider are resolved anyway
+
+
+class Side(NamedTuple):
+    """A chamber, at an angle [rad] of its life when the pitch begins, or a line of a pressure [Pa], at none."""
+
+    start: float | None
+    line: float = 0.0
 
 
 def crossings(pitch: Pitch) -> list[Crossing]:
-    """Return where flows through ports turn round in the last history, by their angles.
+    """Return where flows turn round in the last history, by their angles: those through ports, and steep ones of gaps.
 
-    Those through gaps are left out: what they carry is little, and the same slices would be needed for each.
+    What a gap carries is little, but near its turn as steep in the pressures as that of a port.
     """
-    c, R, parts = pitch.machinery.composition, pitch.machinery.R, pitch.problem.parts
     life, slices = pitch.machinery.trajectory, pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
+    wide, found = np.repeat(slices.widths, len(LOOKED)), []
+    for own, beyond, width, turns in _turning(pitch, angles):
+        for k in np.flatnonzero(turns).tolist():
+            ends = float(angles[k]), float(angles[k + 1])
+            crossing = _crossing(life, own, beyond, ends, float(width[k]))
+            if crossing is not None and (beyond.start is None or crossing.layer < STEEP * wide[k]):
+                found.append(crossing)
+    return sorted(set(found))
+
+
+def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, Array]]:
+    """Yield the sides of each open path, the width [Pa] of its regularisation, and behind which angles it turns."""
+    c, R, parts = pitch.machinery.composition, pitch.machinery.R, pitch.problem.parts
+    life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     whole = (starts[:, None] + angles).ravel()
     p = life.states_at(whole)[:, -1].reshape(c.chambers, -1)
-    found: list[Crossing] = []
-    for i, path in enumerate(path for _, path in parts.all(FlowPath) if path.to != "neighbour"):
-        areas = np.empty(len(whole))
-        life.module.trace__areas_along(whole, i, True, c.P, c.TAB, areas)
-        number, is_open = parts.number(path.to), areas.reshape(c.chambers, -1) > 0.0
-        line, width = float(R[number * PLACE + PRESSURE]), float(c.P[P_PORT_WIDTH + number])
-        for j, start in enumerate(starts.tolist()):
-            turns = ((p[j, :-1] - line) * (p[j, 1:] - line) < 0.0) & is_open[j, :-1] & is_open[j, 1:]
-            for k in np.flatnonzero(turns).tolist():
-                found.append(_crossing(life, start, (float(angles[k]), float(angles[k + 1])), line, width))
-    return sorted(found)
+    for path in (path for _, path in parts.all(FlowPath)):
+        of_port, areas = path.to != "neighbour", np.empty(len(whole))
+        life.module.trace__areas_along(whole, ports if of_port else gaps, of_port, c.P, c.TAB, areas)
+        ports, gaps = ports + of_port, gaps + (not of_port)
+        is_open = areas.reshape(c.chambers, -1) > 0.0
+        if of_port:
+            number = parts.number(path.to)
+            line, width = float(R[number * PLACE + PRESSURE]), float(c.P[P_PORT_WIDTH + number])
+            sides = [(j, Side(None, line), np.full(len(angles), line)) for j in range(c.chambers)]
+            widths = np.full(p.shape, width)
+        else:  # those ahead of the last one are the discharge, whose port tells
+            ahead = range(path.offset, c.chambers)
+            sides = [(j, Side(float(starts[to])), p[to]) for j, to in enumerate(ahead)]
+            widths = float(c.P[P_GAP_WIDTH]) * p
+        for j, beyond, there in sides:
+            drop = p[j] - there
+            turns = (drop[:-1] * drop[1:] < 0.0) & is_open[j, :-1] & is_open[j, 1:]
+            yield Side(float(starts[j])), beyond, widths[j], turns
 
 
-def _crossing(life: Trajectory, start: float, ends: tuple[float, float], line: float, width: float) -> Crossing:
-    """Return where the pressure passes a line's [Pa] between two angles, by the states themselves.
+def _crossing(life: Trajectory, own: Side, beyond: Side, ends: tuple[float, float], width: float) -> Crossing | None:
+    """Return where the pressures of both sides are equal between two angles, by the states themselves.
+
+    Of two chambers it is None where these tell of none.
 
     The pressure that a history stores is held between its ends near a line, which is good for flows and not for this.
     """
 
+    def pressure(of: Side, angle: float) -> float:
+        if of.start is None:
+            return of.line
+        return float(life.pressures_at(np.array([of.start + angle]))[0])
+
     def drop(angle: float) -> float:
-        return float(life.pressures_at(np.array([start + angle]))[0]) - line
+        return pressure(own, angle) - pressure(beyond, angle)
 
     low, high = ends
     below, above = drop(low), drop(high)
@@ -57,6 +95,8 @@ def _crossing(life: Trajectory, start: float, ends: tuple[float, float], line: f
         angle = brentq(drop, low, high, PLACED * (high - low), PLACED)
         step = SLOPE * (high - low)
         slope = (drop(angle + step) - drop(angle - step)) / (2.0 * step)
+    elif beyond.start is not None:
+        return None
     else:
         slope = (above - below) / (high - low)
     return Crossing(angle, width / max(abs(slope), 1e-300))

@@ -20,7 +20,7 @@ from screwsim.derivatives.slices import INTEGRALS, NODES
 from screwsim.model.slots import P_GAP_WIDTH
 
 Array = np.ndarray
-OF_WIDTH = 2e-3  # of the regularisation's relative width: steps of differences, which must not leave it ...
+OF_WIDTH = 1e-5  # of the regularisation: steps of differences, a tenth of how near to its turn a node is ...
 LEAST, MOST = 1e-10, 1e-9  # ... within these
 SMALL = 1e-3  # of a state or a cell, for relative steps
 

@@ -17,6 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.effects.base import FlowPath
+from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 
@@ -33,6 +35,7 @@ INTEGRALS = np.array(
 NODES = len(SHARES)
 EIGENVALUE = 1.0 / (1.0 / 30.0 * (6.0 + 81.0 ** (1.0 / 3.0) - 9.0 ** (1.0 / 3.0)))  # the real one of 1/INTEGRALS
 EMBEDDED = np.array((-(13.0 + 7.0 * _ROOT) / 3.0, (-13.0 + 7.0 * _ROOT) / 3.0, -1.0 / 3.0))  # of the error estimate
+CORNER = 1e-6  # rad: corners so near to a breakpoint, or to each other, are one
 APART = 1e-7  # rad: ends of steps that lie nearer to each other are one
 OF_WIDTH = 1e-6  # of a segment: ends of steps so near to its ends are not counted
 
@@ -41,10 +44,10 @@ LEAST = 1e-9  # rad: slices are no shorter ...
 LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells nothing of a law that moves
 MOST = 4  # parts of a slice in one refinement
 POWER = 0.25  # of the error of a slice by its width: that of the estimate
-RING = 0.5  # widths of a layer: the first slices on both sides of where a flow turns round ...
+RING = 0.2  # widths of a layer: the first slices on both sides of where a flow turns round ...
 AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
-WIDER = 3.0  # ... and each next one over the one before
-BEFORE = 1e-3  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
+WIDER = 2.0  # ... and each next one over the one before
+BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
 
 
 class Crossing(NamedTuple):
@@ -78,13 +81,25 @@ def between(edges: Array) -> Slices:
     return Slices(edges, 0.5 * (edges[:-1] + edges[1:]))
 
 
-def edges_of(machinery: Machinery, steps: float) -> Array:
+def seams_of(machinery: Machinery, parts: Parts) -> Array:
+    """Return where in a pitch [rad] slices end in any case: on breakpoints, and where the slope of a gap has a corner.
+
+    A number that moves such a corner has a derivative that has one itself: inside a slice it is of low order.
+    """
+    found, pitch = machinery.pitch_breakpoints(), float(machinery.composition.P[P_PITCH])
+    for at in sorted(at % pitch for _, path in parts.all(FlowPath) for at in path.corners):
+        if np.abs(found - at).min() > CORNER:
+            found = np.sort(np.append(found, at))
+    return found
+
+
+def edges_of(machinery: Machinery, seams: Array, steps: float) -> Array:
     """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers."""
     c, (times, _, _, count) = machinery.composition, machinery.last()
     ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
     ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers that were integrated together share theirs
-    breakpoints, edges = machinery.pitch_breakpoints(), [np.zeros(1)]
-    for low, high in pairwise(breakpoints.tolist()):
+    edges = [np.zeros(1)]
+    for low, high in pairwise(seams.tolist()):
         near = OF_WIDTH * (high - low)
         inside = np.concatenate([[low], ends[(ends > low + near) & (ends < high - near)], [high]])
         wanted = max(1, int(np.ceil((len(inside) - 1) / steps)), int(np.ceil((high - low) / LONGEST)))
@@ -99,13 +114,13 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     return np.append(np.concatenate(found), edges[-1])
 
 
-def ringed(edges: Array, breakpoints: Array, crossings: Sequence[Crossing], peak: float = math.nan) -> Array:
+def ringed(edges: Array, seams: Array, crossings: Sequence[Crossing], peak: float = math.nan) -> Array:
     """Return edges with those around crossings in place of others near them: slices there grow with the distance.
 
     Where the pressure is highest [rad], if that is known, a slice is short: polynomials are good at their ends before
     they are between them, and the highest pressure is read inside.
     """
-    kept, added = edges[~(np.abs(edges - peak) < AROUND_PEAK)], [breakpoints]
+    kept, added = edges[~(np.abs(edges - peak) < AROUND_PEAK)], [seams]
     if math.isfinite(peak):
         around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
@@ -115,8 +130,8 @@ def ringed(edges: Array, breakpoints: Array, crossings: Sequence[Crossing], peak
         room = float(edges[after] - edges[after - 1])
         count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(WIDER))))
         reach = first * WIDER ** np.arange(count)
-        segment = int(np.clip(np.searchsorted(breakpoints, at), 1, len(breakpoints) - 1))
-        low, high = breakpoints[segment - 1] + LEAST, breakpoints[segment] - LEAST
+        segment = int(np.clip(np.searchsorted(seams, at), 1, len(seams) - 1))
+        low, high = seams[segment - 1] + LEAST, seams[segment] - LEAST
         ring = np.concatenate([at - reach[::-1], [at], at + reach])
         ring = ring[(ring > low) & (ring < high)]
         if len(ring):
@@ -124,8 +139,8 @@ def ringed(edges: Array, breakpoints: Array, crossings: Sequence[Crossing], peak
             added.append(ring)
     found = np.unique(np.concatenate([kept, *added]))
     near = np.diff(found, prepend=-1.0) < LEAST
-    marked = np.isin(found, breakpoints)
-    near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a breakpoint stays, what is near it goes
+    marked = np.isin(found, seams)
+    near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a seam stays, what is near it goes
     return found[~near | marked]
 
 

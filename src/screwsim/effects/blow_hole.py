@@ -71,10 +71,15 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         return [*profile_paths(parameters, compressing, factor=factor), *profile_paths(parameters, filling)]
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
-    paths = [gap_path(parameters, area, values, breakpoints=(), offset=1)]  # smooth enough without breakpoints
+    corners = [at - machine.pitch for at in (opens, opens + RAMP, closes - RAMP, closes)]
+    paths = [gap_path(parameters, area, values, breakpoints=(), corners=corners, offset=1)]
     if interfaces is None and parameters.suction_area is not None:
         values = {"size": parameters.suction_area, "closes": parameters.suction_closes}
-        paths.append(gap_path(parameters, suction_side, values, breakpoints=(), offset=1, use_table=False))
+        shuts = parameters.suction_closes
+        corners = [at - machine.pitch for at in (TURN - RAMP, TURN, shuts - SHUTTING, shuts)]
+        paths.append(
+            gap_path(parameters, suction_side, values, breakpoints=(), corners=corners, offset=1, use_table=False)
+        )
     return paths
 
 

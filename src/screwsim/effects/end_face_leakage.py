@@ -52,10 +52,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         shift = offset * machine.pitch
         values = {"gap": parameters.gap, "width": share * length, "shift": shift}
         next_one = offset == 1
-        over = slides if next_one else None
-        paths.append(
-            gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=next_one, slides=over)
-        )
+        corners = [at - shift for at in (TURN, TURN + RAMP, 2.0 * TURN - RAMP, 2.0 * TURN)]
+        others = {"offset": offset, "use_table": next_one, "slides": slides if next_one else None}
+        paths.append(gap_path(parameters, area, values, breakpoints=(), corners=corners, **others))
     return paths
 
 

@@ -103,17 +103,20 @@ def ramp(phi, start, full, fall, end):
     return x * x * (3.0 - 2.0 * x)
 
 
-def gap_path(parameters, area, values, *, breakpoints, offset, use_table=True, slides=None) -> FlowPath:
+def gap_path(parameters, area, values, *, breakpoints, offset, corners=(), use_table=True, slides=None) -> FlowPath:
     """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table.
 
-    `slides` is the speed of the housing over it, over that of the tips; None where none slides (M256).
+    `corners` [rad] are those of a built-in area's slope; `slides` is the speed of the housing over it, over that of
+    the tips; None where none slides (M256).
     """
     tables = {}
     if use_table and parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
         area, values, breakpoints = table_area, {}, (angles[0], *features(angles, areas), angles[-1])
+        corners = ()
         tables = {"curve": (angles, areas)}
-    return _between(parameters, area, values, slides, breakpoints=breakpoints, offset=offset, tables=tables)
+    ends = {"breakpoints": breakpoints, "corners": corners}
+    return _between(parameters, area, values, slides, offset=offset, tables=tables, **ends)
 
 
 def _between(parameters, area, values, slides, **others) -> FlowPath:

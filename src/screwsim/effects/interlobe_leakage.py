@@ -77,10 +77,12 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if over_tip is None:
         values = {"gap": gap, "length": length}
         return [gap_path(parameters, area, values, breakpoints=(FULL, FALL, TURN), offset=machine.lobes)]
+    ahead, bent = TURN + machine.pitch, (FULL, FLANK_FALL, TURN)
+    corners = (0.0, BIRTH, TIP_FALL - ahead, 2.0 * TURN - ahead)
     flank, tip = {"gap": gap, "length": max(0.0, length - over_tip)}, {"gap": gap, "length": over_tip}
     return [
-        gap_path(parameters, flank_area, flank, breakpoints=(FULL, FLANK_FALL, TURN), offset=machine.lobes),
-        gap_path(parameters, tip_area, tip, breakpoints=(), offset=machine.lobes + 1, use_table=False),
+        gap_path(parameters, flank_area, flank, breakpoints=bent, corners=(BIRTH,), offset=machine.lobes),
+        gap_path(parameters, tip_area, tip, breakpoints=(), corners=corners, offset=machine.lobes + 1, use_table=False),
     ]
 
 

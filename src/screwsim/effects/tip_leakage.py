@@ -58,7 +58,8 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         return profile_paths(parameters, interfaces, parameters.gap, slides=slides)
     law, widest = (all_tips, TURN) if parameters.reading == "interface" else (area, TURN - 0.5 * machine.pitch)
     breakpoints = (widest, widest + TURN)
-    return [gap_path(parameters, law, {"gap": parameters.gap}, breakpoints=breakpoints, offset=1, slides=slides)]
+    others = {"breakpoints": breakpoints, "corners": (BIRTH,) if law is area else (), "offset": 1, "slides": slides}
+    return [gap_path(parameters, law, {"gap": parameters.gap}, **others)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

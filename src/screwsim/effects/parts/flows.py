@@ -45,7 +45,8 @@ class FlowPath:
 
     `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `breakpoints` [rad] are the
     angles at which the area is not smooth; `own_breakpoints` those of them that only the chambers of this path feel,
-    and not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`).
+    and not their neighbours; `corners` [rad] are those at which its slope has a corner, where no step need end;
+    `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`).
     Where `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150). Only a
     gap ('neighbour') may have a `resistance`.
 
@@ -70,6 +71,7 @@ class FlowPath:
     values: Mapping[str, float]
     breakpoints: Sequence[float] = ()
     own_breakpoints: Sequence[float] = ()
+    corners: Sequence[float] = ()
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
@@ -84,8 +86,9 @@ class FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
         mirror = life - self.offset * pitch
         to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
-        breakpoints, own = (tuple(mirror - at for at in each) for each in (self.breakpoints, self.own_breakpoints))
-        return replace(self, to=to, mirror=mirror, breakpoints=breakpoints, own_breakpoints=own)
+        names = "breakpoints", "own_breakpoints", "corners"
+        turned = {name: tuple(mirror - at for at in getattr(self, name)) for name in names}
+        return replace(self, to=to, mirror=mirror, **turned)
 
 
 @dataclass(frozen=True)
