@@ -80,8 +80,8 @@ equation goes.
 """
 ANEW = """
 Since then a search by Newton's method came. `{command}` drew the first
-{scenes} of them again (`tests/hard/fuzz_again_outcome.json`): {now} do not close, where {before} did not before. Their turns do
-not settle, with gas that all but cannot get out. Further tries: {tries}.
+{scenes} of them again (`tests/hard/fuzz_again_outcome.json`): {now} do not close, where {before} did not
+before. Their turns do not settle, with gas that all but cannot get out. Further tries: {tries}.
 Of {compared} that Radau solved again {within} agree within the accuracy. The table above is still that of before.
 """
 FLUIDS = """
