@@ -10,7 +10,7 @@ import numpy as np
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.slices import SHARES, Crossing
 from screwsim.effects.base import FlowPath
-from screwsim.model.slots import P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
+from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import brentq
 
@@ -22,10 +22,10 @@ STEEP = 1.0  # of a slice: layers of gaps that are wider are resolved anyway
 
 
 class Side(NamedTuple):
-    """A chamber, at an angle [rad] of its life when the pitch begins, or a line of a pressure [Pa], at none."""
+    """A chamber, at an angle [rad] of its life when the pitch begins, or a line, at none, by its number."""
 
     start: float | None
-    line: float = 0.0
+    line: int = 0
 
 
 def crossings(pitch: Pitch) -> list[Crossing]:
@@ -47,7 +47,7 @@ def crossings(pitch: Pitch) -> list[Crossing]:
 
 def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, Array]]:
     """Yield the sides of each open path, the width [Pa] of its regularisation, and behind which angles it turns."""
-    c, R, parts = pitch.machinery.composition, pitch.machinery.R, pitch.problem.parts
+    c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     whole = (starts[:, None] + angles).ravel()
@@ -59,9 +59,9 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
         is_open = areas.reshape(c.chambers, -1) > 0.0
         if of_port:
             number = parts.number(path.to)
-            line, width = float(R[number * PLACE + PRESSURE]), float(c.P[P_PORT_WIDTH + number])
-            sides = [(j, Side(None, line), np.full(len(angles), line)) for j in range(c.chambers)]
-            widths = np.full(p.shape, width)
+            beyond = np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
+            sides = [(j, Side(None, number), beyond) for j in range(c.chambers)]
+            widths = np.full(p.shape, float(c.P[P_PORT_WIDTH + number]))
         else:  # those ahead of the last one are the discharge, whose port tells
             ahead = range(path.offset, c.chambers)
             sides = [(j, Side(float(starts[to])), p[to]) for j, to in enumerate(ahead)]
@@ -70,6 +70,14 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
             drop = p[j] - there
             turns = (drop[:-1] * drop[1:] < 0.0) & is_open[j, :-1] & is_open[j, 1:]
             yield Side(float(starts[j])), beyond, widths[j], turns
+
+
+def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
+    """Return the pressure [Pa] that a port meets at an angle [rad], that of a line that pulsates with the lobes (M185)."""
+    c, pressure = life.composition, float(life.R[number * PLACE + PRESSURE])
+    if not c.pulsating or number >= FIRST_OWN:
+        return pressure
+    return pressure * (1.0 + sum(life.module.line_pulse(number, angle, c.P)))
 
 
 def _crossing(life: Trajectory, own: Side, beyond: Side, ends: tuple[float, float], width: float) -> Crossing | None:
@@ -82,7 +90,7 @@ def _crossing(life: Trajectory, own: Side, beyond: Side, ends: tuple[float, floa
 
     def pressure(of: Side, angle: float) -> float:
         if of.start is None:
-            return of.line
+            return _line_pressure(life, of.line, angle)
         return float(life.pressures_at(np.array([of.start + angle]))[0])
 
     def drop(angle: float) -> float:
