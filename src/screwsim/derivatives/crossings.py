@@ -73,7 +73,7 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
 
 
 def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
-    """Return the pressure [Pa] that a port meets at an angle [rad], that of a line that pulsates with the lobes (M185)."""
+    """Return the pressure [Pa] that a port meets at an angle [rad], of a line that pulsates with the lobes (M185)."""
     c, pressure = life.composition, float(life.R[number * PLACE + PRESSURE])
     if not c.pulsating or number >= FIRST_OWN:
         return pressure
