@@ -32,6 +32,7 @@ CORNERED = 1e-4  # slices of the default accuracy; without an end on the corner 
 TURNED = 5e-3  # the same; without short slices there 4e-2
 PEAKED = 2e-3  # the same
 PULSATING = 2e-3  # the same; with short slices at the pressure of the line itself five times the slope
+DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
 OFF = 5e-4  # of the largest of a number's: by the slices at the default accuracy of 3e-4; median 1e-6
 
 
@@ -108,6 +109,19 @@ def test_where_the_flow_turns_round_against_a_plenum_that_pulsates_is_resolved()
     path, figure = "machine.discharge_port.opens", "discharge_temperature"
     slope = differenced(scene, path, figure, 3e-5, 3e-9)
     assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=PULSATING)
+
+
+def test_where_oil_begins_to_take_gas_up_at_another_rate_slices_end():
+    changes = (
+        "oil.transport=carried",
+        "oil_supply={ratio: 1, temperature: 325 K}",
+        "effects.oil_injection={opens: 365 deg, closes: 455 deg}",
+        "effects.refrigerant_solubility={separator_temperature: 70 degC, flash_time: 5 ms, absorption_time: 50 ms}",
+    )
+    scene = screwsim.load(PAPER, changes)
+    path, figure = "effects.oil_injection.closes", "flash_mass_flow"
+    slope = differenced(scene, path, figure, 1e-4, 3e-9)
+    assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=DISSOLVED)
 
 
 def test_both_closings_agree_on_how_the_highest_pressure_follows_a_port():

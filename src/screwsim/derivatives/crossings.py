@@ -1,4 +1,4 @@
-"""Where flows turn round: the pressure in a chamber passes that of what it is open to."""
+"""Where flows turn round: a chamber's pressure passes that of what it is open to, its oil's gas is in equilibrium."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ Array = np.ndarray
 PLACED = 1e-10  # of the distance between two of these, and of the angle: how well a crossing is placed
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
 LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
+CORNERED = 1e-2  # rad: what a corner of a rate counts as, whose slope jumps; the slice before it ends 1e-6 rad from it
 STEEP = 1.0  # of a slice: layers of gaps that are wider are resolved anyway
 
 
@@ -29,7 +30,7 @@ class Side(NamedTuple):
 
 
 def crossings(pitch: Pitch) -> list[Crossing]:
-    """Return where flows turn round in the last history, by their angles: those through ports, and steep ones of gaps.
+    """Return where flows turn round in the last history, by their angles: through ports, steep ones of gaps, from oil.
 
     What a gap carries is little, but near its turn as steep in the pressures as that of a port.
     """
@@ -42,7 +43,24 @@ def crossings(pitch: Pitch) -> list[Crossing]:
             crossing = _crossing(life, own, beyond, ends, float(width[k]))
             if crossing is not None and (beyond.start is None or crossing.layer < STEEP * wide[k]):
                 found.append(crossing)
-    return sorted(set(found))
+    return sorted({*found, *_equilibria(pitch, angles)})
+
+
+def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
+    """Yield where oil that gives gas off begins to take it up, or the other way round, by another rate (M231)."""
+    c, life = pitch.machinery.composition, pitch.machinery.trajectory
+    if not c.dissolves:
+        return
+
+    def given_off(angle: float) -> float:
+        return float(life.given_off(np.array([angle]))[0])
+
+    for start in (float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist():
+        at = start + angles
+        gas = life.given_off(at)
+        for k in np.flatnonzero(gas[:-1] * gas[1:] < 0.0).tolist():
+            low, high = at[k : k + 2].tolist()
+            yield Crossing(brentq(given_off, low, high, PLACED * (high - low), PLACED) - start, CORNERED)
 
 
 def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, Array]]:
