@@ -134,7 +134,7 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
 
 @kernel
 def given_off_along(angles, times, dense, steps, context, n_e, out):
-    """Fill out with the gas [kg/s] that oil gives off, less what it takes up, at increasing angles [rad] of a chamber."""
+    """Fill out with the gas [kg/s] that oil gives off, less what it takes up, at increasing angles [rad]."""
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
     y = np.empty(N)
