@@ -1,8 +1,6 @@
 """The data sheet of a refrigeration machine: its tables, part load, envelope and limits, what it prints and refuses."""
 
 import json
-from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -10,7 +8,6 @@ import pytest
 import screwsim
 from screwsim.cli import exit_code
 from screwsim.outputs import Figures, Result
-from screwsim.report import datasheet_pdf
 from screwsim.report.datasheet import page, write_sheet
 from screwsim.scene import with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
@@ -67,29 +64,6 @@ def test_the_tables_are_those_of_the_trade(sheet):
         "Oil cooler duty",
     ]
     assert sheet.ok and len(sheet.tables) == 8 and len(sheet.drawings) == 4
-
-
-def test_columns_of_the_pdf_have_room_for_their_letters(sheet):
-    """Part load in half the width of a page had its columns printed over each other."""
-    for table in sheet.tables:
-        width = (datasheet_pdf.WIDE - 2.0 * datasheet_pdf.EDGE) / (1.0 if table.wide else 2.0)
-        edges = [0.0, *datasheet_pdf._rights(table, 0.0, width)]
-        longest = [max(len(row[i]) for row in table.rows) for i in range(len(table.heads))]
-        for (low, high), letters in zip(pairwise(edges), longest, strict=True):
-            assert high - low > datasheet_pdf.EM * letters, (table.title, letters)
-    assert next(table for table in sheet.tables if table.title == "Part load at equal loads").wide
-
-
-def test_three_drawings_stand_in_a_row(sheet):
-    pages = datasheet_pdf.pages_of(replace(sheet, drawings=sheet.drawings[:3]))
-    (drawn,) = [page for page in pages if page.axes]
-    titles = [text for text in drawn.texts if text.get_text() in {each.title for each in sheet.drawings[:3]}]
-    ends = [text.get_window_extent().x1 for text in titles]
-    assert len(titles) == 3
-    assert max(ends) < drawn.bbox.x1  # none runs off the page
-    places = [axes.get_position() for axes in drawn.axes]
-    assert len({round(place.y0, 9) for place in places}) == 1
-    assert all(a.x1 < b.x0 for a, b in pairwise(places))
 
 
 def test_the_envelope_ends_where_a_limit_is_met(rated):

@@ -49,6 +49,7 @@ def test_a_course_is_told_in_a_word(he):
 @pytest.mark.slow
 def test_more_oil_fills_a_machine_better_whose_shafts_it_seals(he):
     """And not one without that leak, nor one with dry gaps, unless its oil is as cold as the gas."""
+
     def gain(name):
         at = [he.at(HERE / "machine.yaml", 2000.0, flow, he.TRIED[name]).volumetric_efficiency for flow in FLOWS]
         return next(b - a for a, b in pairwise(at))

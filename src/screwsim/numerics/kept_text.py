@@ -45,9 +45,7 @@ def _read(name: str) -> str | None:
         return None
 
 
-def flat_module(
-    kernels: Sequence[Kernel], calling: Sequence[Kernel] = (), slots: Mapping[str, str] = NO_SLOTS
-) -> str:
+def flat_module(kernels: Sequence[Kernel], calling: Sequence[Kernel] = (), slots: Mapping[str, str] = NO_SLOTS) -> str:
     """Return the text of a module of kernels, and of more of them, `calling` what fills their slots."""
 
     def text() -> str:

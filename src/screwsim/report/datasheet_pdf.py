@@ -1,68 +1,39 @@
-"""A data sheet as PDF: pages of A4, from top to bottom, drawn by matplotlib."""
+"""A data sheet as PDF: one page of A4, in the largest type in which it fits, or more where none is small enough."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.report.datasheet import WORDS
-from screwsim.report.style import COLOURS, DASHES, GREY, journal, new_figure, plain_ticks
+from screwsim.report.sheet_paper import EDGE, HIGH, LEAST, POINT, WIDE, Paper, width_of, wrapped
+from screwsim.report.sheet_tables import GUTTER, TEXT, tables_on
+from screwsim.report.style import GREY, journal, line_style, plain_ticks
 from screwsim.results.atomic import replacing
-from screwsim.version import version
 
-WIDE, HIGH = 210.0, 297.0  # [mm] of a page
-EDGE, GUTTER = 16.0, 10.0
-LINE = 4.2  # of a line of text, of SIZE points
-SIZE, TITLE, HEAD = 8.0, 13.0, 9.5  # [pt]
-EM = 0.53 * SIZE * 25.4 / 72.0  # [mm] mean width of a letter
-DRAWN = 54.0  # height of a drawing, its legend with it
-ABREAST, DRAWINGS = 2, 3  # narrow tables, and drawings where there are so many
-MOST_ROWS = 30  # that a table keeps together
-BOLD, FOOT = 0.21, 80  # [mm] mean width of a bold letter a point; letters of the title at the foot of a page
-NAMES = 26.0  # [mm] of the names of the lines
-LETTERS = int((WIDE - 2.0 * EDGE) / EM)
+TITLE = 1.6  # size of the title, of that of the text
+PLOT, MOST = 33.0, 54.0  # [mm] least and greatest height of a drawing without its title and legend
+SWATCH = 4.5  # [mm] of a line in a legend
+TICK = 9.0, 5.5  # [mm] from tick to tick, at least: across, and up
+FITTED, NEAR = 6, 2e-4  # times that axes are fitted to their place, or until it is met (of the page): ticks move
 
 
-@dataclass
-class Paper:
-    """The pages so far, and how far down [mm] the last one is filled."""
+class Form(NamedTuple):
+    """How a sheet is set: size of type [pt], drawings beside one another."""
 
-    title: str
-    pages: list[Any] = field(default_factory=list)
-    at: float = HIGH
+    size: float
+    abreast: int
 
-    def room(self, height: float) -> None:
-        """Begin a new page where that height is not left on this one."""
-        if self.at + height > HIGH - EDGE:
-            figure = new_figure(WIDE, HIGH)
-            figure.set_layout_engine("none")
-            self.pages.append(figure)
-            self.at = EDGE
-            title = textwrap.shorten(self.title, FOOT, placeholder=" …")
-            foot = f"{title}  ·  screwsim {version()}  ·  page {len(self.pages)}"
-            self.text(EDGE, HIGH - 0.5 * EDGE, foot, size=6.5, color=GREY)
 
-    def text(self, x: float, y: float, words: str, size: float = SIZE, **look: Any) -> None:
-        """Write words at x, y [mm] from the left and upper edges of the last page."""
-        self.pages[-1].text(x / WIDE, 1.0 - y / HIGH, words, fontsize=size, va="baseline", **look)
-
-    def rule(self, x: float, y: float, width: float) -> None:
-        """Draw a thin line across."""
-        from matplotlib.lines import Line2D
-
-        ends = [x / WIDE, (x + width) / WIDE], [1.0 - y / HIGH] * 2
-        self.pages[-1].add_artist(Line2D(*ends, color=GREY, linewidth=0.4))
-
-    def down(self, height: float) -> None:
-        """Leave a height free."""
-        self.at += height
+FORMS = (Form(8.0, 2), Form(7.5, 2), Form(7.5, 4), Form(7.0, 4), Form(LEAST, 4))
 
 
 def write_pdf(sheet: Any, output: Path) -> str:
-    """Write a data sheet as PDF and return its path; raise UsageError in one line when the system refuses."""
+    """Write a data sheet as PDF and return its path, with the number of pages where one does not hold it.
+
+    Raises UsageError in one line when the system refuses.
+    """
     from matplotlib.backends.backend_pdf import PdfPages
 
     nameless: dict[str, Any] = {"Creator": "screwsim", "Producer": None, "CreationDate": None}
@@ -71,155 +42,142 @@ def write_pdf(sheet: Any, output: Path) -> str:
         with PdfPages(temporary, metadata={**nameless, "Title": sheet.title or sheet.heading}) as book:
             for page in pages:
                 book.savefig(page)
-    return str(output)
+    if len(pages) == 1:
+        return str(output)
+    return f"{output} ({len(pages)} pages: one does not hold so much in type of {LEAST:g} pt; ask for fewer points)"
 
 
 def pages_of(sheet: Any) -> list[Any]:
-    """Return the pages of a data sheet, as figures."""
-    paper = Paper(sheet.title or sheet.heading)
+    """Return the pages of a data sheet, as figures; drawings take the height that is left."""
+    papers: list[tuple[Paper, Form]] = []
+    for form in FORMS:
+        papers.append((_set(sheet, form, PLOT), form))
+        if len(papers[-1][0].pages) == 1:
+            break
+    paper, form = min(papers, key=lambda each: len(each[0].pages))
+    count = -(-len(sheet.drawings) // _abreast(sheet, form)) if sheet.drawings else 0
+    if count:
+        higher = _set(sheet, form, min(MOST, PLOT + (paper.left - 0.1) / count))
+        paper = higher if len(higher.pages) == len(paper.pages) else paper
+    return paper.figures()
+
+
+def _set(sheet: Any, form: Form, plot: float) -> Paper:
+    """Return the pages of a sheet in a form, its drawings of a height [mm]."""
+    paper = Paper(sheet.title or sheet.heading, form.size)
     paper.room(HIGH)
-    paper.down(6.0)
-    _paragraph(paper, sheet.title or sheet.heading, TITLE, 6.5, weight="bold")
-    _paragraph(paper, sheet.heading, SIZE, LINE, color=GREY)
-    paper.down(2.0)
+    paper.paragraph(sheet.title or sheet.heading, size=TITLE * form.size, bold=True)
+    paper.paragraph(sheet.heading, color=GREY)
+    paper.down(0.5 * paper.line)
+    names = max((width_of(name, form.size) for name, _ in sheet.lines), default=0.0) + 4.0
     for name, words in sheet.lines:
-        _line(paper, name, words)
-    for tables in _beside(sheet.tables):
-        _tables(paper, tables)
-    abreast = DRAWINGS if len(sheet.drawings) == DRAWINGS else ABREAST
+        _line(paper, name, words, names)
+    tables_on(paper, sheet.tables)
+    abreast = _abreast(sheet, form)
     for i in range(0, len(sheet.drawings), abreast):
-        _drawings(paper, sheet.drawings[i : i + abreast], abreast)
+        _drawings(paper, sheet.drawings[i : i + abreast], abreast, plot)
     if sheet.verdict is not None:
         what, words, good = sheet.verdict
-        _heading(paper, what, 2.0 * LINE)
-        _paragraph(paper, f"{WORDS[good]}: {words}", SIZE, LINE)
-    _heading(paper, "Notes", LINE)
-    for note in sheet.notes:
-        _paragraph(paper, f"– {note}", SIZE, LINE, indent="  ")
-    return paper.pages
+        _heading(paper, what)
+        paper.paragraph(f"{WORDS[good]}: {words}")
+    if sheet.notes:
+        _heading(paper, "Notes")
+        for note in sheet.notes:
+            paper.paragraph(f"– {note}")
+    return paper
 
 
-def _heading(paper: Paper, words: str, with_it: float) -> None:
-    paper.room(9.0 + with_it)
-    paper.down(7.0)
-    paper.text(EDGE, paper.at, words, HEAD, weight="bold")
-    paper.down(2.0)
+def _abreast(sheet: Any, form: Form) -> int:
+    count = len(sheet.drawings)
+    return form.abreast if count > 3 else max(count, 2)
 
 
-def _paragraph(paper: Paper, words: str, size: float, line: float, indent: str = "", **look: Any) -> None:
-    for row in textwrap.wrap(words, int(LETTERS * SIZE / size), subsequent_indent=indent):
-        paper.room(line)
-        paper.down(line)
-        paper.text(EDGE, paper.at, row, size, **look)
+def _heading(paper: Paper, words: str) -> None:
+    paper.room(3.4 * paper.line)
+    paper.down(0.4 * paper.line)
+    paper.paragraph(words, bold=True)
 
 
-def _line(paper: Paper, name: str, words: str) -> None:
-    rows = textwrap.wrap(words, int((WIDE - 2.0 * EDGE - NAMES) / EM)) or [""]
-    paper.room(LINE * len(rows))
-    for number, row in enumerate(rows):
-        paper.down(LINE)
+def _line(paper: Paper, name: str, words: str, names: float) -> None:
+    for number, row in enumerate(wrapped(words, TEXT - names, paper.size)):
+        paper.room(paper.line)
+        paper.down(paper.line)
         if number == 0:
-            paper.text(EDGE, paper.at, name, color=GREY)
-        paper.text(EDGE + NAMES, paper.at, row)
-
-
-# ---- tables ------------------------------------------------------------------------------------------------------
-
-
-def _beside(tables: Sequence[Any]) -> Iterator[list[Any]]:
-    """Yield tables in twos where they are narrow, alone where they are wide."""
-    waiting: list[Any] = []
-    for table in tables:
-        if waiting and (table.wide or len(waiting) == ABREAST):
-            yield waiting
-            waiting = []
-        waiting.append(table)
-        if table.wide:
-            yield waiting
-            waiting = []
-    if waiting:
-        yield waiting
-
-
-def _tables(paper: Paper, tables: Sequence[Any]) -> None:
-    width = WIDE - 2.0 * EDGE if tables[0].wide else 0.5 * (WIDE - 2.0 * EDGE - GUTTER)
-    paper.room(12.0 + LINE * max(min(len(table.rows), MOST_ROWS) + 3 for table in tables))
-    top, lowest = paper.at, paper.at
-    for number, table in enumerate(tables):
-        paper.at = top
-        _table(paper, table, EDGE + number * (width + GUTTER), width)
-        lowest = max(lowest, paper.at)
-    paper.at = lowest
-
-
-def _table(paper: Paper, table: Any, x: float, width: float) -> None:
-    paper.down(7.0)
-    paper.text(x, paper.at, table.title, HEAD, weight="bold")
-    rights = _rights(table, x, width)
-    heads = [textwrap.wrap(head, 11, break_long_words=False) or [""] for head in table.heads]
-    deep = max(map(len, heads))
-    for k in range(deep):
-        paper.down(LINE)
-        _cells(paper, table, [([""] * (deep - len(head)) + head)[k] for head in heads], x, rights, color=GREY)
-    paper.rule(x, paper.at + 1.2, width)
-    paper.down(0.8)
-    for row in table.rows:
-        paper.room(LINE)
-        paper.down(LINE)
-        _cells(paper, table, row, x, rights)
-    if table.note:
-        for words in textwrap.wrap(table.note, int(width / EM)):
-            paper.down(LINE)
-            paper.text(x, paper.at, words, 7.0, color=GREY)
-
-
-def _rights(table: Any, x: float, width: float) -> list[float]:
-    """Return the right edge [mm] of each column, in proportion to the letters that it holds."""
-    letters = []
-    for i, head in enumerate(table.heads):
-        longest = max(map(len, textwrap.wrap(head, 11, break_long_words=False)), default=1)
-        letters.append(2 + max([longest, *(len(row[i]) for row in table.rows)]))
-    share, rights = width / sum(letters), []
-    for count in letters:
-        rights.append((rights[-1] if rights else x) + share * count)
-    return rights
-
-
-def _cells(paper: Paper, table: Any, cells: Sequence[str], x: float, rights: Sequence[float], **look: Any) -> None:
-    for i, cell in enumerate(cells):
-        if i < table.left:
-            paper.text(x if i == 0 else rights[i - 1] + 2.0, paper.at, cell, **look)
-        else:
-            paper.text(rights[i], paper.at, cell, ha="right", **look)
+            paper.text(EDGE, name, color=GREY)
+        paper.text(EDGE + names, row)
 
 
 # ---- drawings ----------------------------------------------------------------------------------------------------
 
 
-def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int) -> None:
-    paper.room(DRAWN + 12.0)
-    paper.down(7.0)
-    width = (WIDE - 2.0 * EDGE - (abreast - 1) * GUTTER) / abreast
-    for number, one in enumerate(drawings):
+def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) -> None:
+    width = (TEXT - (abreast - 1) * GUTTER) / abreast
+    titles = [wrapped(one.title, width, paper.size, bold=True) for one in drawings]
+    legends = [_legend(one, width, paper.size) for one in drawings]
+    deep, rows = max(map(len, titles)), max(legend[-1][2] + 1 if legend else 0 for legend in legends)
+    above = (deep + rows + 0.7) * paper.line + (1.5 if rows else 0.0)
+    paper.room(above + plot)
+    top = paper.at
+    for number, (one, title, legend) in enumerate(zip(drawings, titles, legends, strict=True)):
         x = EDGE + number * (width + GUTTER)
-        paper.text(x, paper.at, one.title, min(HEAD, width / (BOLD * len(one.title))), weight="bold")
-        legend = 6.0 if any(curve.name for curve in one.curves) else 0.0
-        left, low = x + 11.0, paper.at + 3.0 + DRAWN - 11.0
-        box = left / WIDE, 1.0 - low / HIGH, (width - 11.0) / WIDE, (DRAWN - 13.0 - legend) / HIGH
-        _draw(paper.pages[-1].add_axes(box), one)
-    paper.down(DRAWN + 3.0)
+        paper.at = top + 0.35 * paper.line
+        for words in title:
+            paper.down(paper.line)
+            paper.text(x, words, bold=True)
+        for k, at, row in legend:
+            paper.at = top + (deep + 1.6 + row) * paper.line
+            look = line_style(k, len(one.curves))
+            paper.rule(x + at, paper.at - 0.35 * paper.size * POINT, SWATCH, linewidth=0.9, **look)
+            paper.text(x + at + SWATCH + 0.8, one.curves[k].name)
+        paper.draw(_drawer(one, (x, top + above, width, plot), paper.size))
+    paper.at = top + above + plot
 
 
-def _draw(axes: Any, one: Any) -> None:
+def _legend(one: Any, width: float, size: float) -> list[tuple[int, float, int]]:
+    """Return the numbers of the named curves of a drawing, each with its place across [mm] and its line."""
+    found: list[tuple[int, float, int]] = []
+    at, row = 0.0, 0
     for i, curve in enumerate(one.curves):
-        look = {"color": COLOURS[i % len(COLOURS)], "linestyle": DASHES[i % len(DASHES)]}
-        axes.plot(curve.x, curve.y, marker="o", markersize=2.2, linewidth=0.9, label=curve.name or None, **look)
-    axes.set_xlabel(one.x_label)
-    if one.y_label != one.title:
-        axes.set_ylabel(one.y_label)
-    if one.from_zero:
-        axes.set_xlim(left=0.0)
-    plain_ticks(axes.xaxis, axes.yaxis)
-    if any(curve.name for curve in one.curves):
-        above = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.01), "ncols": 6}
-        axes.legend(fontsize=6.0, handlelength=1.3, columnspacing=0.7, handletextpad=0.3, **above)
+        if curve.name:
+            long = SWATCH + 0.8 + width_of(curve.name, size)
+            if found and at + long > width:
+                at, row = 0.0, row + 1
+            found.append((i, at, row))
+            at += long + 2.5
+    return found
+
+
+def _drawer(one: Any, box: tuple[float, float, float, float], size: float) -> Any:
+    """Return the call that draws curves in a box: x, y of its upper left corner, width and height [mm]."""
+    x, y, width, high = box
+
+    def call(figure: Any) -> None:
+        axes = figure.add_axes((x / WIDE, 1.0 - (y + high) / HIGH, width / WIDE, high / HIGH))
+        for i, curve in enumerate(one.curves):
+            look = line_style(i, len(one.curves))
+            axes.plot(curve.x, curve.y, marker="o", markersize=2.0, linewidth=0.9, **look)
+        axes.set_xlabel(one.x_label, fontsize=size)
+        if one.y_label != one.title:
+            axes.set_ylabel(one.y_label, fontsize=size)
+        if one.from_zero:
+            axes.set_xlim(left=0.0)
+        axes.tick_params(labelsize=size)
+        plain_ticks(axes.xaxis, most=max(int(width / TICK[0]), 2))
+        plain_ticks(axes.yaxis, most=max(int(high / TICK[1]), 2))
+        _fit(figure, axes, box)
+
+    return call
+
+
+def _fit(figure: Any, axes: Any, box: tuple[float, float, float, float]) -> None:
+    """Place axes so that they fill a box together with the words around them."""
+    x, y, width, high = box
+    asked = x / WIDE, 1.0 - (y + high) / HIGH, (x + width) / WIDE, 1.0 - y / HIGH
+    for _ in range(FITTED):
+        found = axes.get_tightbbox(figure.canvas.get_renderer()).transformed(figure.transFigure.inverted())
+        place = axes.get_position()
+        low = place.x0 + asked[0] - found.x0, place.y0 + asked[1] - found.y0
+        end = place.x1 + asked[2] - found.x1, place.y1 + asked[3] - found.y1
+        axes.set_position((*low, end[0] - low[0], end[1] - low[1]))
+        if max(map(abs, (*(found.min - asked[:2]), *(found.max - asked[2:])))) < NEAR:
+            break

@@ -60,9 +60,7 @@ def oil_rise(
     return mechanical
 
 
-def _flash(
-    book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None
-) -> float:
+def _flash(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
@@ -75,9 +73,7 @@ def _flash(
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.oil.temperature)
 
 
-def _released(
-    book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None
-) -> float:
+def _released(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None) -> float:
     """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
     held, ends = Held(cycle, suction), {}
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):

@@ -74,9 +74,7 @@ class Cell:
             port_flux(to, port, self.own, beyond)
             self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
 
-    def gap(
-        self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place, way: str = "ahead"
-    ) -> None:
+    def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place, way: str = "ahead") -> None:
         """Add the streams through a gap to the place `way` of the chamber, of gas and of oil beside it."""
         gap_flux(to, gap, self.own, beyond)
         self.upwind(to, inward, outward, beyond)

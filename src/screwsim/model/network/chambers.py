@@ -302,9 +302,7 @@ class Chambers(Cell):
         def through(name: str, column: str) -> str:
             """Return what a derivative has through the sums between the chambers."""
             slopes = [tangent.slope(name, f"{quantity}_between") for quantity in quantities]
-            terms = [
-                f"{slope} * {at.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"
-            ]
+            terms = [f"{slope} * {at.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"]
             return " + ".join(terms) or "0.0"
 
         rows = {f"J[own + {i}, {{}}]": f"f_{name}" for i, name in enumerate(network.states)}

@@ -1,0 +1,175 @@
+"""Tables of a data sheet on paper: beside one another where their columns have room, cut where they are too long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import accumulate
+from typing import Any, NamedTuple
+
+from screwsim.report.sheet_paper import EDGE, FALL, HIGH, POINT, WIDE, Paper, width_of, wrapped
+from screwsim.report.style import GREY
+
+TEXT, PAGE = WIDE - 2.0 * EDGE, HIGH - 2.0 * EDGE  # [mm] width and height of what is written on a page
+GUTTER = 8.0  # [mm] between tables
+GAP = 1.1  # of the size of type: between columns
+ABOVE, RULE = 1.35, 0.55  # of a line: over a title, and around the line below the heads
+
+
+class Columns(NamedTuple):
+    """The columns of a table in type of a size: their heads in lines, and their least widths [mm]."""
+
+    heads: list[list[str]]
+    widths: list[float]
+
+    @property
+    def deep(self) -> int:
+        """Return the lines of the heads."""
+        return max(map(len, self.heads))
+
+    @property
+    def width(self) -> float:
+        """Return the least width [mm] of all."""
+        return sum(self.widths)
+
+
+def columns_of(table: Any, size: float, width: float = 0.0) -> Columns:
+    """Return the columns of a table, spread over a width [mm] where that is more than they need.
+
+    A head takes the lines that it needs in its column, which has room for its cells and for the head's longest word.
+    """
+    gap, least = gap_of(size), []
+    for i, head in enumerate(table.heads):
+        cells = max((width_of(row[i], size) for row in table.rows), default=0.0)
+        least.append(max(cells, *(width_of(word, size) for word in head.split(" "))) + (gap if i else 0.0))
+    share = max(width / sum(least), 1.0)
+    widths = [share * each for each in least]
+    rooms = (each - (gap if i else 0.0) + 0.01 for i, each in enumerate(widths))
+    return Columns([wrapped(head, room, size) for head, room in zip(table.heads, rooms, strict=True)], widths)
+
+
+def gap_of(size: float) -> float:
+    """Return what is left free [mm] between columns."""
+    return GAP * size * POINT
+
+
+def tables_on(paper: Paper, tables: Sequence[Any]) -> None:
+    """Write tables, as many beside one another as their columns leave room for."""
+    pieces = [piece for table in tables for piece in _narrowed(table, paper.size)]
+    for shelf in _shelves(pieces, paper.size):
+        _shelf(paper, shelf)
+
+
+def _narrowed(table: Any, size: float) -> Iterator[Any]:
+    """Yield a table, in pieces of fewer columns where it is wider than the page; its first column stays."""
+    widths = columns_of(table, size).widths
+    kept, filled = [0], widths[0]
+    for i in range(1, len(widths)):
+        if len(kept) > 1 and filled + widths[i] > TEXT:
+            yield _some(table, kept)
+            table, kept, filled = _continued(table), [0], widths[0]
+        kept.append(i)
+        filled += widths[i]
+    yield _some(table, kept)
+
+
+def _some(table: Any, kept: Sequence[int]) -> Any:
+    if len(kept) == len(table.heads):
+        return table
+    rows = [[row[i] for i in kept] for row in table.rows]
+    return replace(table, heads=[table.heads[i] for i in kept], rows=rows)
+
+
+def _continued(table: Any) -> Any:
+    return replace(table, title=f"{table.title.removesuffix(', continued')}, continued")
+
+
+def _shelves(tables: Sequence[Any], size: float) -> Iterator[list[Any]]:
+    shelf: list[Any] = []
+    filled = 0.0
+    for table in tables:
+        width = columns_of(table, size).width
+        if shelf and filled + GUTTER + width > TEXT:
+            yield shelf
+            shelf, filled = [], 0.0
+        filled += width + (GUTTER if shelf else 0.0)
+        shelf.append(table)
+    if shelf:
+        yield shelf
+
+
+def _shelf(paper: Paper, tables: Sequence[Any]) -> None:
+    """Write tables beside one another, those that are longer than a page in pieces."""
+    widths = _widths([columns_of(table, paper.size).width for table in tables])
+    heights = [_height(paper, table, width) for table, width in zip(tables, widths, strict=True)]
+    if max(heights) > PAGE:
+        paper.room(0.5 * PAGE)
+        over = int((max(heights) - paper.left) / paper.line) + 1
+        rows = max(len(table.rows) for table in tables) - over
+        _shelf(paper, [replace(table, rows=table.rows[:rows]) for table in tables])
+        longer = (table for table in tables if len(table.rows) > rows)
+        _shelf(paper, [_continued(replace(table, rows=table.rows[rows:])) for table in longer])
+        return
+    paper.room(max(heights))
+    top, x = paper.at, EDGE
+    for table, width in zip(tables, widths, strict=True):
+        paper.at = top
+        _table(paper, table, x, width)
+        x += width + GUTTER
+    paper.at = top + max(heights)
+
+
+def _widths(least: Sequence[float]) -> list[float]:
+    """Return the widths [mm] of tables of one row: equal where that is enough, else what is left shared."""
+    left = TEXT - GUTTER * (len(least) - 1)
+    equal = left / max(len(least), 2) - (0.5 * GUTTER if len(least) == 1 else 0.0)
+    if max(least) <= equal:
+        return [equal] * len(least)
+    return [width + (left - sum(least)) / len(least) for width in least]
+
+
+def _beside(table: Any, width: float, size: float) -> bool:
+    """Tell whether a note has room at the end of the line of the title."""
+    return width_of(table.title, size, bold=True) + width_of(table.note, size) + 4.0 <= width
+
+
+def _height(paper: Paper, table: Any, width: float) -> float:
+    deep, size = columns_of(table, paper.size, width).deep, paper.size
+    lines = len(wrapped(table.title, width, size, bold=True)) + deep + len(table.rows)
+    if table.note and not _beside(table, width, size):
+        lines += len(wrapped(table.note, width, size))
+    return paper.line * (lines + ABOVE - 1.0 + RULE + 0.35)
+
+
+def _table(paper: Paper, table: Any, x: float, width: float) -> None:
+    size = paper.size
+    paper.down((ABOVE - 1.0) * paper.line)
+    for words in wrapped(table.title, width, size, bold=True):
+        paper.down(paper.line)
+        paper.text(x, words, bold=True)
+    above = table.note and _beside(table, width, size)
+    if above:
+        paper.text(x + width, table.note, ha="right", color=GREY)
+    columns = columns_of(table, size, width)
+    rights = [x + edge for edge in accumulate(columns.widths)]
+    paper.down(0.15 * paper.line)
+    for k in range(columns.deep):
+        paper.down(paper.line)
+        _cells(paper, table, [([""] * (columns.deep - len(h)) + h)[k] for h in columns.heads], x, rights, color=GREY)
+    paper.rule(x, paper.at + 1.2 * FALL * size * POINT, width)
+    paper.down(0.4 * paper.line)
+    for row in table.rows:
+        paper.down(paper.line)
+        _cells(paper, table, row, x, rights)
+    if table.note and not above:
+        for words in wrapped(table.note, width, size):
+            paper.down(paper.line)
+            paper.text(x, words, color=GREY)
+
+
+def _cells(paper: Paper, table: Any, cells: Sequence[str], x: float, rights: Sequence[float], **look: Any) -> None:
+    for i, cell in enumerate(cells):
+        if i < table.left:
+            paper.text(x if i == 0 else rights[i - 1] + gap_of(paper.size), cell, **look)
+        else:
+            paper.text(rights[i], cell, ha="right", **look)
