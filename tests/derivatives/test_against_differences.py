@@ -31,6 +31,8 @@ LEAST = 1e-2  # percent per percent: what counts for less errs as that
 CORNERED = 1e-4  # slices of the default accuracy; without an end on the corner 5e-4 and more
 TURNED = 5e-3  # the same; without short slices there 4e-2
 PEAKED = 2e-3  # the same
+PULSATING = 2e-3  # the same; with short slices at the pressure of the line itself five times the slope
+DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
 OFF = 5e-4  # of the largest of a number's: by the slices at the default accuracy of 3e-4; median 1e-6
 
 
@@ -98,6 +100,28 @@ def test_where_the_flow_of_a_gap_turns_round_is_resolved():
     path, figure = "operation.condensing_temperature", "isentropic_efficiency"
     slope = differenced(scene, path, figure, 2e-4, 1e-8)
     assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=TURNED)
+
+
+def test_where_the_flow_turns_round_against_a_plenum_that_pulsates_is_resolved():
+    plenums = "{discharge_volume: 3 l, suction_volume: 8 l, discharge_area: 15 cm^2, suction_area: 40 cm^2}"
+    valve = "effects.plenums.discharge_valve={area: 12 cm^2, pressure: 0.1 bar}"
+    scene = screwsim.load(PAPER, [f"effects.plenums={plenums}", valve, "operation.speed=3300 rpm"])
+    path, figure = "machine.discharge_port.opens", "discharge_temperature"
+    slope = differenced(scene, path, figure, 3e-5, 3e-9)
+    assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=PULSATING)
+
+
+def test_where_oil_begins_to_take_gas_up_at_another_rate_slices_end():
+    changes = (
+        "oil.transport=carried",
+        "oil_supply={ratio: 1, temperature: 325 K}",
+        "effects.oil_injection={opens: 365 deg, closes: 455 deg}",
+        "effects.refrigerant_solubility={separator_temperature: 70 degC, flash_time: 5 ms, absorption_time: 50 ms}",
+    )
+    scene = screwsim.load(PAPER, changes)
+    path, figure = "effects.oil_injection.closes", "flash_mass_flow"
+    slope = differenced(scene, path, figure, 1e-4, 3e-9)
+    assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=DISSOLVED)
 
 
 def test_both_closings_agree_on_how_the_highest_pressure_follows_a_port():

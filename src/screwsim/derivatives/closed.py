@@ -32,6 +32,7 @@ from screwsim.model.trajectory import Trajectory
 Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
 ERROR = 0.03  # of the wanted accuracy: of a slice
+READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside slices, which the error tells less of
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
@@ -85,6 +86,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
     machinery.put(life)
     seams, tolerance = seams_of(machinery, problem.parts), ERROR * problem.scene.numerics.accuracy
+    tolerance *= READ_INSIDE if problem.parts.pulsations else 1.0
     plain = edges_of(machinery, seams, steps)
     pitch = Pitch(problem, machinery, between(plain))
     Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None

@@ -1,4 +1,4 @@
-"""Where flows turn round: the pressure in a chamber passes that of what it is open to."""
+"""Where flows turn round: a chamber's pressure passes that of what it is open to, its oil's gas is in equilibrium."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.slices import SHARES, Crossing
 from screwsim.effects.base import FlowPath
-from screwsim.model.slots import P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
+from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import brentq
 
@@ -18,18 +18,19 @@ Array = np.ndarray
 PLACED = 1e-10  # of the distance between two of these, and of the angle: how well a crossing is placed
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
 LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
+CORNERED = 1e-2  # rad: what a corner of a rate counts as, whose slope jumps; the slice before it ends 1e-6 rad from it
 STEEP = 1.0  # of a slice: layers of gaps that are wider are resolved anyway
 
 
 class Side(NamedTuple):
-    """A chamber, at an angle [rad] of its life when the pitch begins, or a line of a pressure [Pa], at none."""
+    """A chamber, at an angle [rad] of its life when the pitch begins, or a line, at none, by its number."""
 
     start: float | None
-    line: float = 0.0
+    line: int = 0
 
 
 def crossings(pitch: Pitch) -> list[Crossing]:
-    """Return where flows turn round in the last history, by their angles: those through ports, and steep ones of gaps.
+    """Return where flows turn round in the last history, by their angles: through ports, steep ones of gaps, from oil.
 
     What a gap carries is little, but near its turn as steep in the pressures as that of a port.
     """
@@ -42,12 +43,29 @@ def crossings(pitch: Pitch) -> list[Crossing]:
             crossing = _crossing(life, own, beyond, ends, float(width[k]))
             if crossing is not None and (beyond.start is None or crossing.layer < STEEP * wide[k]):
                 found.append(crossing)
-    return sorted(set(found))
+    return sorted({*found, *_equilibria(pitch, angles)})
+
+
+def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
+    """Yield where oil that gives gas off begins to take it up, or the other way round, by another rate (M231)."""
+    c, life = pitch.machinery.composition, pitch.machinery.trajectory
+    if not c.dissolves:
+        return
+
+    def given_off(angle: float) -> float:
+        return float(life.given_off(np.array([angle]))[0])
+
+    for start in (float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist():
+        at = start + angles
+        gas = life.given_off(at)
+        for k in np.flatnonzero(gas[:-1] * gas[1:] < 0.0).tolist():
+            low, high = at[k : k + 2].tolist()
+            yield Crossing(brentq(given_off, low, high, PLACED * (high - low), PLACED) - start, CORNERED)
 
 
 def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, Array]]:
     """Yield the sides of each open path, the width [Pa] of its regularisation, and behind which angles it turns."""
-    c, R, parts = pitch.machinery.composition, pitch.machinery.R, pitch.problem.parts
+    c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     whole = (starts[:, None] + angles).ravel()
@@ -59,9 +77,9 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
         is_open = areas.reshape(c.chambers, -1) > 0.0
         if of_port:
             number = parts.number(path.to)
-            line, width = float(R[number * PLACE + PRESSURE]), float(c.P[P_PORT_WIDTH + number])
-            sides = [(j, Side(None, line), np.full(len(angles), line)) for j in range(c.chambers)]
-            widths = np.full(p.shape, width)
+            beyond = np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
+            sides = [(j, Side(None, number), beyond) for j in range(c.chambers)]
+            widths = np.full(p.shape, float(c.P[P_PORT_WIDTH + number]))
         else:  # those ahead of the last one are the discharge, whose port tells
             ahead = range(path.offset, c.chambers)
             sides = [(j, Side(float(starts[to])), p[to]) for j, to in enumerate(ahead)]
@@ -70,6 +88,14 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
             drop = p[j] - there
             turns = (drop[:-1] * drop[1:] < 0.0) & is_open[j, :-1] & is_open[j, 1:]
             yield Side(float(starts[j])), beyond, widths[j], turns
+
+
+def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
+    """Return the pressure [Pa] that a port meets at an angle [rad], of a line that pulsates with the lobes (M185)."""
+    c, pressure = life.composition, float(life.R[number * PLACE + PRESSURE])
+    if not c.pulsating or number >= FIRST_OWN:
+        return pressure
+    return pressure * (1.0 + sum(life.module.line_pulse(number, angle, c.P)))
 
 
 def _crossing(life: Trajectory, own: Side, beyond: Side, ends: tuple[float, float], width: float) -> Crossing | None:
@@ -82,7 +108,7 @@ def _crossing(life: Trajectory, own: Side, beyond: Side, ends: tuple[float, floa
 
     def pressure(of: Side, angle: float) -> float:
         if of.start is None:
-            return of.line
+            return _line_pressure(life, of.line, angle)
         return float(life.pressures_at(np.array([of.start + angle]))[0])
 
     def drop(angle: float) -> float:

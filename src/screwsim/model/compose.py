@@ -194,6 +194,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         line_flow.into_lines: network.pulsating,
         trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
         trace.port_oil: network.ported,
+        trace.given_off_along: network.dissolves,
     }
     return tuple(each for each, wanted in asked.items() if wanted)
 

@@ -133,6 +133,23 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
 
 
 @kernel
+def given_off_along(angles, times, dense, steps, context, n_e, out):
+    """Fill out with the gas [kg/s] that oil gives off, less what it takes up, at increasing angles [rad]."""
+    P, TAB, own = context.P, context.TAB, context.own
+    E = np.empty(n_e)
+    y = np.empty(N)
+    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    i = 0
+    for a in range(angles.shape[0]):
+        phi = angles[a]
+        i = locate(phi, phi, times, steps, i)
+        read(phi, times, dense, i, y)
+        around_chamber(phi, phi, context, E)
+        path_flows(y, E, context, flows)  # with it the state of the chamber's gas
+        out[a] = given_off(y, phi, E, own, P, TAB)
+
+
+@kernel
 def work_along(times, dense, quads, steps, context):
     """Fill quads[:, 0] with the work on the gas, −∫p dV by Simpson's rule on each step (for the trace only)."""
     P, TAB = context.P, context.TAB

@@ -112,6 +112,13 @@ class Trajectory(NamedTuple):
             self.module.trace__oil_films(angles, *self.rows, self.context, c.n_E, out)
         return out
 
+    def given_off(self, angles: Array) -> Array:
+        """Return the gas [kg/s] that a chamber's oil gives off over time at increasing angles [rad] (M231)."""
+        out = np.empty(len(angles))
+        with self.alone:
+            self.module.trace__given_off_along(angles, *self.rows, self.context, self.composition.n_E, out)
+        return out
+
     def peak_pressure(self, limit: float) -> float:
         """Return the highest pressure [Pa] from the injection up to an angle [rad]."""
         return float(self.module.trace__peak_pressure(*self.rows, limit, self.context))
