@@ -11,7 +11,7 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.report.datasheet import write_sheet
 from screwsim.report.datasheet_pdf import FORMS, pages_of
-from screwsim.report.sheet_paper import HIGH, LEAST, WIDE, width_of, wrapped
+from screwsim.report.sheet_paper import EDGE, HIGH, LEAST, WIDE, width_of, wrapped
 from screwsim.report.sheet_tables import columns_of
 from screwsim.report.style import journal, new_figure
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
@@ -26,8 +26,9 @@ SHIPPED = {  # what is asked of each: the scene, changes, options
     "air, fixed speed": ("air/fixed_speed_10", (), {}),
     "humid air": ("air/humid_package", (), {}),
 }
-NEAR = 0.4  # [pixel] of 0.25 mm: letters touch
-MARGIN = 5.0 / WIDE  # that no printer leaves out
+DPI = 300.0  # letters are set to whole pixels where their width is measured, not in the PDF
+NEAR = 1.2  # [pixel], 0.1 mm: letters touch
+FOOT = 5.0  # [mm] that no printer leaves out
 
 
 @pytest.fixture(scope="module")
@@ -75,10 +76,12 @@ def over(one, other):
 
 def faults_of(figure):
     """Return what is wrong on a page: words outside, over words, over a drawing, or too small."""
+    figure.set_dpi(DPI)
     figure.draw_without_rendering()
-    words, found = words_of(figure), []
+    words, found, mm = words_of(figure), [], figure.bbox.x1 / WIDE
     for text, box, size in words:
-        inside = min(box.x0, box.y0, figure.bbox.x1 - box.x1, figure.bbox.y1 - box.y1) >= MARGIN * figure.bbox.x1
+        across, up = min(box.x0, figure.bbox.x1 - box.x1), min(box.y0, figure.bbox.y1 - box.y1)
+        inside = min(across - (EDGE - 0.5) * mm, up - FOOT * mm) >= 0.0
         found += [] if inside else [f"{text!r} runs off the page"]
         found += [] if size >= LEAST else [f"{text!r} has {size} pt"]
         found += [f"{text!r} lies over a drawing" for axes in figure.axes if over(box, axes.bbox)]

@@ -150,13 +150,15 @@ def _legend(one: Any, width: float, size: float) -> list[tuple[int, float, int]]
 def _drawer(one: Any, box: tuple[float, float, float, float], size: float) -> Any:
     """Return the call that draws curves in a box: x, y of its upper left corner, width and height [mm]."""
     x, y, width, high = box
+    size = max(size - 0.5, LEAST)
+    below = "\n".join(wrapped(one.x_label, width, size))
 
     def call(figure: Any) -> None:
         axes = figure.add_axes((x / WIDE, 1.0 - (y + high) / HIGH, width / WIDE, high / HIGH))
         for i, curve in enumerate(one.curves):
             look = line_style(i, len(one.curves))
             axes.plot(curve.x, curve.y, marker="o", markersize=2.0, linewidth=0.9, **look)
-        axes.set_xlabel(one.x_label, fontsize=size)
+        axes.set_xlabel(below, fontsize=size)
         if one.y_label != one.title:
             axes.set_ylabel(one.y_label, fontsize=size)
         if one.from_zero:

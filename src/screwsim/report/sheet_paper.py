@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-from screwsim.report.style import GREY, MM, new_figure
+from screwsim.report.style import DPI, GREY, MM, new_figure
 from screwsim.version import version
 
 WIDE, HIGH = 210.0, 297.0  # [mm] of a page
@@ -118,6 +118,7 @@ class Paper:
     def _figure(self, number: int) -> Any:
         figure = new_figure(WIDE, HIGH)
         figure.set_layout_engine("none")
+        figure.set_dpi(DPI)  # drawings are fitted by the widths of their letters, in whole pixels
         for call in self.pages[number]:
             call(figure)
         tail = f"  ·  screwsim {version()}"
