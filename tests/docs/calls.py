@@ -31,6 +31,7 @@ STANDS = {
     "EFFECT": "tip_leakage",
     "N": "2",
     "SHARE": "0.5",
+    "ODDS": "0.1",
     "SECONDS": "10",
     "ADDRESS|FILE": "s.json",
     "SEPR|points.csv": "SEPR",
