@@ -66,3 +66,11 @@ def test_a_machine_without_effects_takes_none_of_the_one_before():
     taken_over = told(simulate(make(NO_EFFECTS), trace=False))
     problem._free.clear()
     assert told(simulate(make(NO_EFFECTS), trace=False)) == taken_over
+
+
+def test_a_drive_moves_as_it_does_at_first():
+    """The motion under a torque is found from that alone, not from one of before."""
+    problem._free.clear()
+    scene = load(ROOT / "configs" / "everything.yaml", ["numerics.closing=histories"])
+    first, again = (told(simulate(scene, trace=False)) for _ in range(2))
+    assert again == first

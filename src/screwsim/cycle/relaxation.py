@@ -179,8 +179,8 @@ class _Turns:
         """
         if not self.problem.parts.all(FlowPath):
             return False
-        if self.problem.composition.pulsating:  # a dozen unknowns and more
-            return self._spares()
+        if self.problem.composition.pulsating:  # a dozen unknowns and more; without a valve turns lead there as soon
+            return any(line.shut is not None for line in self.problem.parts.pulsations) and self._spares()
         if self.number == 1:  # states that are far off still lead nearer there
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)

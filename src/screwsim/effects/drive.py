@@ -138,9 +138,8 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         if key not in last:
             if len(last) == KEPT:
                 del last[next(iter(last))]
-            near = next((one for one in reversed(last.values()) if isinstance(one, Response)), None)
-            try:
-                last[key] = respond(train(figures.set_speed), load, figures.omega, near)
+            try:  # from the load alone, not from a motion of before: whatever was solved earlier, the bits are the same
+                last[key] = respond(train(figures.set_speed), load, figures.omega)
             except NoMotion as reason:
                 last[key] = reason
         found = last[key]

@@ -17,7 +17,6 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive import collocation
 from screwsim.machine.drive.collocation import POINTS, differentiation, residual, sizes
-from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.periodic import Anderson
 
@@ -66,11 +65,10 @@ class Response:
         return float(np.mean(torque * speed / self.speed)) * self.mean_speed
 
 
-def respond(train: Train, load: Array, omega: float, near: Response | None = None) -> Response:
+def respond(train: Train, load: Array, omega: float) -> Response:
     """Return the periodic motion under the torque `load` on the rotors, evenly spaced over a pitch (M214).
 
-    omega: mean speed [rad/s] that is held, or a first guess of it; near: a motion under nearly the same torque, from
-    which to begin where the coupling is linear, so that there is one motion only. Raises `NoMotion`.
+    omega: mean speed [rad/s] that is held, or a first guess of it. Raises `NoMotion`.
     """
     torque = collocation.resampled(load)
     mean = float(torque.mean())
@@ -92,11 +90,7 @@ def respond(train: Train, load: Array, omega: float, near: Response | None = Non
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
     n = POINTS
     x = np.concatenate([np.full(n, start), np.full(n, twist), [no_load]])
-    found = None
-    if near is not None and isinstance(train.coupling, LinearCoupling):
-        ripples = near.speed * (start / near.mean_speed), near.twist + (twist - near.twist.mean())
-        found = _by_harmonics(train, np.concatenate([*ripples, [no_load]]), torque, omega)
-    return _response(train, _raised(train, x, torque, omega) if found is None else found, torque)
+    return _response(train, _raised(train, x, torque, omega), torque)
 
 
 def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
