@@ -23,10 +23,10 @@ from screwsim.fluid.settings import GasSettings
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
+from screwsim.model.series import keep
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import ActiveEffect, Scene
 
-MOST = 16  # kept of each: so many points of different machines may be solved side by side
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 
 
@@ -57,14 +57,14 @@ class Stock:
         if (settings.model != "real" and settings.isentropic_exponent is None) or settings.relative_humidity:
             return build_gas(scene)
         found = self._gas.get(id(settings))
-        return found[1] if found else _kept(self._gas, id(settings), (settings, build_gas(scene)))[1]
+        return found[1] if found else keep(self._gas, id(settings), (settings, build_gas(scene)))[1]
 
     def geometry(self, machine: MachineSettings) -> MachineGeometry:
         """Return the geometry of a machine."""
         found = self._geometry.get(id(machine))
         if found is not None and found.settings is machine:
             return found
-        return _kept(self._geometry, id(machine), kind_of(machine).geometry(machine))
+        return keep(self._geometry, id(machine), kind_of(machine).geometry(machine))
 
     def effects(self, scene: Scene, geometry: Any, at: Lines) -> Effects:
         """Return the parts of a scene's effects on a geometry."""
@@ -74,7 +74,7 @@ class Stock:
         found = self._effects.get(key)
         if found is None:
             parts = {name: one.parts for name, one in zip(scene.effects, built, strict=True)}
-            found = _kept(self._effects, key, (built, Effects(_acting(parts))))
+            found = keep(self._effects, key, (built, Effects(_acting(parts))))
         return found[1]
 
     def _effect(self, name: str, active: ActiveEffect, geometry: Any, around: Around) -> _Built:
@@ -83,15 +83,7 @@ class Stock:
         known = self._built.setdefault(name, {})
         key = id(active), id(geometry), *numbers.items()
         found = known.get(key)
-        return found or _kept(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
-
-
-def _kept(known: dict[Any, Any], key: Any, value: Any) -> Any:
-    """Keep a value, and return it; the oldest goes where there are too many."""
-    if len(known) >= MOST:
-        known.pop(next(iter(known)), None)
-    known[key] = value
-    return value
+        return found or keep(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:

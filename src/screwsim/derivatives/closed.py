@@ -10,7 +10,7 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.nearby import near, size_of, stepped, tamed
+from screwsim.derivatives.nearby import SMALL, near, size_of, stepped, tamed
 from screwsim.derivatives.nearby import residual as residual_of
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
@@ -40,7 +40,6 @@ ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer 
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
 SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
 SHIFT = 1e-6  # of coordinates, for differences of what they make
-SMALL = 1e-3  # of a state, for relative residuals
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 LOST = 20.0  # layers from any crossing, where one of before is not there any more
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it

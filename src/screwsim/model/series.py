@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from screwsim.model.compose import compose
 from screwsim.model.composition import Composition
 from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
 from screwsim.model.trajectory import with_numbers
 
-MOST = 16  # compositions that are kept: as many as `screwsim.build.Stock` keeps machines and effects
+MOST = 16  # kept of each: so many points of different machines may be solved side by side
+
+
+def keep(known: dict[Any, Any], key: Any, value: Any) -> Any:
+    """Keep a value, and return it; the oldest goes where there are too many."""
+    if len(known) >= MOST:
+        known.pop(next(iter(known)), None)
+    known[key] = value
+    return value
 
 
 class Composer:
@@ -27,11 +37,7 @@ class Composer:
         if last is not None and _alike(parts, last[0]):
             return _filled(last[1], parts)
         self._known.pop(key, None)
-        if len(self._known) >= MOST:
-            self._known.pop(next(iter(self._known)), None)
-        found = compose(parts)
-        self._known[key] = parts, found
-        return found
+        return keep(self._known, key, (parts, compose(parts)))[1]
 
 
 def _alike(parts: Parts, other: Parts) -> bool:
