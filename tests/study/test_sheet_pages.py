@@ -16,6 +16,8 @@ from screwsim.report.sheet_tables import columns_of
 from screwsim.report.style import journal, new_figure
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 
+pytestmark = pytest.mark.around
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 SLIDE = "machine.slide_valve={position: 0.1, travel: 90 mm, male_span: 70 deg, female_span: 60 deg}"
 SHIPPED = {  # what is asked of each: the scene, changes, options
