@@ -106,7 +106,7 @@ def test_an_expanders_sheet_gives_power_efficiency_and_filling_over_speed_and_ou
     found = solved(expander, speed="1475 rpm", discharge__pressure="6 bar")
     cells = {
         "Electrical power given [kW]": -1e-3 * found.electrical_power,
-        "Isentropic efficiency of the electrical power [%]": 100.0 * found.electrical_isentropic_efficiency,
+        "Electrical isentropic efficiency [%]": 100.0 * found.electrical_isentropic_efficiency,
         "Filling factor": found.filling_factor,
     }
     for title, value in cells.items():

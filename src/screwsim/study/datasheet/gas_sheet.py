@@ -155,7 +155,7 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     columns = [
         Column(FLOW, "Mass flow [kg/h]", HOUR, decimals_of(flow)),
         Column(power, f"{what.capitalize()} [kW]", sign * KW, kw),
-        Column(efficiency, f"Isentropic efficiency of the {word} [%]", PERCENT, 1),
+        Column(efficiency, f"{'Electrical isentropic' if electrical else 'Isentropic'} efficiency [%]", PERCENT, 1),
         filled,
         Column(DISCHARGE, f"{'Outlet' if expands else 'Discharge'} temperature [°C]", 1.0, 1, celsius=True),
     ]
