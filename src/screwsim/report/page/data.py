@@ -18,6 +18,7 @@ from screwsim.report.page.uncertain import half_of, inputs_document
 from screwsim.report.quantities import PRESSURE, TEMPERATURE, Shown, is_numeric, shown_axis, shown_figure
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
 from screwsim.results import Results
+from screwsim.results.optimum import EVALUATION, POINT
 from screwsim.results.warned import warns
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
@@ -88,7 +89,8 @@ def _axis(axis: Any, stride: int) -> dict[str, Any]:
     values = axis.values[::stride]
     if axis.joined:
         joined = [_axis(inner, stride) for inner in axis.joined]
-        return {"label": "case", "words": "case", "texts": [str(value) for value in values], "joined": joined}
+        name = {EVALUATION: "evaluation", POINT: "operating point"}.get(axis.path, "case")
+        return {"label": name, "words": name, "texts": [str(value) for value in values], "joined": joined}
     if not is_numeric(axis):
         words = axis.path.split(".")[-1].replace("_", " ")
         return {"label": words, "words": words, "texts": [str(value) for value in values]}
