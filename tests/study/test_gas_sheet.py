@@ -10,6 +10,7 @@ from screwsim.cli import exit_code
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
 from screwsim.study.datasheet.gas import asked_of
+from screwsim.study.inputs import ends_of
 from screwsim.study.part_load import SPEED
 from screwsim.template import asked_of as options
 from screwsim.template import new_scene
@@ -138,7 +139,7 @@ def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
         ),
         ("paper/point", ["--suction", "1 bar"], "1 bar: is not LOW..HIGH (write e.g. --suction '4 bar..6 bar')"),
         ("paper/point", ["--discharge", "9 bar..7 bar"], "is empty (LOW must be below HIGH)"),
-        ("paper/point", ["--discharge", "7..9"], "has no unit"),
+        ("paper/point", ["--discharge", "7..9"], "--discharge 7..9: '7' has no unit"),
         ("paper/fig1", [], "and the scene varies"),
         ("air/fixed_speed_7", ["--suction", "1 bar..2 bar"], "and the scene is an air package (remove it)"),
     ],
@@ -147,3 +148,19 @@ def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):
     assert exit_code(["datasheet", str(CONFIGS / f"{scene}.yaml"), *more]) == 2
     out, err = capsys.readouterr()
     assert out == "" and words in err and len(err.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "both"),
+    [
+        ("-10..0 degC", ("-10 degC", "0 degC")),
+        ("1000 .. 4.5e3 rpm", ("1000 rpm", "4.5e3 rpm")),
+        ("0.3..2", ("0.3", "2")),
+        ("4 bar..600 kPa", ("4 bar", "600 kPa")),
+        ("0...5", None),
+        ("..5 bar", None),
+        ("5 bar", None),
+    ],
+)
+def test_the_lower_end_of_a_range_has_the_unit_of_the_upper_one(text, both):
+    assert ends_of(text) == both

@@ -21,7 +21,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import Bound, Reach, envelope
 from screwsim.study.each import each
-from screwsim.study.inputs import read_text, shown_value
+from screwsim.study.inputs import ends_of, read_text, shown_value
 from screwsim.study.part_load import LOADS, REFRIGERATION, Aim, Control, PartLoad, part_load
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
@@ -72,10 +72,13 @@ def faults_of(base: Scene, values: dict[str, float]) -> list[str]:
 
 def read_range(base: Scene, path: str, text: str, option: str, example: str) -> tuple[float, float]:
     """Return both ends [SI] of a range LOW..HIGH of a path; raise UsageError in one line."""
-    low, dots, high = text.partition("..")
-    if not (dots and low.strip() and high.strip()) or "..." in text:
+    both = ends_of(text)
+    if both is None:
         raise UsageError(f"{option} {text}: is not LOW..HIGH (write e.g. {option} '{example}')")
-    first, last = (read_text(base, path, end) for end in (low, high))
+    try:
+        first, last = (read_text(base, path, end) for end in both)
+    except UsageError as fault:
+        raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
     if not first < last:
         ends = " … ".join(shown_value(base, path, end) for end in (first, last))
         raise UsageError(f"{option} {text}: the range {ends} is empty (LOW must be below HIGH)")
