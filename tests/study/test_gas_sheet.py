@@ -121,6 +121,14 @@ def test_an_expanders_sheet_gives_power_efficiency_and_filling_over_speed_and_ou
     assert "generator" in dict(sheet.lines) and "output power < 90 kW" in dict(sheet.lines)["limits"]
 
 
+def test_the_sheet_of_a_bare_air_compressor_says_what_rates_a_package(capsys):
+    over = ["suction.pressure=[1 bar]", "discharge.pressure=[3 bar, 3.5 bar]", "speed=[720 rpm]"]
+    given = [word for axis in over for word in ("--set", f"sweep.operation.{axis}")]
+    assert exit_code(["datasheet", str(CONFIGS / "slider_crank" / "air.yaml"), *given, "--jobs", "1"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "rated by ISO 1217 (name effects.air_package)" in told and "Nm³/h: as an ideal gas" in told
+
+
 def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
     gas = loads(new_scene("booster", options(None, None, None, None, None, None)))
     own = asked_of(gas, NONE, ())

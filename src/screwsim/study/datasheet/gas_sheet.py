@@ -53,6 +53,7 @@ KEPT = (
     "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
     "oil_supply_temperature", "oil_flow_ratio", "separator_temperature",
 )  # fmt: skip
+PACKAGE = "a package of filter, cooler and fan around it is rated by ISO 1217 (name effects.air_package)"
 NORMAL = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
 MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
 
@@ -69,11 +70,15 @@ def gas_sheet(rated: Rating) -> Sheet:
         lines=list(_lines(rated)),
         tables=list(_tables(rated)),
         verdict=None,
-        notes=notes if expands else [*notes[:-1], NORMAL, notes[-1]],
+        notes=notes if expands else [*notes[:-1], *_of_gas(scene), notes[-1]],
         drawings=list(_drawings(rated)),
         document=_document(rated),
         ok=rated.ok,
     )
+
+
+def _of_gas(scene: Scene) -> list[str]:
+    return [NORMAL, PACKAGE] if scene.gas.name.lower() == "air" else [NORMAL]
 
 
 def _expands(rated: Rating) -> bool:
