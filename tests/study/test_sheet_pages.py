@@ -27,6 +27,8 @@ SHIPPED = {  # what is asked of each: the scene, changes, options
     "air, variable speed": ("air/variable_speed_7", (), {}),
     "air, fixed speed": ("air/fixed_speed_10", (), {}),
     "humid air": ("air/humid_package", (), {}),
+    "gas": ("paper/point", (), {}),
+    "expander": ("expander/point", (), {}),
 }
 DPI = 300.0  # letters are set to whole pixels where their width is measured, not in the PDF
 NEAR = 1.2  # [pixel], 0.1 mm: letters touch
