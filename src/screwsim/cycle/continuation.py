@@ -28,6 +28,7 @@ ON_LINE = 0.1  # share of a step in the parameters that may be off the line of t
 LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
 WELL = 0.2  # of the bound: a residual below it lets the next cycle begin with coarser steps
 COARSER = 2.0  # by this factor
+ALONE = np.ones(1)  # weights of the last cycle alone
 STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
 
 
@@ -133,7 +134,7 @@ def _possible(states: Array, signed: Sequence[int]) -> bool:
     least = np.minimum.reduce(states, axis=-1).tolist() if states.ndim > 1 else states.tolist()  # NaN is neither
     if not (least[0] > 0.0 and least[1] > 0.0):
         return False
-    return all([least[row] >= 0.0 for row in range(2, len(least)) if row not in signed])
+    return all(least[row] >= 0.0 for row in range(2, len(least)) if row not in signed)
 
 
 def _distances(a: Array, b: Array) -> Array:
@@ -144,7 +145,7 @@ def _distances(a: Array, b: Array) -> Array:
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
     """Return weights of the newest parameter vectors that make the wanted one, the best guess first."""
-    last = np.ones(1)
+    last = ALONE
     if len(known) < 2:
         return [last]
     moved = known[0] != wanted

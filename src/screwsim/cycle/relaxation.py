@@ -141,7 +141,7 @@ class _Turns:
         self.before = self.gap, self.moved
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
         self.gap = max(changed, problem.entries.change(self.made, self.met))
-        self.moved = NEAR * float(np.max(np.abs(self.image - self.point)))
+        self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
             self.gap = self.first_gap = max(self.gap, self.moved)
         self.expected, self.residual_before = [now], self.residual

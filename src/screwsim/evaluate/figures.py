@@ -110,7 +110,7 @@ def figures_of(
     read, reasons = performance.readings(parts, known, found)
     found |= read
     notes |= reasons
-    values = {name: found.get(name) for name in about}
+    values = dict(zip(about, map(found.get, about), strict=True))
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
     return Performance(values, about), none
 

@@ -7,7 +7,7 @@ from math import prod
 from typing import Any
 
 from screwsim.figures.registry import declared
-from screwsim.outputs import ITSELF, TIMES, Figure, Figures, Scale
+from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale
 
 LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts as passing through zero
 
@@ -49,10 +49,18 @@ def flow_errors(found: Figures, lost: float) -> Figures:
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
     sizes: dict[str, float] = {}
+    of_powers: float | None = None  # they share one scale
     for name, value in known.items():
         each = about.get(name) or declared(name, found)
-        if each.by_flow:
-            sizes[name] = lost * abs(value) / max(error_scale(name, each.scale, known), 1e-300)
+        if not each.by_flow:
+            continue
+        if each.scale is not POWER:
+            size = error_scale(name, each.scale, known)
+        elif of_powers is None:
+            size = of_powers = error_scale(name, each.scale, known)
+        else:
+            size = of_powers
+        sizes[name] = lost * abs(value) / max(size, 1e-300)
     return Figures(sizes)
 
 

@@ -126,7 +126,7 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = "d
     """Enter the mixing of the oil that leaves to a line to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
-        mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
+        mass, mass_T, mass_log = row[kernels.OUT_OIL], row[kernels.OUT_OIL_T], row[kernels.OUT_OIL_LOG]
         if mass > 0.0 and end == line:
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
