@@ -43,6 +43,7 @@ class _Task:
     run: greenlet
     asked: side_by_side.Asked | None = None
     answer: Any = None
+    at_station: bool = False  # it waits for nothing but that others come as far
 
 
 def together(
@@ -102,18 +103,19 @@ class _Together:
         self._now: _Task | None = None  # that runs
 
     def run(self) -> list[Any]:
-        before, here.turn = here.turn, self._turn
+        before = here.turn, here.station
+        here.turn, here.station = self._turn, self._station
         try:
             with sharing():
                 while self._go_on():
                     pass
             return self._answers
         finally:
-            here.turn = _ended
+            here.turn = here.station = _ended
             try:
                 self._end_all()
             finally:
-                here.turn = before
+                here.turn, here.station = before
 
     def _go_on(self) -> bool:
         """Let the next task run: a new one while there is room, one that has its answer, one after a call."""
@@ -136,12 +138,14 @@ class _Together:
         answer = task.run.switch()
         if task.run.dead:
             self._answers[task.number] = answer
+        elif task.at_station:
+            self._ready.append(task)
         else:
             self._waiting.append(task)
 
     def _turn(self, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
         """Ask for a turn, let others run, and return it (in the task's own greenlet)."""
-        began, task = time.perf_counter(), self._now
+        began, before, task = time.perf_counter(), here.elsewhere, self._now
         assert task is not None
         task.asked = side_by_side.Asked(machinery, y, rtol, h)
         with self._during(()):
@@ -149,8 +153,18 @@ class _Together:
         if isinstance(task.answer, BaseException):  # of the call: it is told in each that was waiting for it
             raise task.answer
         answer, share = task.answer
-        machinery.compile_time += time.perf_counter() - began - share  # what others took is no time of this one
+        here.elsewhere = before + time.perf_counter() - began - share
         return answer
+
+    def _station(self) -> None:
+        """Let others run until they come as far (in the task's own greenlet)."""
+        began, before, task = time.perf_counter(), here.elsewhere, self._now
+        assert task is not None
+        task.at_station = True
+        with self._during(()):
+            self._own.switch()
+        task.at_station = False
+        here.elsewhere = before + time.perf_counter() - began
 
     def _end_all(self) -> None:
         """End tasks that nobody waits for any more: they are told so where they asked for a turn."""

@@ -18,6 +18,7 @@ from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.composition import Composition
+from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.made import LEAST
@@ -104,6 +105,7 @@ class Course:
             return None
         known = np.array([cycle.values for cycle in cycles])
         ways = _weights([cycle.parameters for cycle in cycles], parameters)
+        station()
         self._told = {len(weights): weights @ known[-len(weights) :] for weights in ways}
         for weights in sorted(ways, key=lambda weights: self._missed.get(len(weights), 0.0)):
             used, values = cycles[-len(weights) :], self._told[len(weights)]
