@@ -34,6 +34,7 @@ IN_FLIGHT = 2 * LANES  # tasks at a time: turns of like tolerance find each othe
 IN_STEP = LANES  # the same of courses, whose points take like turns: what more of them hold leaves the cache
 ON_GPU = 1024  # the same on a GPU, and turns in one call
 Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
+HandedOn = Callable[[greenlet, greenlet], None]
 During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # the tasks for which a call is made
 
 
@@ -43,22 +44,26 @@ class _Task:
     run: greenlet
     asked: side_by_side.Asked | None = None
     answer: Any = None
-    at_station: bool = False  # it waits for nothing but that others come as far
 
 
 def together(
-    tasks: Sequence[Callable[[], Answer]], in_flight: int | None = None, during: During | None = None, gpu: bool = False
+    tasks: Sequence[Callable[[], Answer]],
+    in_flight: int | None = None,
+    during: During | None = None,
+    gpu: bool = False,
+    handed_on: HandedOn | None = None,
+    lanes: bool = True,
 ) -> list[Answer]:
     """Return what each task returns; the turns that they ask for are integrated side by side.
 
     `in_flight` tasks run at a time. What a task raises is raised here, once all have ended: those that wait for a turn
-    end by GreenletExit. `during` surrounds waiting and calls, for who takes times. With `gpu` a GPU integrates
-    (`screwsim.batch.cuda`), else the lanes of this core.
+    end by GreenletExit. `during` surrounds waiting and calls, for who takes times, and `handed_on` is told when one
+    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core;
+    without `lanes` turns are integrated one after the other, with the bits of single points.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
-    return _Together(
-        tasks, max(1, in_flight or default), during or _plain, most, _turns_on_gpu if gpu else _turns
-    ).run()
+    turns = _turns_on_gpu if gpu else _turns if lanes else _one_by_one
+    return _Together(tasks, max(1, in_flight or default), during or _plain, most, turns, handed_on).run()
 
 
 def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False) -> list[list[Result]]:
@@ -91,12 +96,18 @@ class _Together:
     """Tasks in greenlets, of which one runs until it asks for a turn; who runs them lives in the caller's own."""
 
     def __init__(
-        self, tasks: Sequence[Callable[[], Any]], in_flight: int, during: During, most: int, turns: Turns
+        self,
+        tasks: Sequence[Callable[[], Any]],
+        in_flight: int,
+        during: During,
+        most: int,
+        turns: Turns,
+        handed_on: HandedOn | None,
     ) -> None:
         self._left = deque(enumerate(tasks))
         self._answers: list[Any] = [None] * len(tasks)
         self._in_flight, self._during = in_flight, during
-        self._most, self._turns = most, turns
+        self._most, self._turns, self._handed_on = most, turns, handed_on
         self._ready: deque[_Task] = deque()
         self._waiting: list[_Task] = []
         self._own = getcurrent()
@@ -133,13 +144,12 @@ class _Together:
         self._ready.append(_Task(number, run))
 
     def _run(self, task: _Task) -> None:
-        """Let a task run until it asks for a turn or ends; raise what it raises."""
+        """Let a task run, and others from its stations on, until one asks for a turn or ends; raise what it raises."""
         self._now = task
         answer = task.run.switch()
+        task = self._now
         if task.run.dead:
             self._answers[task.number] = answer
-        elif task.at_station:
-            self._ready.append(task)
         else:
             self._waiting.append(task)
 
@@ -157,13 +167,16 @@ class _Together:
         return answer
 
     def _station(self) -> None:
-        """Let others run until they come as far (in the task's own greenlet)."""
+        """Let others run until they come as far (in the task's own greenlet): the next one goes on in its place."""
+        if not self._ready:
+            return
         began, before, task = time.perf_counter(), here.elsewhere, self._now
         assert task is not None
-        task.at_station = True
-        with self._during(()):
-            self._own.switch()
-        task.at_station = False
+        other = self._now = self._ready.popleft()
+        self._ready.append(task)
+        if self._handed_on is not None:
+            self._handed_on(task.run, other.run)
+        other.run.switch()
         here.elsewhere = before + time.perf_counter() - began
 
     def _end_all(self) -> None:
@@ -227,9 +240,12 @@ def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
         except CannotCompile:
             _lanes[name] = None
     lanes = _lanes[name]
-    if lanes is None:
-        return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
-    return lanes.turns(asked)
+    return _one_by_one(asked) if lanes is None else lanes.turns(asked)
+
+
+def _one_by_one(asked: Sequence[side_by_side.Asked]) -> list[Any]:
+    """Return turns, each integrated alone."""
+    return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 
 _on_gpu: dict[str, Any] = {}  # by the name of a module

@@ -77,6 +77,8 @@ class Evaluation:
     @once
     def read(self) -> Read:
         """The performance figures, and why some are None."""
+        self.known  # noqa: B018 - found first: others come as far
+        station()
         circuit = self.circuit
         station()
         return figures_of(self.problem, self.life, self.q, self.known, self.losses, circuit)

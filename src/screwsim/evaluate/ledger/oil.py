@@ -21,6 +21,7 @@ from screwsim.evaluate.ledger.book import (
 from screwsim.evaluate.ledger.dissolved import Held
 from screwsim.evaluate.ledger.suction import Streams
 from screwsim.model import ledger as kernels
+from screwsim.model.exchange import station
 from screwsim.model.slots import OIL_TEMPERATURE, P_INJECTION, R_DISCHARGE, R_INJECTED, R_OIL_BEFORE, R_RATIO
 from screwsim.model.trajectory import Array
 
@@ -51,6 +52,7 @@ def oil_rise(
             book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
+    station()
     dissolved = _flash(book, cycle, suction, paths, sums, met)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:

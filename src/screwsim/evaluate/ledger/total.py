@@ -95,6 +95,7 @@ def ledger(of: Evaluation) -> Ledger:
     station()
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
+    station()
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
     met = line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else mean_back(cycle, met, sucked)
