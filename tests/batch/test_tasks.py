@@ -235,7 +235,7 @@ def test_points_in_step_without_lanes_have_the_bits_of_single_points(alone, samp
 
 def test_courses_in_step_without_lanes_have_the_bits_of_courses_alone():
     scene = load(
-        str(ROOT / "tests" / "plain" / "r134a.yaml"), ["sweep.operation.speed={from: 2 krpm, to: 3 krpm, count: 9}"]
+        str(ROOT / "tests" / "plain" / "r134a.yaml"), ["sweep.operation.speed={from: 2000 rpm, to: 3000 rpm, count: 9}"]
     )
     courses = [[case(scene, k) for k in range(first, first + 3)] for first in (0, 3, 6)]
     works = [lambda course=course: list(simulate_many(course, trace=False)) for course in courses]
