@@ -1,8 +1,9 @@
 """Print what points side by side in the lanes of a core gain over one by one, in processor time of interleaved pairs.
 
 Run: python benchmarks/side_by_side.py [PAIRS | SCENE.yaml …]. Courses of R134a over the condensing temperature, with
-errors estimated or not, and what of such a point is in its turns; points of a sample, each from its own first guess;
-the turns of these alone. Of scenes: by how much figures differ from those of the point alone, and their evaluations.
+errors estimated or not, also in step without lanes, and what of such a point is in its turns; points of a sample, each
+from its own first guess; the turns of these alone. Of scenes: by how much figures differ from those of the point alone,
+and their evaluations.
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.batch import simulate_courses, tasks, warm_up
+from screwsim.batch import simulate_courses, tasks, together, warm_up
+from screwsim.batch.tasks import IN_STEP
 from screwsim.codegen.modules import for_speed
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
@@ -51,8 +54,18 @@ def pairs(name: str, scene: Scene, count: int, block: int, repeats: int) -> None
     found = []
     for _ in range(repeats):
         one = seconds(lambda: [list(simulate_many(course, trace=False)) for course in courses])
-        found.append((one / count, seconds(lambda: simulate_courses(courses)) / count))
-    _print(name, found)
+        step = seconds(lambda: in_step(courses))
+        found.append((one / count, seconds(lambda: simulate_courses(courses)) / count, step / count))
+    _print(name, [pair[:2] for pair in found])
+    step, gain = (
+        statistics.median(each) for each in zip(*((pair[2], pair[0] / pair[2]) for pair in found), strict=True)
+    )
+    print(f"  in step without lanes: {1e3 * step:.3f} ms; {gain:.2f} times as fast as one by one")
+
+
+def in_step(courses: Sequence[Sequence[Scene]]) -> None:
+    """Solve courses in step, each turn alone: as a sweep does without lanes."""
+    together([partial(list, simulate_many(course, trace=False)) for course in courses], IN_STEP, lanes=False)
 
 
 def _print(name: str, found: Sequence[tuple[float, float]]) -> None:

@@ -3,12 +3,14 @@
 Run: python benchmarks/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this
 process, its parts included, over that of the same blocks simulated alone; the file that joins the parts is told apart.
 Workers: wall time of whole sweeps, best of the repeats; it needs idle cores. What the machine itself gives is told
-beside it: the same blocks without a sweep in one process, and in two at once.
+beside it: the same blocks without a sweep in one process, and in two at once. Of sweeps of a real gas the processor
+times of workers and of the process that writes the file are told, too.
 """
 
 from __future__ import annotations
 
 import multiprocessing
+import os
 import statistics
 import sys
 import tempfile
@@ -101,6 +103,16 @@ def swept(scene: Scene, jobs: int, batch: bool = False) -> tuple[float, float]:
         return watch.computed - began - ahead, time.process_time() - watch.computed + ahead
 
 
+def whole_sweep(scene: Scene, batch: bool) -> tuple[float, float, float]:
+    """Sweep a scene with two workers; return wall time, and processor times of this process and of the workers [s]."""
+    before, began = os.times(), time.perf_counter()
+    swept(scene, 2, batch)
+    wall, after = time.perf_counter() - began, os.times()
+    own = after.user + after.system - before.user - before.system
+    workers = after.children_user + after.children_system - before.children_user - before.children_system
+    return wall, own, workers
+
+
 @for_speed()
 def main() -> None:
     """Measure one scene, and real-gas points over the condensing temperature."""
@@ -132,9 +144,12 @@ def main() -> None:
         warm_up(real)
         beside(real)
         for batch, how in ((False, ""), (True, ", --batch")):
-            best = min(seconds(partial(swept, real, 2, batch), time.perf_counter) for _ in range(min(repeats, 3)))
-            told = f"numerics.error: {errors}{how}: {points / best:.0f} points/s"
+            runs = [whole_sweep(real, batch) for _ in range(min(repeats, 3))]
+            wall, own, workers = (min(column) for column in zip(*runs, strict=True))
+            told = f"numerics.error: {errors}{how}: {points / wall:.0f} points/s"
             print(f"real gas at 3000 rpm over {points} condensing temperatures, two workers, {told}")
+            of_workers, here = (f"{1e6 * each / points:.0f} us" for each in (workers, own))
+            print(f"  processor time a point: {of_workers} of workers, {here} of the process that writes the file")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from screwsim.evaluate.traces import traces
 from screwsim.figures import Performance
 from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model import compiled, leases
+from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.numerics import compiling, sources
 from screwsim.numerics.trial import how_it_died
@@ -123,6 +124,7 @@ def _survived(scene: Scene) -> None:
 def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     course = None if series is None else series.course
     alone, series = series is None, series or one_alone()
+    station()
     try:
         with faults_of_own(scene) if scene.own else nullcontext():
             with compiled.equation_announced(scene.gas.name):
@@ -132,6 +134,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
         if at_speed is not problem:
             leases.give_back(machinery)
             problem, machinery = at_speed, leased(at_speed)
+        station()
         result = _solved(problem, machinery, trace, course, search)
         leases.give_back(machinery)
         if alone:
@@ -152,14 +155,19 @@ def _solved(
     problem = accurate.evaluation.problem
     scene = problem.scene
     effects, states = tuple(scene.effects), problem.composition.states
+    station()
     refused = _refused(problem, accurate)
     if refused:
         numerics, none = _numerics(machinery, accurate), Performance({}, problem.called)
         return Result("failed", refused, scene_warnings(scene), effects, states, none, numerics=numerics)
+    station()
     accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
+    station()
+    station()
     if course is not None:
         note(course, accurate.evaluation, accurate.cycle, accurate.wanted, accurate.tightness)
     cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
+    station()
     found, notes = of.read
     sound = book is None or book.finite
     finite = all(map(math.isfinite, [value for value in found.values() if value is not None]))
@@ -172,8 +180,10 @@ def _solved(
     forbidden, of_drive, balance["drive"] = drive.judged(of)
     overloaded, of_loads = performance.judged(problem.parts, of.known, found)
     status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
+    station()
     over_angle, kept = traces(of) if trace is True else {}, book.figures() if trace and book else Figures()
     doubts, impossible = cautions.doubts(problem, found if status == "ok" else Figures(), errors)
+    station()
     warnings = (
         *doubts,
         *of_loads,
@@ -184,6 +194,7 @@ def _solved(
         *cautions.inaccurate(scene.numerics.accuracy, errors),
         *(another.warnings(of, machinery, accurate) if status == "ok" else ()),
     )
+    station()
     figures = (found, balance, errors, numerics, notes, over_angle, kept)
     return Result(status, message, warnings, effects, states, *figures, impossible=impossible)
 

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from greenlet import GreenletExit
+from greenlet import GreenletExit, getcurrent
 
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.model import leases
-from screwsim.model.exchange import here
+from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
+from screwsim.study import limit
 
 ROOT = Path(__file__).parents[2]
 POINTS = 16
@@ -225,3 +226,86 @@ def test_a_task_sees_what_is_set_around_it_and_sets_it_for_itself_alone():
 
 def test_so_many_points_at_a_time_share_their_working_arrays():
     assert leases.KEPT >= tasks.IN_FLIGHT
+
+
+def test_points_in_step_without_lanes_have_the_bits_of_single_points(alone, sample):
+    found = together([partial(simulate, scene, False) for scene in sample], lanes=False)
+    assert list(map(told, found)) == list(map(told, alone))
+
+
+def test_courses_in_step_without_lanes_have_the_bits_of_courses_alone():
+    scene = load(
+        str(ROOT / "tests" / "plain" / "r134a.yaml"), ["sweep.operation.speed={from: 2000 rpm, to: 3000 rpm, count: 9}"]
+    )
+    courses = [[case(scene, k) for k in range(first, first + 3)] for first in (0, 3, 6)]
+    works = [lambda course=course: list(simulate_many(course, trace=False)) for course in courses]
+    for one, other in zip(together(works, lanes=False), (work() for work in works), strict=True):
+        assert list(map(told, one)) == list(map(told, other))
+
+
+def test_all_come_to_a_station_before_one_goes_on_to_the_next():
+    came = []
+
+    def goes(number):
+        for stop in range(3):
+            came.append((stop, number))
+            station()
+
+    together([partial(goes, number) for number in range(4)])
+    assert came == [(stop, number) for stop in range(3) for number in range(4)]
+
+
+def test_time_at_a_station_is_that_of_others_and_told_so():
+    spent = {}
+
+    def waits():
+        before = here.elsewhere
+        station()
+        spent["waiting"] = here.elsewhere - before
+
+    def works():
+        before = here.elsewhere
+        time.sleep(0.05)
+        spent["working"] = here.elsewhere - before
+
+    together([waits, works])
+    assert spent["waiting"] >= 0.05
+    assert spent["working"] == 0.0
+
+
+def test_what_is_raised_behind_a_station_is_raised_and_those_that_wait_there_end():
+    ended = []
+
+    def waits():
+        try:
+            for _ in range(5):
+                station()
+        finally:
+            ended.append(1)
+
+    def fails():
+        station()
+        raise ZeroDivisionError("of one task")
+
+    with pytest.raises(ZeroDivisionError, match="of one task"):
+        together([waits, fails, waits])
+    assert len(ended) == 2
+    assert here.station is None
+
+
+def test_the_time_of_one_that_waits_at_a_station_does_not_run():
+    left = {}
+
+    def waits():
+        with limit.Limit(100.0):
+            station()
+            left["deadline"] = limit._deadlines[getcurrent()] - time.monotonic()
+
+    def works():
+        with limit.Limit(100.0):
+            time.sleep(0.3)
+            station()
+
+    together([waits, works], during=limit.running, handed_on=limit.handed_on)
+    assert left["deadline"] > 100.0 - 0.2
+    assert not limit._deadlines

@@ -34,6 +34,7 @@ IN_FLIGHT = 2 * LANES  # tasks at a time: turns of like tolerance find each othe
 IN_STEP = LANES  # the same of courses, whose points take like turns: what more of them hold leaves the cache
 ON_GPU = 1024  # the same on a GPU, and turns in one call
 Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
+HandedOn = Callable[[greenlet, greenlet], None]
 During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # the tasks for which a call is made
 
 
@@ -46,18 +47,23 @@ class _Task:
 
 
 def together(
-    tasks: Sequence[Callable[[], Answer]], in_flight: int | None = None, during: During | None = None, gpu: bool = False
+    tasks: Sequence[Callable[[], Answer]],
+    in_flight: int | None = None,
+    during: During | None = None,
+    gpu: bool = False,
+    handed_on: HandedOn | None = None,
+    lanes: bool = True,
 ) -> list[Answer]:
     """Return what each task returns; the turns that they ask for are integrated side by side.
 
     `in_flight` tasks run at a time. What a task raises is raised here, once all have ended: those that wait for a turn
-    end by GreenletExit. `during` surrounds waiting and calls, for who takes times. With `gpu` a GPU integrates
-    (`screwsim.batch.cuda`), else the lanes of this core.
+    end by GreenletExit. `during` surrounds waiting and calls, for who takes times, and `handed_on` is told when one
+    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core;
+    without `lanes` turns are integrated one after the other, with the bits of single points.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
-    return _Together(
-        tasks, max(1, in_flight or default), during or _plain, most, _turns_on_gpu if gpu else _turns
-    ).run()
+    turns = _turns_on_gpu if gpu else _turns if lanes else _one_by_one
+    return _Together(tasks, max(1, in_flight or default), during or _plain, most, turns, handed_on).run()
 
 
 def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False) -> list[list[Result]]:
@@ -90,30 +96,37 @@ class _Together:
     """Tasks in greenlets, of which one runs until it asks for a turn; who runs them lives in the caller's own."""
 
     def __init__(
-        self, tasks: Sequence[Callable[[], Any]], in_flight: int, during: During, most: int, turns: Turns
+        self,
+        tasks: Sequence[Callable[[], Any]],
+        in_flight: int,
+        during: During,
+        most: int,
+        turns: Turns,
+        handed_on: HandedOn | None,
     ) -> None:
         self._left = deque(enumerate(tasks))
         self._answers: list[Any] = [None] * len(tasks)
         self._in_flight, self._during = in_flight, during
-        self._most, self._turns = most, turns
+        self._most, self._turns, self._handed_on = most, turns, handed_on
         self._ready: deque[_Task] = deque()
         self._waiting: list[_Task] = []
         self._own = getcurrent()
         self._now: _Task | None = None  # that runs
 
     def run(self) -> list[Any]:
-        before, here.turn = here.turn, self._turn
+        before = here.turn, here.station
+        here.turn, here.station = self._turn, self._station
         try:
             with sharing():
                 while self._go_on():
                     pass
             return self._answers
         finally:
-            here.turn = _ended
+            here.turn = here.station = _ended
             try:
                 self._end_all()
             finally:
-                here.turn = before
+                here.turn, here.station = before
 
     def _go_on(self) -> bool:
         """Let the next task run: a new one while there is room, one that has its answer, one after a call."""
@@ -131,9 +144,10 @@ class _Together:
         self._ready.append(_Task(number, run))
 
     def _run(self, task: _Task) -> None:
-        """Let a task run until it asks for a turn or ends; raise what it raises."""
+        """Let a task run, and others from its stations on, until one asks for a turn or ends; raise what it raises."""
         self._now = task
         answer = task.run.switch()
+        task = self._now
         if task.run.dead:
             self._answers[task.number] = answer
         else:
@@ -141,7 +155,7 @@ class _Together:
 
     def _turn(self, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
         """Ask for a turn, let others run, and return it (in the task's own greenlet)."""
-        began, task = time.perf_counter(), self._now
+        began, before, task = time.perf_counter(), here.elsewhere, self._now
         assert task is not None
         task.asked = side_by_side.Asked(machinery, y, rtol, h)
         with self._during(()):
@@ -149,8 +163,21 @@ class _Together:
         if isinstance(task.answer, BaseException):  # of the call: it is told in each that was waiting for it
             raise task.answer
         answer, share = task.answer
-        machinery.compile_time += time.perf_counter() - began - share  # what others took is no time of this one
+        here.elsewhere = before + time.perf_counter() - began - share
         return answer
+
+    def _station(self) -> None:
+        """Let others run until they come as far (in the task's own greenlet): the next one goes on in its place."""
+        if not self._ready:
+            return
+        began, before, task = time.perf_counter(), here.elsewhere, self._now
+        assert task is not None
+        other = self._now = self._ready.popleft()
+        self._ready.append(task)
+        if self._handed_on is not None:
+            self._handed_on(task.run, other.run)
+        other.run.switch()
+        here.elsewhere = before + time.perf_counter() - began
 
     def _end_all(self) -> None:
         """End tasks that nobody waits for any more: they are told so where they asked for a turn."""
@@ -213,9 +240,12 @@ def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
         except CannotCompile:
             _lanes[name] = None
     lanes = _lanes[name]
-    if lanes is None:
-        return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
-    return lanes.turns(asked)
+    return _one_by_one(asked) if lanes is None else lanes.turns(asked)
+
+
+def _one_by_one(asked: Sequence[side_by_side.Asked]) -> list[Any]:
+    """Return turns, each integrated alone."""
+    return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 
 _on_gpu: dict[str, Any] = {}  # by the name of a module

@@ -225,6 +225,8 @@ def _at_discharge(figures: Mapping[str, Any]) -> float | None:
 
 def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
     """Yield that no value of an open number does what is asked: it stands at an end."""
+    if not is_sought(scene):
+        return
     ends = list(zip(spans(scene), standing(scene), strict=True))
     if oil_is_sought(scene):
         span, x = ends.pop(0)

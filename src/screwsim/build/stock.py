@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from screwsim.build.gas import build_gas
 from screwsim.build.site import around_of
 from screwsim.effects.base import (
-    Around,
     ChamberState,
     FlowPath,
     HeatRate,
@@ -24,6 +23,7 @@ from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
 from screwsim.model.series import keep
+from screwsim.numerics.remembered import Remembered
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -50,6 +50,7 @@ class Stock:
         self._geometry: dict[int, MachineGeometry] = {}  # the same
         self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
         self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
+        self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
 
     def gas(self, scene: Scene) -> Gas:
         """Return the gas of a scene; the same one where nothing but the scene's gas tells it."""
@@ -69,7 +70,17 @@ class Stock:
     def effects(self, scene: Scene, geometry: Any, at: Lines) -> Effects:
         """Return the parts of a scene's effects on a geometry."""
         around = around_of(scene, at)
-        built = [self._effect(name, active, geometry, around) for name, active in scene.effects.items()]
+        every = scene.effects
+        numbers = [(name, one.effect.numbers(one.parameters, around)) for name, one in _numbered(every).items()]
+        whole = id(every), id(geometry), *[(name, *given.items()) for name, given in numbers]
+        known = self._whole.get(whole)
+        if known is not None:
+            return known[2]
+        by_name = dict(numbers)
+        built = [self._effect(name, active, geometry, by_name.get(name, {})) for name, active in every.items()]
+        return keep(self._whole, whole, (every, geometry, self._of(scene, built)))[2]
+
+    def _of(self, scene: Scene, built: list[_Built]) -> Effects:
         key = tuple(map(id, built))
         found = self._effects.get(key)
         if found is None:
@@ -77,13 +88,17 @@ class Stock:
             found = keep(self._effects, key, (built, Effects(_acting(parts))))
         return found[1]
 
-    def _effect(self, name: str, active: ActiveEffect, geometry: Any, around: Around) -> _Built:
-        effect = active.effect
-        numbers = effect.numbers(active.parameters, around) if effect.numbers is not None else {}
+    def _effect(self, name: str, active: ActiveEffect, geometry: Any, numbers: Mapping[str, float]) -> _Built:
         known = self._built.setdefault(name, {})
         key = id(active), id(geometry), *numbers.items()
         found = known.get(key)
         return found or keep(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
+
+
+@Remembered
+def _numbered(effects: Mapping[str, ActiveEffect]) -> dict[str, Any]:
+    """Return the effects that ask for numbers of the scene around them."""
+    return {name: active for name, active in effects.items() if active.effect.numbers is not None}
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:

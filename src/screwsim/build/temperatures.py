@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from screwsim.build import sought
 from screwsim.effects.base import (
@@ -17,6 +17,7 @@ from screwsim.effects.base import (
 from screwsim.fluid import constants
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import Fault, Unfound, UsageError
+from screwsim.numerics.remembered import Remembered
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
 from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene
@@ -33,8 +34,14 @@ class Temperatures(NamedTuple):
 
 def package_of(scene: Scene) -> LosesPressure | None:
     """Return the parameters of the effect that puts a package around the machine; None where there is none."""
-    every = (active.parameters for active in scene.effects.values())
-    return next((parameters for parameters in every if isinstance(parameters, LosesPressure)), None)
+    return next(iter(_of(scene.effects, LosesPressure).values()), None)
+
+
+@Remembered
+def _of(effects: Mapping[str, ActiveEffect], kind: type) -> dict[str, Any]:
+    """Return the parameters of a kind among those of effects, by the effects' names."""
+    every = ((name, active.parameters) for name, active in effects.items())
+    return {name: parameters for name, parameters in every if isinstance(parameters, kind)}
 
 
 def completed(
@@ -97,8 +104,7 @@ def filled(scene: Scene, at: Temperatures) -> Scene:
 
 def _cooling(scene: Scene) -> CoolsOil:
     """Return what a scene says of its oil's cooler."""
-    every = (active.parameters for active in scene.effects.values())
-    return next((parameters for parameters in every if isinstance(parameters, CoolsOil)), CoolsOil())
+    return next(iter(_of(scene.effects, CoolsOil).values()), CoolsOil())
 
 
 def open_temperatures(scene: Scene) -> tuple[bool, bool]:
@@ -112,8 +118,13 @@ def open_temperatures(scene: Scene) -> tuple[bool, bool]:
 
 def _asking(scene: Scene) -> dict[str, ActiveEffect]:
     """Return the effects of a scene that ask for the separator's temperature, which the scene does not state."""
-    every = ((name, one) for name, one in scene.effects.items() if isinstance(one.parameters, InSeparator))
-    return {name: one for name, one in every if _is_open(one.parameters.separator_temperature)}
+    asking = _of(scene.effects, InSeparator)
+    return {name: scene.effects[name] for name, one in asking.items() if _is_open(one.separator_temperature)}
+
+
+def in_separator(scene: Scene) -> list[InSeparator]:
+    """Return the parameters of those effects that ask for the separator's temperature, stated or not."""
+    return list(_of(scene.effects, InSeparator).values())
 
 
 def _is_open(value: float | None) -> bool:

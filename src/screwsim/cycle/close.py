@@ -17,12 +17,14 @@ from screwsim.cycle.search import SEARCH, sought
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
+from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 
 
 def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None = None) -> CycleSolution:
     """Close the cycle: continued from a course's last ones where that closes it, else from the first guess."""
     guess = None if course is None else continued(problem, machinery, course)
+    station()
     if guess is not None:
         cycle = close_from(problem, machinery, wanted, guess.y, guess.hope, guess.tangents)
         if cycle.status == "ok":

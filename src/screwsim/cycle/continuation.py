@@ -18,6 +18,7 @@ from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.composition import Composition
+from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.made import LEAST
@@ -28,6 +29,7 @@ ON_LINE = 0.1  # share of a step in the parameters that may be off the line of t
 LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
 WELL = 0.2  # of the bound: a residual below it lets the next cycle begin with coarser steps
 COARSER = 2.0  # by this factor
+ALONE = np.ones(1)  # weights of the last cycle alone
 STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
 
 
@@ -103,6 +105,7 @@ class Course:
             return None
         known = np.array([cycle.values for cycle in cycles])
         ways = _weights([cycle.parameters for cycle in cycles], parameters)
+        station()
         self._told = {len(weights): weights @ known[-len(weights) :] for weights in ways}
         for weights in sorted(ways, key=lambda weights: self._missed.get(len(weights), 0.0)):
             used, values = cycles[-len(weights) :], self._told[len(weights)]
@@ -130,27 +133,31 @@ def _possible(states: Array, signed: Sequence[int]) -> bool:
 
     `signed` are the rows of states that may be.
     """
-    least = states.min(axis=-1).tolist() if states.ndim > 1 else states.tolist()  # NaN is neither
-    others = [least[row] >= 0.0 for row in range(2, len(least)) if row not in signed]
-    return least[0] > 0.0 and least[1] > 0.0 and all(others)
+    least = np.minimum.reduce(states, axis=-1).tolist() if states.ndim > 1 else states.tolist()  # NaN is neither
+    if not (least[0] > 0.0 and least[1] > 0.0):
+        return False
+    return all(least[row] >= 0.0 for row in range(2, len(least)) if row not in signed)
 
 
 def _distances(a: Array, b: Array) -> Array:
     """Return the largest relative difference of each row of a from a vector."""
-    return np.max(np.abs(a - b) / np.maximum(np.maximum(np.abs(a), np.abs(b)), LEAST), axis=-1)
+    sizes = np.maximum(np.maximum(np.abs(a), np.abs(b)), LEAST)
+    return np.maximum.reduce(np.abs(a - b) / sizes, axis=-1)
 
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
     """Return weights of the newest parameter vectors that make the wanted one, the best guess first."""
-    last = np.ones(1)
+    last = ALONE
     if len(known) < 2:
         return [last]
-    points = np.array([*known, wanted])
-    (places_of,) = (points[:-1] != wanted).any(axis=0).nonzero()
-    moving = points[:, places_of].T.tolist()  # few: faster without numpy
+    moved = known[0] != wanted
+    for each in known[1:]:
+        moved |= each != wanted
+    moving = list(zip(*(each[moved].tolist() for each in (*known, wanted)), strict=True))  # few: faster without numpy
     scales = [max(map(abs, column)) for column in moving]
+    lasts = [(column[-2], scale) for column, scale in zip(moving, scales, strict=True)]
     ways = [
-        [(x - column[-2]) / scale for x, column, scale in zip(point, moving, scales, strict=True)]
+        [(x - last_x) / scale for x, (last_x, scale) in zip(point, lasts, strict=True)]
         for point in zip(*moving, strict=True)
     ]
     line = [-x for x in ways[-3]] if ways else []  # from the last but one to the last

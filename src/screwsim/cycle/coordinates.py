@@ -17,15 +17,17 @@ def logarithms(states: Array, c: Composition) -> Array:
 
     Oil not above LEAST_OIL of the gas counts as that, of one temperature, without dissolved gas.
     """
-    raw, signed = states.reshape(-1, len(c.states)), list(c.signed)
+    raw = states.reshape(-1, len(c.states))
     rows = np.maximum(raw, 1e-300)
-    little = np.flatnonzero(rows[:, 3] <= LEAST_OIL) if c.carried else ()
-    if len(little):
+    some = c.carried and np.fmin.reduce(rows[:, 3]) <= LEAST_OIL
+    little = np.flatnonzero(rows[:, 3] <= LEAST_OIL) if some else ()
+    if some:
         rows[little, 2:4] = 1.0, LEAST_OIL
     logs = np.log(rows)
-    if signed:
+    if c.signed:
+        signed = list(c.signed)
         logs[:, signed] = raw[:, signed]
-    if c.dissolves and len(little):
+    if some and c.dissolves:
         logs[little, HELD] = 0.0
     return logs.ravel()
 

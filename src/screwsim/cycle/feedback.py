@@ -37,6 +37,7 @@ from screwsim.model.slots import (
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
+OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
 LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
@@ -51,17 +52,20 @@ def unknowns(problem: Problem, machinery: Machinery) -> Array:
     """Return the unknowns as the next turn meets them: the discharge line, the suction line, what effects declare."""
     composition, R = machinery.composition, machinery.R
     lines = [_line(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
+    if not composition.made:
+        return lines[0] if len(lines) == 1 else np.concatenate(lines)
     return np.concatenate([*lines, composition.P[list(composition.made)]])
 
 
 def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
     """Let the next turn be integrated with these."""
     made = len(values) - len(problem.parts.made)
-    line = len(_line(problem, machinery.R))
+    line = len(_cells(problem))
     _set_line(problem, machinery.R, values[:line])
     if problem.parts.suction_line:
         suction_line.set_values(problem, machinery.R, values[line:made])
-    machinery.composition.P[list(machinery.composition.made)] = values[made:]
+    if machinery.composition.made:
+        machinery.composition.P[list(machinery.composition.made)] = values[made:]
 
 
 def image(
@@ -74,7 +78,9 @@ def image(
         heat = _suction_heat(problem, life, q, turn) / problem.rate
         streams = streams_of(problem.composition, q)
         lines.append(suction_line.image(problem, life.R, streams, float(lines[0][0]), heat))
-    return np.concatenate([*lines, [] if turn is None else list(turn.made.values())])
+    if turn is None:
+        return lines[0] if len(lines) == 1 else np.concatenate(lines)
+    return np.concatenate([*lines, list(turn.made.values())])
 
 
 def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | None) -> float:
@@ -153,6 +159,8 @@ def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
 
 def at_its_end(problem: Problem, life: Trajectory) -> str:
     """Return why an unknown stopped at its end, and what to do; empty where none did."""
+    if not problem.composition.made:
+        return ""
     values = life.composition.P[list(problem.composition.made)]
     for (_, part), value in zip(problem.parts.all(Made), values, strict=True):
         if value <= part.least + 1e-9 * abs(part.least):
@@ -166,9 +174,14 @@ def at_its_end(problem: Problem, life: Trajectory) -> str:
 def _line(problem: Problem, R: Array) -> Array:
     """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
     place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
-    cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if problem.composition.carried else (ENTHALPY,)
-    cells = (*cells, DISSOLVED) if problem.parts.dissolves else cells
-    return np.array([max(place[cell], 1e-9) for cell in cells])
+    return np.array([max(place[cell], 1e-9) for cell in _cells(problem)])
+
+
+def _cells(problem: Problem) -> tuple[int, ...]:
+    """Return which cells of the discharge line are unknowns."""
+    if problem.parts.dissolves:
+        return OF_LINE if problem.composition.carried else (ENTHALPY, DISSOLVED)
+    return OF_LINE[:3] if problem.composition.carried else OF_LINE[:1]
 
 
 def _outflow(problem: Problem, R: Array, q: Array) -> Array:

@@ -10,6 +10,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution
 from screwsim.fluid.gas import Gas
 from screwsim.model import leases, speed
+from screwsim.model.exchange import station
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 from screwsim.model.slots import PRESSURE
@@ -49,7 +50,9 @@ def _share_of_oil(machinery: Machinery, y: Array, share: float) -> None:
 def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:
     """Set the lines and a guess from the course of the cycles before; return it, None where there is none."""
     _anew(problem, machinery)
+    station()
     guess = course.guess(machinery, problem.parameters)
+    station()
     if guess is not None:
         made = len(problem.entries)
         set_lines(problem, machinery, float(guess.y[0]), 0.0, float(guess.made[0]))

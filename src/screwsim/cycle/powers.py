@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from screwsim.cycle.known import CycleFigures
 from screwsim.effects.base import PowerLoss
@@ -26,7 +26,7 @@ def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
     found = {}
     for name, part in parts.all(PowerLoss):
         power = part.power(known)
-        if np.isfinite(known.indicated_power):
+        if "." in name and math.isfinite(known.indicated_power):
             own_number(name, f"its power {part.figure} [W]", power, 0.0)
         found[part.figure] = found.get(part.figure, 0.0) + float(power)
     return found

@@ -18,6 +18,7 @@ from screwsim.cycle.wanted import Wanted, wanted_of
 from screwsim.effects.base import Made, PressureLosses
 from screwsim.figures import called_for
 from screwsim.model.composition import Composition
+from screwsim.model.exchange import station
 from screwsim.model.parts import Parts
 from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
@@ -146,9 +147,12 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
     series = series or Series()
     scene = completed(scene, series.temperatures, series.losses, series.sought)
+    station()
     parts, at = parts_of(scene, series.stock, set_speed), lines(scene)
+    station()
     composition = _by(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False
+    station()
     dry = at.quality is None
     line = parts.gas.place(at.p_s, at.T_s) if dry else parts.gas.place_of_enthalpy(at.p_s, suction_enthalpy(scene))
     lost = 0.0 if scene.losses is None else scene.losses.before

@@ -22,6 +22,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
 from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.effects.base import FlowPath
+from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
@@ -75,6 +76,7 @@ def relax(
     of machines nearby may be so good that the first turn closes: it is as fine as is hoped of the guess.
     """
     turns = _Turns(problem, machinery, wanted, y, hope, lent)
+    station()
     most = np.inf if last else machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
     for _ in range(MAX_TURNS):
         angle = turns.integrate()
@@ -134,6 +136,7 @@ class _Turns:
         if status != 0:
             return angle
         machinery.swap()
+        station()
         self.made = image_of(problem, machinery.trajectory, self.q)
         self.image = self.vector(self.made)
         now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
@@ -141,7 +144,7 @@ class _Turns:
         self.before = self.gap, self.moved
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
         self.gap = max(changed, problem.entries.change(self.made, self.met))
-        self.moved = NEAR * float(np.max(np.abs(self.image - self.point)))
+        self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
             self.gap = self.first_gap = max(self.gap, self.moved)
         self.expected, self.residual_before = [now], self.residual
@@ -264,6 +267,7 @@ class _Turns:
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
         """Return the cycle as the last turn left it."""
         machinery, ok = self.machinery, status == "ok"
+        station()
         return CycleSolution(
             *(status, machinery.trajectory.copy(), self.q, self.y, self.number, "histories"),
             rtol=self.rtol if status == "failed" else self.finest,

@@ -64,4 +64,4 @@ def suction_of(parts: Parts, line: Place, lost: float = 0.0) -> SuctionState:
     ratio, returned = 1.0, 0.0
     for _, part in parts.all(Intake):
         ratio, returned = ratio * state.ratio_of(part), max(returned, part.returned)
-    return replace(state, pressure_ratio=ratio, returned=returned)
+    return replace(state, pressure_ratio=ratio, returned=returned) if ratio != 1.0 or returned != 0.0 else state

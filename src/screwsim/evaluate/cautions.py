@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from screwsim.build import sought
+from screwsim.build import in_separator, sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
-from screwsim.effects.base import InSeparator
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
@@ -66,8 +65,7 @@ def _separated(of: Evaluation) -> Iterator[str]:
         return
     if circuit.parted.told:
         yield circuit.parted.told
-    every = (active.parameters for active in of.problem.scene.effects.values())
-    stated = next((one.separator_temperature for one in every if isinstance(one, InSeparator)), None)
+    stated = next((one.separator_temperature for one in in_separator(of.problem.scene)), None)
     found, T = circuit.outflow, circuit.parted.T_separator
     if stated is None or isinstance(stated, Found) or abs(stated - T) <= CONTRADICTS:
         return

@@ -16,6 +16,7 @@ from screwsim.evaluate.figures import Read, figures_of
 from screwsim.evaluate.package import Package, package_off
 from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
+from screwsim.model.exchange import station
 from screwsim.model.slots import R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.once import once
@@ -76,7 +77,11 @@ class Evaluation:
     @once
     def read(self) -> Read:
         """The performance figures, and why some are None."""
-        return figures_of(self.problem, self.life, self.q, self.known, self.losses, self.circuit)
+        self.known  # noqa: B018 - found first: others come as far
+        station()
+        circuit = self.circuit
+        station()
+        return figures_of(self.problem, self.life, self.q, self.known, self.losses, circuit)
 
     @once
     def package(self) -> Package | None:

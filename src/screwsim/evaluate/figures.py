@@ -18,6 +18,7 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
+from screwsim.model.exchange import station
 from screwsim.model.slots import ENTHALPY, Q_WALLS, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
@@ -46,6 +47,7 @@ def figures_of(
     flow = delivered * (sucked * rate) + 0.0  # nothing has no sign
     lift = powers.oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
+    station()
     drawn = performance.drawn(parts, streams, rate)
     etas, notes = performance.efficiencies(parts.gas, lines, problem.inlet, flow, shaft, drawn)
     mean = discharge_enthalpy(streams)
@@ -71,6 +73,7 @@ def figures_of(
     }
     notes["discharge_temperature"] = "nothing flows out to the discharge line"
     notes["built_in_volume_ratio"] = "the machine has no discharge port whose opening ends it"
+    station()
     if parts.oil is not None:
         found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
         notes["oil_flow_ratio"] = "no net gas is delivered"
@@ -84,6 +87,7 @@ def figures_of(
     own, reasons = _of_plenums(problem, sucked, streams, about)
     found |= own
     notes |= reasons
+    station()
     own, reasons = humidity.figures(problem, life, streams, found, circuit)
     found |= own
     notes |= reasons
@@ -110,7 +114,7 @@ def figures_of(
     read, reasons = performance.readings(parts, known, found)
     found |= read
     notes |= reasons
-    values = {name: found.get(name) for name in about}
+    values = dict(zip(about, map(found.get, about), strict=True))
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
     return Performance(values, about), none
 

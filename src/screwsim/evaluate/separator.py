@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from screwsim.build import open_temperatures
+from screwsim.build import in_separator, open_temperatures
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import streams_of, walls_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import InSeparator, OilSolution, PowerLoss
+from screwsim.effects.base import OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.separator import Outflow, Separated, separated
@@ -62,7 +62,7 @@ def circuit_of(
     """
     parts, scene = problem.parts, problem.scene
     part = next((part for _, part in parts.all(SeparatorPart)), None)
-    asking = [one.parameters for one in scene.effects.values() if isinstance(one.parameters, InSeparator)]
+    asking = in_separator(scene)
     if parts.oil is None or not (part or asking or isinstance(parts.gas, MoistAir)):
         return None
     outflow = _outflow(problem, life, q, losses, lift)

@@ -7,7 +7,7 @@ from math import prod
 from typing import Any
 
 from screwsim.figures.registry import declared
-from screwsim.outputs import TIMES, Figure, Figures, Scale
+from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale
 
 LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts as passing through zero
 
@@ -25,16 +25,19 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
         if value is None or (reference := better.get(name)) is None:
             continue
         scale = (about.get(name) or declared(name, found)).scale
-        if scale.unasked:
+        if scale is ITSELF:  # most of them
+            size = abs(reference)
+        elif scale.unasked:
             continue
-        if scale.alone and scale.times:  # a power
+        elif scale.alone and scale.times:  # a power
             if of_powers is None:
                 of_powers = max(error_scale(name, scale, known), 1e-300, least_power)
-            size = of_powers
+            errors[name] = abs(value - reference) / of_powers
+            continue
         else:
-            size = abs(reference) if not (scale.least or scale.times) else error_scale(name, scale, known)
-            size = max(size, least_work if name == "work_per_cycle" else 1e-300, 1e-300)
-        errors[name] = abs(value - reference) / size
+            size = error_scale(name, scale, known)
+        least = least_work if name == "work_per_cycle" else 1e-300
+        errors[name] = abs(value - reference) / (size if size > least and size > 1e-300 else max(size, least, 1e-300))
     of_power = errors.get("shaft_power")
     if of_power is not None and errors.get("shaft_torque") is not None:
         errors["shaft_torque"] = of_power + (errors.get("mean_speed") or 0.0)
@@ -45,10 +48,20 @@ def flow_errors(found: Figures, lost: float) -> Figures:
     """Return what a relative error of the net gas flow, `lost`, makes of the figures that go with it."""
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
-    by_flow = ((name, each.scale) for name in known if (each := about.get(name) or declared(name, found)).by_flow)
-    return Figures(
-        {name: lost * abs(known[name]) / max(error_scale(name, scale, known), 1e-300) for name, scale in by_flow}
-    )
+    sizes: dict[str, float] = {}
+    of_powers: float | None = None  # they share one scale
+    for name, value in known.items():
+        each = about.get(name) or declared(name, found)
+        if not each.by_flow:
+            continue
+        if each.scale is not POWER:
+            size = error_scale(name, each.scale, known)
+        elif of_powers is None:
+            size = of_powers = error_scale(name, each.scale, known)
+        else:
+            size = of_powers
+        sizes[name] = lost * abs(value) / max(size, 1e-300)
+    return Figures(sizes)
 
 
 def needed(name: str, scale: Scale) -> tuple[str, ...]:
@@ -66,7 +79,7 @@ def error_scale(name: str, scale: Scale, known: Mapping[str, Any], larger: Calla
         filling = abs(known.get("volumetric_efficiency", 0.0))
         size = size * larger(filling, LEAST_FILLING) / (filling + LEAST_FILLING * (filling == 0.0))
     if scale.least:
-        least = scale.least * prod(abs(known.get(each, 0.0)) for each in scale.of)
+        least = scale.least * prod([abs(known.get(each, 0.0)) for each in scale.of])
         least = least * (known.get(scale.where, 0.0) != 0.0) if scale.where else least
         size = least if scale.alone else larger(size, least)
     return size * larger(1.0, abs(known.get(TIMES["ideal"], 0.0))) if scale.times == "ideal" else size

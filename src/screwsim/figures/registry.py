@@ -155,7 +155,8 @@ def _stated(part: Any) -> Any:
     if isinstance(part, float) or part is None:  # most of them
         return part is None
     if is_dataclass(part):
-        return tuple([_stated(value) for value in vars(part).values()])
+        values = vars(part).values()
+        return tuple([value is None if value is None or type(value) is float else _stated(value) for value in values])
     return part if isinstance(part, str) else False
 
 

@@ -55,6 +55,9 @@ def _known() -> dict[str, Any]:
 
 
 def _ask(key: str, question: Callable[[], Any]) -> Any:
+    found = _known().get(key)  # at once: what is there stays what it is
+    if found is not None:
+        return found
     with _alone:
         known = _known()
         if key not in known:

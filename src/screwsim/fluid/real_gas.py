@@ -162,6 +162,13 @@ class RealGas:
     def _kernels(self) -> dict[str, Callable[..., Any]]:
         return _compiled(self)
 
+    @cached_property
+    def _isobar(self) -> tuple[bool, Callable[..., Any], tuple[float, ...]]:
+        """Whether two phases of a blend are followed, the search along an isobar, and the numbers that it asks for."""
+        found, known = saturation(self.fluid), self.known
+        numbers = known.T_min, 2.0 * known.T_max, found.p_c, self.R, found.T_c, found.rho_c
+        return self.follows, self._kernels["at_pressure"], numbers
+
     def saturation_temperature(self, p: float) -> float | None:
         """Return the saturation temperature [K] at p [Pa]; None where there is none."""
         found = saturation(self.fluid)
@@ -199,11 +206,11 @@ class RealGas:
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
         """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid."""
-        known, (T, rho) = self.known, _at_pressure(self, p, wanted, entropy)
+        T, rho = _at_pressure(self, p, wanted, entropy)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
             raise UsageError(
-                f"{known.name} at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state"
+                f"{self.known.name} at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state"
             )
         return T, rho
 
@@ -365,12 +372,11 @@ def _place_of_enthalpy(gas: RealGas, p: float, h: float) -> tuple[float, ...]:
 @lru_cache(maxsize=64)
 def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
     """Return (T, ρ) at p and a given enthalpy or entropy; what is not positive is no density."""
-    found, known = saturation(gas.fluid), gas.known
-    wet = blend_wet(gas.fluid).at_pressure(p, wanted, entropy) if gas.follows else None
+    follows, at_pressure, numbers = gas._isobar
+    wet = blend_wet(gas.fluid).at_pressure(p, wanted, entropy) if follows else None
     if wet is not None:
         return wet
-    at_pressure = _compiled(gas)["at_pressure"]
-    return at_pressure(p, wanted, entropy, known.T_min, 2.0 * known.T_max, found.p_c, gas.R, found.T_c, found.rho_c)
+    return at_pressure(p, wanted, entropy, *numbers)
 
 
 @lru_cache(maxsize=64)

@@ -48,14 +48,14 @@ class Effects(dict[str, Sequence[Any]]):
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self._found: dict[type, list[tuple[str, Any]]] = {}
+        self.found: dict[type, list[tuple[str, Any]]] = {}  # what was looked up
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
-        found = self._found.get(kind)
+        found = self.found.get(kind)
         if found is None:
             parts = ((name, part) for name, items in self.items() for part in items)
-            found = self._found[kind] = [(name, part) for name, part in parts if isinstance(part, kind)]
+            found = self.found[kind] = [(name, part) for name, part in parts if isinstance(part, kind)]
         return found
 
 
@@ -84,7 +84,9 @@ class Parts:
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
-        return self.effects.all(kind)  # type: ignore[attr-defined] - `Effects`, see above
+        effects: Any = self.effects  # `Effects`, see above
+        found = effects.found.get(kind)
+        return effects.all(kind) if found is None else found
 
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""

@@ -6,7 +6,6 @@ whatever its workspace does next.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from threading import Lock
 from types import ModuleType
 from typing import NamedTuple
@@ -85,7 +84,8 @@ class Trajectory(NamedTuple):
 
     def sum_until(self, angle: float, quadrature: int) -> float:
         """Return what a quadrature has come to at an angle [rad], even within a step."""
-        times, i = self.times, bisect_right(self.times, angle, 0, self.steps + 1) - 1
+        times = self.times
+        i = int(times[: self.steps + 1].searchsorted(angle, "right")) - 1
         if i < 0:
             return 0.0
         before = float(self.quads[i - 1, quadrature]) if i > 0 else 0.0

@@ -82,4 +82,5 @@ class Entries:
 
     def possible(self, values: Array) -> Array:
         """Return values of which none that goes in its logarithm is below nothing."""
-        return np.where(self.linear, values, np.maximum(values + self.shifts, LEAST) - self.shifts)
+        found = np.maximum(values + self.shifts, LEAST) - self.shifts
+        return np.where(self.linear, values, found) if self._mixed else found

@@ -11,6 +11,8 @@ from functools import lru_cache
 
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
+from screwsim.fluid.settings import GasSettings
+from screwsim.numerics.remembered import Remembered
 from screwsim.scene.types import Operation, Scene
 
 LEAST_SUPERHEAT = 1e-6  # [K] of saturated vapour: more than the round-off of saturation, which makes a liquid of it
@@ -28,9 +30,14 @@ class Lines:
 
 def lines(scene: Scene) -> Lines:
     """Return the states of both lines of a scene that `cross_check` finds in order (M42)."""
-    stated = _lines(scene.operation, scene.gas.name)
+    stated = _stated(scene.operation, scene.gas)
     behind = 0.0 if scene.losses is None else scene.losses.behind
     return stated if behind == 0.0 else replace(stated, p_d=stated.p_d + behind)
+
+
+@Remembered
+def _stated(operation: Operation, gas: GasSettings) -> Lines:
+    return _lines(operation, gas.name)
 
 
 @lru_cache(maxsize=64)
@@ -100,7 +107,12 @@ def refrigerating_effect(scene: Scene) -> float | None:
     """
     if scene.machine.mode == "expander":
         return None
-    return _refrigerating_effect(scene.operation, scene.gas.name)
+    return _effect(scene.operation, scene.gas)
+
+
+@Remembered
+def _effect(operation: Operation, gas: GasSettings) -> float | None:
+    return _refrigerating_effect(operation, gas.name)
 
 
 @lru_cache(maxsize=64)

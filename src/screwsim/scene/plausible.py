@@ -7,20 +7,22 @@ lines by the fluid. The scene is solved as it is written.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
+from itertools import chain
 from typing import Any
 
 from screwsim.fluid import constants
 from screwsim.inputs.declare import ANY, KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import Profile, unread
+from screwsim.numerics.remembered import Remembered
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, GAS_COOLER, GAS_COOLER_P, P_D, T_S
 from screwsim.scene.sizes import size_warnings
-from screwsim.scene.types import Scene
+from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
 
 MEANT = "is it meant?"
@@ -39,8 +41,13 @@ def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
         part = getattr(scene, name)
         if part is not None:
             yield from _of_section(part, name)
-    for name, active in scene.effects.items():
-        yield from _of_section(active.parameters, f"effects.{name}")
+    yield from _of_effects(scene.effects)
+
+
+@Remembered
+def _of_effects(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], ...]:
+    found = (_beyond(type(one.parameters), one.parameters, f"effects.{name}") for name, one in effects.items())
+    return tuple(chain.from_iterable(found))
 
 
 _seen: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # the last section of a path, which cases share
@@ -136,4 +143,9 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
 
 def _exchanges(scene: Scene) -> bool:
     """Tell whether oil and gas exchange heat."""
-    return any("T_oil" in active.effect.states for active in scene.effects.values())
+    return _warmed(scene.effects)
+
+
+@Remembered
+def _warmed(effects: Mapping[str, ActiveEffect]) -> bool:
+    return any("T_oil" in active.effect.states for active in effects.values())

@@ -285,6 +285,8 @@ class Scene(Brief):
     @property
     def own(self) -> dict[str, str]:
         """The modules of the user's own that this scene names, and where it names them."""
+        if "." not in "".join([self.machine.kind, self.gas.model, self.numerics.integrator, *self.effects]):
+            return {}
         named = {"machine.kind": self.machine.kind, "gas.model": self.gas.model}
         named["numerics.integrator"] = self.numerics.integrator
         found = {name: f"{path}: {name}" for path, name in named.items() if "." in name}

@@ -19,6 +19,7 @@ from screwsim.effects.base import Separator
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import worst
 from screwsim.model import speed
+from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
 from screwsim.numerics.compiling import seconds_again
 from screwsim.outputs import Figures
@@ -70,6 +71,7 @@ def solve(
     else:
         cycle = given
         machinery.put(given.trajectory)
+    station()
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
@@ -180,4 +182,5 @@ class Watch:
 
 
 def _now(machinery: Machinery) -> tuple[float, Array]:
-    return time.perf_counter() - machinery.compile_time - seconds_again(), machinery.counts.copy()
+    now = time.perf_counter() - machinery.compile_time - seconds_again() - here.elsewhere
+    return now, machinery.counts.copy()

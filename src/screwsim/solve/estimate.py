@@ -26,6 +26,7 @@ from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import flow_errors, relative_errors, worst
+from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import R_TRAPPED
 from screwsim.outputs import Figures
@@ -56,10 +57,12 @@ NOTHING = Finer(())
 def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures:
     """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands."""
     found = of.figures
+    station()
     narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
     finer = _finer(of, machinery, narrower, cycle)
     if not finer.lives:
         return Figures(dict.fromkeys(found))
+    station()
     errors = _shown(found, finer, of.least)
     c = of.problem.composition
     told = c.chambers == 1 or cycle.how == "coupled" or finer.left is not None  # what comes back from other chambers
@@ -177,6 +180,7 @@ def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: C
     if status != 0:
         return NOTHING
     machinery.swap()
+    station()
     return Finer([Evaluation(problem, machinery.trajectory, q).figures])
 
 

@@ -14,7 +14,7 @@ from screwsim.results.table import Table, table_of
 from screwsim.scene import cross_check, with_values
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Wanted, refuse_to_differ
-from screwsim.study.limit import Limit, running
+from screwsim.study.limit import Limit, handed_on, running
 
 SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
 Outcome = tuple[Table, float]  # results, and the time that they took [s]
@@ -79,14 +79,15 @@ def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
 
 
 def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
-    """Return the results of each block, one after the other or side by side."""
-    if not job.batch:
-        return [_run(job, block) for block in blocks]
+    """Return the results of each block: in step, and with `batch` their turns side by side in the lanes of a core."""
+    if len(blocks) == 1 and not job.batch:
+        return [_run(job, blocks[0])]
     from screwsim.batch import together
     from screwsim.batch.tasks import IN_STEP
 
     tasks = [partial(_run, job, block) for block in blocks]
-    return together(tasks, IN_STEP, running if job.limit else None)
+    during, passed = (running, handed_on) if job.limit else (None, None)
+    return together(tasks, IN_STEP, during, handed_on=passed, lanes=job.batch)
 
 
 def _run(job: Job, block: Block) -> list[Result]:

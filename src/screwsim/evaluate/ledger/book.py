@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from screwsim.cycle.known import pressure_behind
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
 from screwsim.model.slots import FIRST_OWN
+from screwsim.numerics.once import once
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
@@ -17,8 +19,7 @@ SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", 
 Rows = list[list[float]]  # sums of model.ledger, in rates, a row a flow path
 
 
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     """A state of the gas, relative to nothing: T [K], ρ [kg/m³], h [J/kg], s [J/(kg K)]."""
 
     T: float
@@ -58,7 +59,9 @@ class Book:
         energy: float | None = None,
     ) -> None:
         """Add to an entry: entropy generated [W/K], or exergy destroyed [W], which stands for entropy at T_0."""
-        entry = self.entries.setdefault(name, Entry())
+        entry = self.entries.get(name)
+        if entry is None:
+            entry = self.entries[name] = Entry()
         if gas is not None:
             entry.gas_moved = (entry.gas_moved or 0.0) + gas
         if energy is not None:
@@ -105,11 +108,11 @@ class Cycle:
         gas = self.parts.gas
         return self.state(gas.temperature(p, h), gas.place_of_enthalpy(p, h)[1], h)
 
-    @property
+    @once
     def paths(self) -> list[str]:
         """Return whose flow paths there are, in the order of their sums."""
         c = self.composition
-        return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
+        return [*c.plenum_paths, *[name for name, _ in c.gap_paths]]
 
     def pressure(self, end: str) -> float:
         """Return the pressure [Pa] of a line or plenum."""

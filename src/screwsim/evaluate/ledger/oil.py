@@ -21,6 +21,7 @@ from screwsim.evaluate.ledger.book import (
 from screwsim.evaluate.ledger.dissolved import Held
 from screwsim.evaluate.ledger.suction import Streams
 from screwsim.model import ledger as kernels
+from screwsim.model.exchange import station
 from screwsim.model.slots import OIL_TEMPERATURE, P_INJECTION, R_DISCHARGE, R_INJECTED, R_OIL_BEFORE, R_RATIO
 from screwsim.model.trajectory import Array
 
@@ -51,6 +52,7 @@ def oil_rise(
             book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
+    station()
     dissolved = _flash(book, cycle, suction, paths, sums, met)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
@@ -126,7 +128,7 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = "d
     """Enter the mixing of the oil that leaves to a line to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
-        mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
+        mass, mass_T, mass_log = row[kernels.OUT_OIL], row[kernels.OUT_OIL_T], row[kernels.OUT_OIL_LOG]
         if mass > 0.0 and end == line:
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 

@@ -22,6 +22,7 @@ from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsat
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
 from screwsim.evaluate.ledger.suction import enter_line, line_streams, mean_back
 from screwsim.inputs.faults import own_number
+from screwsim.model.exchange import station
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
 
@@ -89,9 +90,12 @@ def ledger(of: Evaluation) -> Ledger:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
+    station()
     moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s))
+    station()
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
+    station()
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
     met = line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else mean_back(cycle, met, sucked)
@@ -105,6 +109,7 @@ def ledger(of: Evaluation) -> Ledger:
     warmed = len(cycle.composition.heats)
     enter_walls(book, cycle, heats[warmed:])
     of_oil = None
+    station()
     if cycle.parts.oil is not None:
         of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil, met)
         of_gas, of_oil = through_circuit(book, cycle, of, of_gas, of_oil)
