@@ -26,7 +26,7 @@ MOST_STEPS = 60
 CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
 MOST_CHANGE = 0.4  # of what drives the leaks, by which a shut plenum's pressure changes in a turn
-LEAST_ACROSS = 5e-4  # of its pressure, that counts as driving them at least
+LEAST_ACROSS = 0.002  # of its pressure, that counts as driving them at least
 
 
 @dataclass(frozen=True)
