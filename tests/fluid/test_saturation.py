@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from screwsim.fluid import constants
 from screwsim.fluid.dome import inside_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, potentials_kernel, state_kernel
 from screwsim.fluid.real_gas import RealGas
@@ -221,3 +222,11 @@ def test_an_isenthalpic_state_in_the_dome_has_the_share_of_vapour_that_its_entha
     assert found[1] == pytest.approx(rho, rel=1e-9) and found[2] == pytest.approx(h, rel=1e-12)
     assert gas.temperature(p, h) == pytest.approx(T, rel=1e-11)
     assert math.isclose(kernels.pressure(T)[0], p)
+
+
+def test_saturated_vapour_has_the_transport_properties_of_vapour_next_to_it():
+    """Pressure and temperature on the line of saturation leave the phase open; what flows in gaps there is vapour."""
+    T = 263.15
+    p = constants.dew_pressure("Ammonia", T)
+    saturated, beside = (constants.transport("Ammonia", p, T + warmer) for warmer in (0.0, 0.01))
+    assert saturated == pytest.approx(beside, rel=1e-3)

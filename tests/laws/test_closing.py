@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from scenes import make, run
+from scenes import closed, make, run
 
 from screwsim.cycle import relaxation
 from screwsim.cycle.balances import crossed, streams_of
@@ -15,6 +15,7 @@ from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import load
 from screwsim.simulate import simulate
+from screwsim.solve import accurately
 
 ROOT = Path(__file__).parents[2]
 LEAKY = {"operation.speed": "50 rpm"}  # histories contract slowly
@@ -113,3 +114,21 @@ def test_net_flow_is_taken_where_noise_between_open_chambers_does_not_count():
     assert abs(taken / exact - 1.0) < 5e-5
     assert abs(taken / exact - 1.0) < min(abs(flow / exact - 1.0) for flow in through)
     assert taken == pytest.approx(evaluate(problem, cycle).figures.gas_mass_flow, rel=1e-12)
+
+
+@pytest.mark.parametrize(("pitches", "tried"), [(1, False), (2, True)])
+def test_no_further_try_is_made_where_gas_of_any_chamber_leaves_its_equation_in_the_first_pitch(
+    monkeypatch, pitches, tried
+):
+    """Each would begin with that pitch; of a later one it may be the way there that another try avoids."""
+    real = {"gas.model": "real", "oil.transport": "carried", "numerics.closing": "coupled"}
+    problem, machinery, cycle = closed(make({**real, "oil_supply.temperature": "328 K"}))
+    assert cycle.status == "ok"
+    n, y = len(problem.composition.states), cycle.y.copy()
+    y[-n : -n + 2] = 302.0, 800.0  # of the last chamber: between vapour and liquid
+    stopped = replace(cycle, status="failed", y=y, turns=pitches / problem.composition.chambers)
+    asked = []
+    monkeypatch.setattr(accurately, "close", lambda *_: stopped)
+    monkeypatch.setattr(accurately, "fallbacks", lambda *_: asked.append("fallback") or [])
+    assert accurately.solve(problem, machinery).cycle.status == "failed"
+    assert bool(asked) is tried

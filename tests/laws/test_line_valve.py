@@ -84,6 +84,16 @@ def test_a_shut_plenum_stores_all_it_is_given():
     assert np.fft.rfft(pressure)[1] * 2.0 / POINTS == pytest.approx(0.2 / (1j * BEHIND.frequency * BEHIND.capacity))
 
 
+def test_what_leaks_answer_of_a_shut_plenum_s_pressure_leaves_where_it_stands():
+    """They answer what the plenum has: the pressure that it makes of the flow is the same with them and without."""
+    given = 0.3 * np.sin(PHASE) - 0.1 * np.cos(3.0 * PHASE)
+    alone = closed(given, BEHIND)
+    leaking = 2e-5
+    at_phases = np.interp(PHASE, 2.0 * np.pi * np.arange(POINTS + 1) / POINTS, np.append(alone, alone[0]))
+    assert closed(given + leaking * at_phases, BEHIND, leaking) == pytest.approx(alone, abs=2e-3 * np.ptp(alone))
+    assert np.ptp(closed(given, BEHIND, leaking)) < np.ptp(alone)
+
+
 def test_a_plenum_falls_while_the_machine_draws_from_it():
     assert standing(-0.1, -0.1 + np.cos(PHASE), 0.1, 0.8) < -0.1
     assert standing(-0.1, np.cos(PHASE), 0.1, 0.8) == pytest.approx(-0.1)
@@ -162,6 +172,17 @@ def test_what_stands_against_a_shut_discharge_valve_is_not_below_suction(transpo
     assert result.performance.gas_mass_flow == 0.0
     assert 1.5e5 < result.performance.discharge_plenum_pressure < 2e5
     assert max(result.balance[name] or 0.0 for name in BALANCES) <= ACCURACY
+
+
+def test_leaks_that_take_all_that_is_moved_ask_for_pressure_with_the_square_of_the_speed():
+    """Of a nozzle Δp ∝ ṁ²: a plenum of 20 rpm stands four times as far above suction as one of 10 rpm."""
+    excess = []
+    for speed in ("10 rpm", "20 rpm"):
+        result = run({**SLOW, "operation.speed": speed, "effects.plenums": {**SIZE, **DISCHARGE}})
+        assert result.status == "ok"
+        assert max(result.balance[name] or 0.0 for name in BALANCES) <= ACCURACY
+        excess.append(result.performance.discharge_plenum_pressure - 1.5e5)
+    assert excess[1] / excess[0] == pytest.approx(4.0, rel=0.01)
 
 
 def test_what_stands_against_a_shut_suction_valve_is_not_above_discharge():

@@ -224,3 +224,13 @@ def test_an_economizer_must_find_liquid_to_cool(pytestconfig):
 def test_scene_texts_survive_a_round():
     text = make(TOGETHER).text
     assert loads(text).text == text
+
+
+def test_chambers_that_give_the_economizer_vapour_are_told():
+    """A port that opens when the chambers are beyond its pressure lets their gas out, which no economizer takes."""
+    late = {**ECONOMIZER["effects.economizer"], "temperature": "258 K", "opens": "560 deg", "closes": "598 deg"}
+    result = run({**ECONOMIZER, "effects.economizer": late})
+    assert result.status == "ok"
+    assert result.performance.economizer_mass_flow < 0.0
+    assert any("back into the economizer" in warning for warning in result.warnings)
+    assert not any("back into the economizer" in warning for warning in run(ECONOMIZER).warnings)

@@ -116,7 +116,11 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
 
 
 def warnings(found: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a warning where the port draws more vapour than the liquid makes."""
+    """Yield a warning where the port draws more vapour than the liquid makes, or none but what the chamber gives it."""
+    flow = found.get("economizer_mass_flow") or 0.0
+    if flow < 0.0:
+        what = f"{-flow:.3g} kg/s flow from the chambers back into the economizer, whose vapour is held at its pressure"
+        yield f"{what} (an earlier port, or a higher effects.economizer.temperature or .pressure)"
     ratio = found.get("economizer_draw_ratio") or 0.0
     if ratio > 1.0 + DRAWN_TOO_MUCH:
         what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes"

@@ -26,7 +26,7 @@ MOST_STEPS = 60
 CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
 MOST_CHANGE = 0.4  # of what drives the leaks, by which a shut plenum's pressure changes in a turn
-LEAST_ACROSS = 0.005  # of its pressure, that counts as driving them at least
+LEAST_ACROSS = 0.002  # of its pressure, that counts as driving them at least
 
 
 @dataclass(frozen=True)
@@ -93,13 +93,21 @@ def through(valve: Valve, given: Array, behind: Behind) -> Passed:
     return Passed(np.maximum(z, 0.0), p - behind.impedance * mean)
 
 
-def closed(given: Array, behind: Behind) -> Array:
-    """Return the pressure of a plenum whose valve stays shut, beyond its mean [Pa], at `POINTS` angles."""
+def closed(given: Array, behind: Behind, leaking: float = 0.0) -> Array:
+    """Return the pressure of a plenum whose valve stays shut, beyond its mean [Pa], at `POINTS` angles.
+
+    `leaking` [kg/(Pa s)] times that pressure is what leaks take of the flow `given`.
+    """
     spectrum = np.fft.rfft(resampled(np.asarray(given), POINTS))
     k = np.arange(1, len(spectrum))
-    spectrum[1:] /= 1j * k * behind.frequency * behind.capacity
+    spectrum[1:] /= 1j * k * behind.frequency * behind.capacity + leaking
     spectrum[0] = 0.0
     return np.fft.irfft(spectrum, POINTS)
+
+
+def driving(held: float, across: float) -> float:
+    """Return the pressure across the machine that counts as driving its leaks, over the line's."""
+    return abs(across) + LEAST_ACROSS * (1.0 + held)
 
 
 def standing(held: float, flow: Array, answering: float, across: float) -> float:
@@ -111,5 +119,5 @@ def standing(held: float, flow: Array, answering: float, across: float) -> float
     """
     moved = float(np.mean(np.abs(flow))) + answering
     share = float(np.mean(flow)) / moved if moved > 0.0 else 0.0
-    step = abs(across) + LEAST_ACROSS * (1.0 + held)
+    step = driving(held, across)
     return max(held + step * float(np.clip(share, -MOST_CHANGE, MOST_CHANGE)), (1.0 - MOST_CHANGE) * (1.0 + held) - 1.0)

@@ -135,9 +135,14 @@ class Mean(NamedTuple):
 
 def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
     """Return the flow [kg/s] into the line and what is open to the plenum, taken as part of it (see `pulsation`)."""
-    k, count = np.arange(1, len(before) + 1), len(line.flow)
-    phases = np.exp(2j * pi * np.outer(np.arange(count), k) / count)
-    return line.flow + line.p * capacity * np.real(phases @ (1j * k * frequency * before))
+    k = np.arange(1, len(before) + 1)
+    return line.flow + line.p * capacity * _wave(1j * k * frequency * before, len(line.flow))
+
+
+def _wave(amplitudes: Array, count: int) -> Array:
+    """Return what amplitudes a_k − i b_k make at so many even angles of a pitch."""
+    phases = np.outer(np.arange(count), np.arange(1, len(amplitudes) + 1))
+    return np.real(np.exp(2j * pi * phases / count) @ amplitudes)
 
 
 def series(made: Mapping[str, float], to: str, count: int) -> Array:
@@ -188,6 +193,7 @@ class Behind:
         capacity = (self.volume + line.open_volume) / line.sound**2
         behind = line_valve.Behind(capacity, impedance, frequency, line.rho)
         mean, least = max(float(flow.mean()), 0.0), 0.0
+        answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
         level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
         if mean > 0.0 and self.area is None:
@@ -196,12 +202,14 @@ class Behind:
             passed = line_valve.through(valve, given, behind)
             pressure, least = passed.pressure, float(passed.flow.min())
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
-        spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
-        answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
         across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # where a turn may open the valve it is let
         stands = self.along * line_valve.standing(held, line.flow, answering, across)
         shut = stands < level / p
+        if shut:  # its leaks answer a change of its pressure as what is open to it does, taken as that likewise
+            leaking = (float(np.mean(np.abs(flow))) + answering) / (line_valve.driving(held, across) * p)
+            pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
+        spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
         return Mean(along, self.along * spectrum / p, 0.0 if shut else least, shut)
 

@@ -14,6 +14,7 @@ import json
 import re
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -360,11 +361,12 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
 
     def question() -> list[float]:
         state, coolprop = _abstract_state(fluid)
-        try:
-            state.update(coolprop.PT_INPUTS, p, T)
-            return [state.conductivity(), state.viscosity(), state.Prandtl()]
-        except ValueError:
-            raise UsageError(f"CoolProp has no transport properties of {fluid} at {p:.6g} Pa, {T:.6g} K") from None
+        for phase in (coolprop.iphase_not_imposed, coolprop.iphase_gas):  # saturated, p and T leave it open
+            state.specify_phase(phase)
+            with suppress(ValueError):
+                state.update(coolprop.PT_INPUTS, p, T)
+                return [state.conductivity(), state.viscosity(), state.Prandtl()]
+        raise UsageError(f"CoolProp has no transport properties of {fluid} at {p:.6g} Pa, {T:.6g} K")
 
     conductivity, viscosity, prandtl = _ask(f"{fluid} transport {p!r} {T!r}", question)
     return conductivity, viscosity, prandtl

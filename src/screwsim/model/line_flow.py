@@ -68,7 +68,9 @@ def from_balance(flows, rate):
 def into_lines(times, dense, steps, context, n_e, into, volume):
     """Add to into[line, k] the flow [kg/s] at even angles of a pitch, to volume[line] the mean volume [m³] open to it.
 
-    Lines are 0 suction, 1 discharge; both arrays are zero before.
+    Lines are 0 suction, 1 discharge; both arrays are zero before. At the start of a pitch they are those of its end, of
+    the chamber behind: where all chambers are closed together, a state that a line has not met yet gives it a kick
+    there, shorter than the angles are apart.
     """
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
@@ -80,7 +82,7 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
         phi = a * (P[P_PITCH] / points)
         if not faces_line(phi, P, TAB):
             continue
-        inward = phi + ASIDE
+        inward = phi + ASIDE if a == 0 or a % points != 0 else phi - ASIDE
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
         around_chamber(phi, inward, context, E)

@@ -148,10 +148,15 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
 
 
 def _outside(problem: Problem, cycle: CycleSolution) -> bool:
-    """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation."""
-    gas = problem.parts.gas
+    """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation.
+
+    That of any chamber where all stopped in their first pitch, with which every further try begins as well.
+    """
+    gas, n = problem.parts.gas, len(problem.composition.states)
     if cycle.status == "failed":
-        return gas.why_outside(float(cycle.y[0]), float(cycle.y[1])) is not None
+        first = cycle.how == "coupled" and cycle.turns * problem.composition.chambers <= 1.0
+        states = zip(cycle.y[::n], cycle.y[1::n], strict=True) if first else [cycle.y[:2]]
+        return any(gas.why_outside(float(T), float(rho)) is not None for T, rho in states)
     return gas.first_outside(*cycle.trajectory.ends) is not None
 
 
