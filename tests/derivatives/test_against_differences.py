@@ -80,6 +80,19 @@ def test_a_stated_temperature_of_what_flows_back_moves_the_cycle_by_itself():
     assert found.derivatives["shaft_power"][path] == pytest.approx(slope, rel=OFF)
 
 
+def test_the_temperature_that_an_oil_cooler_keeps_moves_the_oil_that_comes():
+    cooler = "effects.separator={cooler: {outlet_temperature: 310 K}}"
+    scene = screwsim.load(PAPER, ["oil_supply.temperature=null", cooler])
+    stated = screwsim.load(PAPER, ["oil_supply.temperature=310 K", "effects.separator={}"])
+    found = sensitivities(scene, ["effects.separator.cooler.outlet_temperature"])
+    by_oil = sensitivities(stated, ["oil_supply.temperature"])
+    for figure in FIGURES:
+        slope = by_oil.relative(figure, "oil_supply.temperature")
+        assert abs(slope) > LEAST
+        (path,) = found.values
+        assert found.relative(figure, path) == pytest.approx(slope, rel=1e-4), figure
+
+
 def differenced(scene, path, figure, step, rtol):
     """Return the derivative of a figure in percent per percent, and its value, by tightly closed cycles."""
     value, problem = value_at(scene, path), problem_of(scene)

@@ -54,7 +54,8 @@ class Tight:
     def __init__(self, problem, machinery, widths=None, rtol=RTOL, tolerance=TOLERANCE):
         """`problem` stands at what lies around it, as a solution found that."""
         self.machinery, self.series, self.how = machinery, Series(), (rtol, tolerance, widths)
-        lost = (2, 3) if problem.scene.losses is not None else ()
+        self.loses = problem.scene.losses is not None  # pressures, in what lies around it
+        lost = (2, 3) if self.loses else ()
         self.open = [*(i for i, each in enumerate(open_temperatures(problem.scene)) if each), *lost]
         self.x, self.begun, self.inverse = unknowns_of(problem), None, None
         base = self._closed(problem.scene, self.x)
@@ -92,7 +93,7 @@ class Tight:
         if any(open_temperatures(scene)):
             self.series.temperatures = Temperatures(*x[:2].tolist())
             scene = filled(scene, self.series.temperatures)
-        if scene.losses is not None:
+        if self.loses:
             self.series.losses = PressureLosses(*(KPA * x[2:4]).tolist())
             scene = replace(scene, losses=self.series.losses)
         rtol, tolerance, widths = self.how

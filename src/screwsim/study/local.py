@@ -19,7 +19,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values
-from screwsim.scene.fields import Leaf, leaf_paths, value_at
+from screwsim.scene.fields import FIXED, Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
 from screwsim.study.each import each
@@ -89,6 +89,8 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
             continue
         if leaf.kind in KINDS:
             left_out[path] = KINDS[leaf.kind]
+        elif path in FIXED:
+            left_out[path] = "gauge pressures were read over it"
         elif isinstance(value, Found):
             left_out[path] = "follows from the cycle"
         elif is_derived(value):
