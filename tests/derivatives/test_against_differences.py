@@ -33,6 +33,7 @@ TURNED = 5e-3  # the same; without short slices there 4e-2
 PEAKED = 2e-3  # the same
 PULSATING = 2e-3  # the same; with short slices at the pressure of the line itself five times the slope
 DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
+WARMED = 2e-3  # the same; with the states left out of what the shaft takes 5e-2
 OFF = 5e-4  # of the largest of a number's: by the slices at the default accuracy of 3e-4; median 1e-6
 
 
@@ -135,6 +136,15 @@ def test_where_oil_begins_to_take_gas_up_at_another_rate_slices_end():
     path, figure = "effects.oil_injection.closes", "flash_mass_flow"
     slope = differenced(scene, path, figure, 1e-4, 3e-9)
     assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=DISSOLVED)
+
+
+def test_heat_of_a_motor_that_warms_the_suction_gas_follows_what_its_shaft_reads_of_the_states():
+    stated = ("oil_supply.temperature=330 K", "effects.separator=off")
+    at = "effects.refrigerant_solubility.separator_temperature"
+    scene = screwsim.load(CONFIGS / "r134a" / "separator.yaml", [*stated, f"{at}=340 K"])
+    assert scene.effects["motor"].parameters.cooling == "suction_gas"
+    slope = differenced(scene, at, "intake_temperature", 1e-4, 1e-7)
+    assert sensitivities(scene, [at]).relative("intake_temperature", at) == pytest.approx(slope, rel=WARMED)
 
 
 def test_both_closings_agree_on_how_the_highest_pressure_follows_a_port():

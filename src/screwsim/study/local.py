@@ -33,6 +33,7 @@ EXACT, DIFFERENCES = "exact", "differences"
 STEP = 5e-3  # of a number, for differences of closed cycles ...
 ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
 APART = ("numerics.", "output.")  # numbers of no machine
+READ_OVER = "gauge pressures were read over it"
 KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 
 
@@ -89,8 +90,6 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
             continue
         if leaf.kind in KINDS:
             left_out[path] = KINDS[leaf.kind]
-        elif path in FIXED:
-            left_out[path] = "gauge pressures were read over it"
         elif isinstance(value, Found):
             left_out[path] = "follows from the cycle"
         elif is_derived(value):
@@ -115,6 +114,8 @@ def sensitivities(
     """
     scene = scene_of(scene)
     every, left_out = numeric_paths(scene)
+    left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
+    every = {path: value for path, value in every.items() if path not in FIXED}
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
     values = every if paths is None or not paths else _asked(scene, paths, every)
     result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
