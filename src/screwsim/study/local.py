@@ -6,6 +6,7 @@ them a number's are is told with them.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,6 +32,7 @@ from screwsim.study.workers import DIED
 
 EXACT, DIFFERENCES = "exact", "differences"
 STEP = 5e-3  # of a number, for differences of closed cycles ...
+ANGLE = math.radians(0.5)  # ... of an angle no more: half a percent of where a port opens is three degrees ...
 ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
 APART = ("numerics.", "output.")  # numbers of no machine
 READ_OVER = "gauge pressures were read over it"
@@ -189,6 +191,7 @@ def _differences(
 def _sides(leaf: Leaf, value: float) -> tuple[float, float]:
     """Return by how much a number is shifted up and down, within the limits of its leaf."""
     step = STEP * abs(value) or STEP
+    step = min(step, ANGLE) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))
     least = leaf.limits.get("ge", leaf.limits.get("gt"))
     up = step if most is None or value + step <= most else 0.0
