@@ -17,6 +17,15 @@ def test_local_sensitivities_are_one_document_with_the_method_of_each_number(fol
     assert document["relative"]["displacement_flow"]["operation.speed"] == pytest.approx(1.0, rel=1e-6)
 
 
+def test_what_gauge_pressures_were_read_over_is_left_out_with_the_reason(folder, command):
+    gauge = ("--set", "operation.discharge.pressure=8 barg")
+    answer = command("sensitivity", "oiled.yaml", *gauge, "--local", "--figure", "shaft_power", "--json")
+    document = json.loads(answer.out)
+    assert "operation.discharge.pressure" in document["derivatives"]["shaft_power"]
+    assert "operation.ambient_pressure" not in document["derivatives"]["shaft_power"]
+    assert document["left_out"]["operation.ambient_pressure"] == "gauge pressures were read over it"
+
+
 def test_local_sensitivities_are_shown_in_percent_and_in_words(folder, command):
     answer = command("sensitivity", "oiled.yaml", "--local", "operation.speed", "--figure", "gas_mass_flow")
     assert answer.code == 0

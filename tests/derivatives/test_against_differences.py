@@ -10,6 +10,7 @@ import screwsim
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.derivatives.figures import figures_of
+from screwsim.derivatives.solving import Found
 from screwsim.scene import with_values
 from screwsim.scene.fields import value_at
 from screwsim.study.local import sensitivities
@@ -33,6 +34,8 @@ TURNED = 5e-3  # the same; without short slices there 4e-2
 PEAKED = 2e-3  # the same
 PULSATING = 2e-3  # the same; with short slices at the pressure of the line itself five times the slope
 DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
+STOOD_IN = 5e-3  # of cycles at 1e-6; over half a percent of an angle, three degrees, 5e-2
+WARMED = 2e-3  # the same; with the states left out of what the shaft takes 5e-2
 OFF = 5e-4  # of the largest of a number's: by the slices at the default accuracy of 3e-4; median 1e-6
 
 
@@ -80,6 +83,31 @@ def test_a_stated_temperature_of_what_flows_back_moves_the_cycle_by_itself():
     assert found.derivatives["shaft_power"][path] == pytest.approx(slope, rel=OFF)
 
 
+def test_the_temperature_that_an_oil_cooler_keeps_moves_the_oil_that_comes():
+    cooler = "effects.separator={cooler: {outlet_temperature: 310 K}}"
+    scene = screwsim.load(PAPER, ["oil_supply.temperature=null", cooler])
+    stated = screwsim.load(PAPER, ["oil_supply.temperature=310 K", "effects.separator={}"])
+    found = sensitivities(scene, ["effects.separator.cooler.outlet_temperature"])
+    by_oil = sensitivities(stated, ["oil_supply.temperature"])
+    for figure in FIGURES:
+        slope = by_oil.relative(figure, "oil_supply.temperature")
+        assert abs(slope) > LEAST
+        (path,) = found.values
+        assert found.relative(figure, path) == pytest.approx(slope, rel=1e-4), figure
+
+
+def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):
+    scene, paths = screwsim.load(PAPER), ["machine.discharge_port.opens", "machine.discharge_port.phi_C"]
+    figures = ["isothermal_efficiency", "shaft_power", "peak_pressure"]
+    exact = sensitivities(scene, paths, figures)
+    monkeypatch.setattr("screwsim.study.local.found", lambda scene, values: Found({}, {}, "it is asked for"))
+    found = sensitivities(scene, paths, figures, result=exact.result, progress=False)
+    assert set(found.method.values()) == {"differences"}
+    for path in paths:
+        for figure in figures:
+            assert found.relative(figure, path) == pytest.approx(exact.relative(figure, path), rel=STOOD_IN), path
+
+
 def differenced(scene, path, figure, step, rtol):
     """Return the derivative of a figure in percent per percent, and its value, by tightly closed cycles."""
     value, problem = value_at(scene, path), problem_of(scene)
@@ -122,6 +150,15 @@ def test_where_oil_begins_to_take_gas_up_at_another_rate_slices_end():
     path, figure = "effects.oil_injection.closes", "flash_mass_flow"
     slope = differenced(scene, path, figure, 1e-4, 3e-9)
     assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=DISSOLVED)
+
+
+def test_heat_of_a_motor_that_warms_the_suction_gas_follows_what_its_shaft_reads_of_the_states():
+    stated = ("oil_supply.temperature=330 K", "effects.separator=off")
+    at = "effects.refrigerant_solubility.separator_temperature"
+    scene = screwsim.load(CONFIGS / "r134a" / "separator.yaml", [*stated, f"{at}=340 K"])
+    assert scene.effects["motor"].parameters.cooling == "suction_gas"
+    slope = differenced(scene, at, "intake_temperature", 1e-4, 1e-7)
+    assert sensitivities(scene, [at]).relative("intake_temperature", at) == pytest.approx(slope, rel=WARMED)
 
 
 def test_both_closings_agree_on_how_the_highest_pressure_follows_a_port():

@@ -52,9 +52,12 @@ class Tight:
     """Tightly closed cycles around one scene, what lies around the machine closed with each of them."""
 
     def __init__(self, problem, machinery, widths=None, rtol=RTOL, tolerance=TOLERANCE):
-        """`problem` stands at what lies around it, as a solution found that."""
-        self.machinery, self.series, self.how = machinery, Series(), (rtol, tolerance, widths)
-        lost = (2, 3) if problem.scene.losses is not None else ()
+        """`problem` stands at what lies around it, as a solution found that, with `widths` of the regularisation."""
+        self.machinery, self.series, self.how = machinery, Series(), (rtol, tolerance)
+        own = problem.wanted.widths  # which follow the pressures of the lines, as those of a solution do
+        self.tightened = [a / b if b else 1.0 for a, b in zip(widths or own, own, strict=True)]
+        self.loses = problem.scene.losses is not None  # pressures, in what lies around it
+        lost = (2, 3) if self.loses else ()
         self.open = [*(i for i, each in enumerate(open_temperatures(problem.scene)) if each), *lost]
         self.x, self.begun, self.inverse = unknowns_of(problem), None, None
         base = self._closed(problem.scene, self.x)
@@ -92,8 +95,9 @@ class Tight:
         if any(open_temperatures(scene)):
             self.series.temperatures = Temperatures(*x[:2].tolist())
             scene = filled(scene, self.series.temperatures)
-        if scene.losses is not None:
+        if self.loses:
             self.series.losses = PressureLosses(*(KPA * x[2:4]).tolist())
             scene = replace(scene, losses=self.series.losses)
-        rtol, tolerance, widths = self.how
-        return closed_tightly(problem_of(scene, self.series), self.machinery, self.begun, rtol, tolerance, widths)
+        problem = problem_of(scene, self.series)
+        widths = tuple(a * b for a, b in zip(self.tightened, problem.wanted.widths, strict=True))
+        return closed_tightly(problem, self.machinery, self.begun, *self.how, widths)

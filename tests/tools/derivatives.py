@@ -3,14 +3,14 @@
     python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [--first N] [--accuracy A] [-o PAIRS] [--misses MISSES]
     python tests/tools/derivatives.py --again PAIRS … [-o …] [--misses …]
 
-Scenes are drawn around shipped ones and the structures of `effects_space`, their numbers up to a tenth off, closed by
-histories and by coupled chambers in turn. A few numbers of each are taken, and each figure's derivative is held against
-differences of cycles closed at `RTOL` a step with the same regularisation, what lies around the machine closed with
-each. Central differences over one, two and four times `STEP` are extrapolated twice (Richardson); by what both
-results differ the reference is uncertain (`own`). Errors count over the slope, or over `LEAST` percent per percent
-where it is less. A pair that errs by more than `GOOD` is listed with its reason: `kink` where differences to both sides
-disagree, `reference` where that is no better itself, `slices` where finer slices bring it nearer, else `unexplained`.
-`--quick` tries none of these: `open`.
+Scenes are drawn around shipped ones and the structures of `effects_space`, from `OF_CONFIGS` on around all of
+configs/ (without their drives), their numbers up to a tenth off, closed by histories and by coupled chambers in turn.
+A few numbers of each are taken, and each figure's derivative is held against differences of cycles closed at `RTOL` a
+step with the same regularisation, what lies around the machine closed with each. Central differences over one, two
+and four times `STEP` are extrapolated twice (Richardson); by what both results differ the reference is uncertain
+(`own`). Errors count over the slope, or over `LEAST` percent per percent where it is less. A pair that errs by more
+than `GOOD` is listed with its reason: `kink` where differences to both sides disagree, `reference` where that is no
+better itself, `slices` where finer slices bring it nearer, else `unexplained`. `--quick` tries none of these: `open`.
 `--again` finds the exact derivatives anew beside the references that a file holds.
 """
 
@@ -21,6 +21,8 @@ import csv
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +52,8 @@ SHIPPED = {
     "r134a's machine": "configs/r134a/point.yaml",
 }
 NAMES = (*SHIPPED, *effects_space.STRUCTURES)
+OF_CONFIGS = 1000  # the first number of scenes around all that is shipped
+NO_SCENES = (".fit.yaml", ".stages.yaml")
 CLOSINGS = "histories", "coupled"
 OFF = 0.1  # of a number, in a random scene
 STEP = 3e-4  # of a number, in differences; of an angle a tenth: a percent of it is several degrees
@@ -71,15 +75,26 @@ _SIDE = np.linalg.inv(np.vander(np.append(0.0, MANY), increasing=True))[1]  # we
 
 def scene_of(number: int, seed: int, accuracy: float | None = None) -> tuple[str, str, Scene]:
     """Return the name of what a scene is drawn around, its closing, and the scene."""
-    random, name = np.random.default_rng((seed, number)), NAMES[number % len(NAMES)]
-    closing = CLOSINGS[(number + number // len(NAMES)) % 2]
+    names = NAMES if number < OF_CONFIGS else configs()
+    random, name = np.random.default_rng((seed, number)), names[number % len(names)]
+    closing = CLOSINGS[(number + number // len(names)) % 2]
     changes = [f"numerics.closing={closing}", *([f"numerics.accuracy={accuracy}"] if accuracy else [])]
-    if name in SHIPPED:
+    if number >= OF_CONFIGS:
+        base = load(ROOT / name, changes)
+        base = replace(base, effects={key: each for key, each in base.effects.items() if key != "drive"}, sweep={})
+    elif name in SHIPPED:
         base = load(ROOT / SHIPPED[name], changes)
     else:
         structure = effects_space.STRUCTURES[name]
         base = load(ROOT / "configs" / structure.config, [*structure.sets, *changes])
     return name, closing, drawn(base, random)
+
+
+@cache
+def configs() -> tuple[str, ...]:
+    """Return the scenes that are shipped, by their places in the repository."""
+    every = sorted((ROOT / "configs").rglob("*.yaml"))
+    return tuple(str(each.relative_to(ROOT)) for each in every if not each.name.endswith(NO_SCENES))
 
 
 def drawn(scene: Scene, random: np.random.Generator) -> Scene:

@@ -66,7 +66,7 @@ def completed(
 
 def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
     if not any(open_temperatures(scene)):
-        return scene if scene.oil_supply is None or scene.oil_supply.temperature is not None else _kept(scene)
+        return scene if scene.oil_supply is None or not _is_open(scene.oil_supply.temperature) else _kept(scene)
     if near is not None:
         found = filled(scene, near)
         if not temperature_faults(found):
@@ -82,10 +82,10 @@ def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
 
 
 def _kept(scene: Scene) -> Scene:
-    """Return a scene whose oil comes with the temperature that a cooler keeps."""
-    supply = scene.oil_supply
+    """Return a scene whose oil comes with the temperature that a cooler keeps, and follows that where it is moved."""
+    supply, outlet = scene.oil_supply, _cooling(scene).outlet
     assert supply is not None
-    return replace(scene, oil_supply=replace(supply, temperature=_cooling(scene).outlet))
+    return replace(scene, oil_supply=replace(supply, temperature=None if outlet is None else Found(outlet)))
 
 
 def filled(scene: Scene, at: Temperatures) -> Scene:
@@ -94,7 +94,7 @@ def filled(scene: Scene, at: Temperatures) -> Scene:
     assert supply is not None
     if open_temperatures(scene)[0]:
         scene = replace(scene, oil_supply=replace(supply, temperature=Found(at.supply)))
-    elif supply.temperature is None:
+    elif _is_open(supply.temperature):
         scene = _kept(scene)
     for name, active in _asking(scene).items():
         parameters = replace(active.parameters, separator_temperature=Found(at.separator))

@@ -25,6 +25,7 @@ from screwsim.derivatives.slices import (
     ringed,
     seams_of,
 )
+from screwsim.effects.base import SuctionHeat
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
@@ -240,8 +241,12 @@ def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: in
 
 
 def reads_states(pitch: Pitch) -> bool:
-    """Tell whether what the cycle makes of its unknowns is read from its states, beside its quadratures."""
-    return bool(pitch.problem.parts.made)
+    """Tell whether what the cycle makes of its unknowns is read from its states, beside its quadratures.
+
+    The power of the shaft is: heat of it that warms what is sucked follows the pressure where oil enters, bearings.
+    """
+    parts = pitch.problem.parts
+    return bool(parts.made or (parts.suction_line and parts.all(SuctionHeat)))
 
 
 def solved(back: Array, off: Array, given: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.derivatives.closed import Closed, solved
+from screwsim.derivatives.closed import Closed, reads_states, solved
 from screwsim.derivatives.directions import Direction, Directions, sources_of
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.peak import peak_pressure
@@ -48,7 +48,7 @@ def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) 
 
 def _image(cycle: Closed, direction: Direction, moves: Moved, made: Directions, side: int) -> Array:
     """Return what the cycle, moved to one side, makes of its unknowns, in coordinates."""
-    of = placed(cycle, direction, moves, made, side, bool(cycle.pitch.problem.parts.made))
+    of = placed(cycle, direction, moves, made, side, reads_states(cycle.pitch))
     return of.problem.entries.coordinates(of.image)
 
 

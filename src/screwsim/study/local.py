@@ -6,6 +6,7 @@ them a number's are is told with them.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,7 +20,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values
-from screwsim.scene.fields import Leaf, leaf_paths, value_at
+from screwsim.scene.fields import FIXED, Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
 from screwsim.study.each import each
@@ -31,8 +32,10 @@ from screwsim.study.workers import DIED
 
 EXACT, DIFFERENCES = "exact", "differences"
 STEP = 5e-3  # of a number, for differences of closed cycles ...
+ANGLE = math.radians(0.5)  # ... of an angle no more: half a percent of where a port opens is three degrees ...
 ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
 APART = ("numerics.", "output.")  # numbers of no machine
+READ_OVER = "gauge pressures were read over it"
 KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 
 
@@ -113,6 +116,8 @@ def sensitivities(
     """
     scene = scene_of(scene)
     every, left_out = numeric_paths(scene)
+    left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
+    every = {path: value for path, value in every.items() if path not in FIXED}
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
     values = every if paths is None or not paths else _asked(scene, paths, every)
     result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
@@ -186,6 +191,7 @@ def _differences(
 def _sides(leaf: Leaf, value: float) -> tuple[float, float]:
     """Return by how much a number is shifted up and down, within the limits of its leaf."""
     step = STEP * abs(value) or STEP
+    step = min(step, ANGLE) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))
     least = leaf.limits.get("ge", leaf.limits.get("gt"))
     up = step if most is None or value + step <= most else 0.0
