@@ -41,7 +41,7 @@ NEARLY = 1e-4  # ... and with which it is near enough to place its slices
 SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
-LOST = 20.0  # layers from any crossing, where one of before is not there any more
+LOST = 20.0  # layers from a crossing, within which it may be one of before
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -115,9 +115,23 @@ def _peak(pitch: Pitch) -> float:
 
 
 def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
-    """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not."""
-    lost = [one for one in before if all(abs(one.angle - each.angle) > LOST * one.layer for each in turns)]
-    return sorted([*turns, *lost])
+    """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not.
+
+    Each of before goes with one that is there: of two side by side, one is lost where only one is left.
+    """
+    pairs = sorted(
+        (abs(one.angle - each.angle) / one.layer, i, j)
+        for i, one in enumerate(before)
+        for j, each in enumerate(turns)
+        if abs(one.angle - each.angle) <= LOST * one.layer
+    )
+    met: set[int] = set()
+    there: set[int] = set()
+    for _, i, j in pairs:
+        if i not in met and j not in there:
+            met.add(i)
+            there.add(j)
+    return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
 def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
