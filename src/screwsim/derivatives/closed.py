@@ -10,8 +10,8 @@ import numpy as np
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.nearby import SMALL, near, size_of, stepped, tamed
-from screwsim.derivatives.nearby import residual as residual_of
+from screwsim.derivatives import nearby
+from screwsim.derivatives.nearby import SMALL, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
@@ -35,7 +35,7 @@ ERROR = 0.03  # of the wanted accuracy: of a slice
 READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside slices, which the error tells less of
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
-CLOSED = 1e-8  # relative residual with which it is ...
+CLOSED = 1e-7  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
 SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
@@ -92,7 +92,8 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        placed = near(pitch, SETTLED * tolerance) if nearly > CLOSED else None
+        bound = NEARLY if left == ROUNDS else SETTLED * tolerance
+        placed = near(pitch, bound) if nearly > CLOSED else None
         if placed is None:
             Y, linear = _closed(pitch, nearly, kept)
         start, Y = placed or (pitch.begin(Y), Y)
@@ -160,20 +161,17 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
     It begins with the slopes of the slices before, where these are as many.
     """
     Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
+    found = nearby.closed(pitch, Y, nearly)
+    if found is not None:
+        return found, linear
     last = np.zeros_like(Y)
     for left in range(MOST, 0, -1):
-        start, rates = pitch.begin(Y), pitch.rates(Y)
-        sums = pitch.sums(rates[1])
-        pitch.install(start, Y)
-        met = pitch.met
-        residual = residual_of(pitch, Y, start, rates[0])
-        off = pitch.image(sums) - entries.coordinates(met)
-        size = max(size_of(residual, Y), float(np.max(np.abs(off), initial=0.0)))
+        off, residual, size = open_of(pitch, Y)
         if size < nearly or (size < ENOUGH and left == 1):
             return Y, linear
         if not np.isfinite(size):
             break
-        at = pitch.numbers
+        at, met = pitch.numbers, pitch.met
         stages = -residual[..., None]
         if linear is None or size > KEPT * before:
             changes = [_moved(pitch, at, met, j) for j in range(len(met))]
@@ -184,7 +182,7 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
             none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
             response = linear.respond(none, stages).and_then(of_unknowns)
         before = size
-        back = made_of(pitch, Read(start, Y, sums, at), response, met, 1)
+        back = made_of(pitch, Read(pitch.begin(Y), Y, pitch.sums(pitch.rates(Y)[1]), at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
         last = tamed(response.nodes @ np.append(1.0, change), last)
         Y = stepped(pitch, Y, last)

@@ -77,7 +77,7 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
         is_open = areas.reshape(c.chambers, -1) > 0.0
         if of_port:
             number = parts.number(path.to)
-            beyond = np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
+            beyond = _line_pressures(life, number, angles)
             sides = [(j, Side(None, number), beyond) for j in range(c.chambers)]
             widths = np.full(p.shape, float(c.P[P_PORT_WIDTH + number]))
         else:  # those ahead of the last one are the discharge, whose port tells
@@ -88,6 +88,13 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
             drop = p[j] - there
             turns = (drop[:-1] * drop[1:] < 0.0) & is_open[j, :-1] & is_open[j, 1:]
             yield Side(float(starts[j])), beyond, widths[j], turns
+
+
+def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:
+    """Return that of `_line_pressure` at angles [rad]: one where the line does not pulsate."""
+    if not life.composition.pulsating or number >= FIRST_OWN:
+        return np.full(len(angles), float(life.R[number * PLACE + PRESSURE]))
+    return np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
 
 
 def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
