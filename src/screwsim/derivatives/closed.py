@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import Problem
+from screwsim.derivatives import nearby
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives import nearby
 from screwsim.derivatives.nearby import SMALL, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
@@ -88,24 +88,24 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     tolerance *= READ_INSIDE if problem.parts.pulsations else 1.0
     plain = edges_of(machinery, seams, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
+    Y, turns, linear, good, closing = np.empty(0), crossings(pitch), None, False, False
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
         bound = NEARLY if left == ROUNDS else SETTLED * tolerance
-        placed = near(pitch, bound) if nearly > CLOSED else None
+        placed = None if closing else near(pitch, bound)
         if placed is None:
-            Y, linear = _closed(pitch, nearly, kept)
+            Y, linear = _closed(pitch, CLOSED if closing else NEARLY, kept)
         start, Y = placed or (pitch.begin(Y), Y)
-        before, turns, errors = turns, _with_lost(crossings(pitch), turns), errors_of(pitch, start, Y)
-        good = errors.max() <= tolerance
-        if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
+        before, turns = turns, _with_lost(crossings(pitch), turns)
+        if closing and (left == 1 or (good and _stand(turns, before))):
             break
-        if good or left <= 3:
-            nearly = CLOSED
-        of_plain = np.zeros(len(plain) - 1)
-        np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
-        plain = refined(plain, of_plain, tolerance)
+        if not good:
+            errors = errors_of(pitch, start, Y)
+            good, of_plain = bool(errors.max() <= tolerance), np.zeros(len(plain) - 1)
+            np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
+            plain = refined(plain, of_plain, tolerance)
+        closing = good or left <= 3
     return _linearised(pitch, Y)
 
 

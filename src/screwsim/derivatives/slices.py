@@ -44,9 +44,9 @@ LEAST = 1e-9  # rad: slices are no shorter ...
 LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells nothing of a law that moves
 MOST = 4  # parts of a slice in one refinement
 POWER = 0.25  # of the error of a slice by its width: that of the estimate
-RING = 0.2  # widths of a layer: the first slices on both sides of where a flow turns round ...
+RING = 0.3  # widths of a layer: the first slices on both sides of where a flow turns round ...
 AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
-WIDER = 2.0  # ... and each next one over the one before
+WIDER = 2.5  # ... and each next one over the one before
 BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
 
 
