@@ -33,6 +33,7 @@ Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
 ERROR = 0.03  # of the wanted accuracy: of a slice
 READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside slices, which the error tells less of
+WIDER_INSIDE = 0.8  # ... and of how slices around a turning of a flow grow
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
 CLOSED = 1e-7  # relative residual with which it is ...
@@ -43,6 +44,24 @@ SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 LOST = 20.0  # layers from a crossing, within which it may be one of before
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
+
+
+class Fineness(NamedTuple):
+    """How exact derivatives are asked, in multiples of what exact ones take.
+
+    That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
+    leaves open, and of the slices around a turning of a flow: of the first, and of each further one over that before.
+    """
+
+    error: float = 1.0
+    divided: float = 1.0
+    closed: float = 1.0
+    ring: float = 1.0
+    wider: float = 1.0
+
+
+FINE = Fineness()  # 1e-5 of a derivative, mostly
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6)  # 1e-3
 
 
 class Closed(NamedTuple):
@@ -68,41 +87,43 @@ class NotClosed(Exception):
     """The collocated cycle does not close."""
 
 
-def collocated(problem: Problem, machinery: Machinery, life: Trajectory) -> Closed:
+def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> Closed:
     """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
     c = machinery.composition
     machinery.composition = replace(c, TAB=c.TAB.copy())  # to be written into
     why = NotClosed()
     for steps in STEPS:
         try:
-            return _collocated(problem, machinery, life, steps)
+            return _collocated(problem, machinery, life, steps, fineness)
         except (NotClosed, np.linalg.LinAlgError) as error:
             why = NotClosed(str(error))
     raise why
 
 
-def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float) -> Closed:
+def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness) -> Closed:
     """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
     machinery.put(life)
-    seams, tolerance = seams_of(machinery, problem.parts), ERROR * problem.scene.numerics.accuracy
-    tolerance *= READ_INSIDE if problem.parts.pulsations else 1.0
+    inside = bool(problem.parts.pulsations)
+    seams, tolerance = seams_of(machinery, problem.parts), fineness.error * ERROR * problem.scene.numerics.accuracy
+    tolerance *= READ_INSIDE if inside else 1.0
+    growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
     plain = edges_of(machinery, seams, steps)
     pitch = Pitch(problem, machinery, between(plain))
     Y, turns, linear, good, closing = np.empty(0), crossings(pitch), None, False, False
     for left in range(ROUNDS, 0, -1):
-        pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, _peak(pitch))))
+        pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, growth, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
         bound = NEARLY if left == ROUNDS else SETTLED * tolerance
         placed = None if closing else near(pitch, bound)
         if placed is None:
-            Y, linear = _closed(pitch, CLOSED if closing else NEARLY, kept)
+            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_lost(crossings(pitch), turns)
         if closing and (left == 1 or (good and _stand(turns, before))):
             break
         if not good:
             errors = errors_of(pitch, start, Y)
-            good, of_plain = bool(errors.max() <= tolerance), np.zeros(len(plain) - 1)
+            good, of_plain = bool(errors.max() <= fineness.divided * tolerance), np.zeros(len(plain) - 1)
             np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
             plain = refined(plain, of_plain, tolerance)
         closing = good or left <= 3

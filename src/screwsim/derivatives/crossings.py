@@ -38,8 +38,7 @@ class Turn(NamedTuple):
 
     own: Side
     beyond: Side
-    low: float
-    high: float
+    ends: tuple[float, float]
     width: float
     wide: float
 
@@ -51,8 +50,9 @@ def crossings(pitch: Pitch) -> list[Crossing]:
     """
     slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
+    wide = np.repeat(slices.widths, len(LOOKED))
     turns = [
-        Turn(own, beyond, *angles[k : k + 2].tolist(), float(width[k]), float(slices.widths[k // len(LOOKED)]))
+        Turn(own, beyond, (float(angles[k]), float(angles[k + 1])), float(width[k]), float(wide[k]))
         for own, beyond, width, there in _turning(pitch, angles)
         for k in np.flatnonzero(there).tolist()
     ]
@@ -127,7 +127,8 @@ def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
     """
     if not turns:
         return []
-    low, high, widths = (np.array([getattr(turn, name) for turn in turns]) for name in ("low", "high", "width"))
+    low, high = np.array([turn.ends for turn in turns]).T
+    widths = np.array([turn.width for turn in turns])
     drop = _drops(life, turns)
     at, step = bracketed(drop, low, high, PLACED, OF_LAYER * widths), SLOPE * (high - low)
     real = np.isfinite(at)
