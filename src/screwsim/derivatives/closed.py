@@ -38,8 +38,9 @@ ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
 CLOSED = 1e-7  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
-NEARLY = 1e-4  # ... and with which it is near enough to place its slices
-SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
+NEARLY = 1e-4  # ... and with which it is near enough to place its slices, where states nearby are not found
+SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made ...
+ROUGHLY = 10.0  # ... and in the first round, whose slices are too long by far
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 LOST = 20.0  # layers from a crossing, within which it may be one of before
@@ -113,8 +114,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, growth, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        bound = NEARLY if left == ROUNDS else SETTLED * tolerance
-        placed = None if closing else near(pitch, bound)
+        placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance)
         if placed is None:
             Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept)
         start, Y = placed or (pitch.begin(Y), Y)
@@ -187,7 +187,7 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
         return found, linear
     last = np.zeros_like(Y)
     for left in range(MOST, 0, -1):
-        off, residual, size = open_of(pitch, Y)
+        off, residual, size, read = open_of(pitch, Y)
         if size < nearly or (size < ENOUGH and left == 1):
             return Y, linear
         if not np.isfinite(size):
@@ -203,7 +203,7 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
             none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
             response = linear.respond(none, stages).and_then(of_unknowns)
         before = size
-        back = made_of(pitch, Read(pitch.begin(Y), Y, pitch.sums(pitch.rates(Y)[1]), at), response, met, 1)
+        back = made_of(pitch, Read(read[0], Y, read[1], at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
         last = tamed(response.nodes @ np.append(1.0, change), last)
         Y = stepped(pitch, Y, last)

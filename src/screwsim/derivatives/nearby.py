@@ -7,6 +7,8 @@ as the integrator left them; to close, a chamber's changes follow it through its
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from screwsim.derivatives.blocks import Blocks
@@ -52,7 +54,7 @@ def closed(pitch: Pitch, Y: Array, bound: float) -> Array | None:
     at, least, first = pitch.numbers, np.inf, Y
     blocks, inject = None, None
     for _ in range(CLOSINGS):
-        off, residual_, size = open_of(pitch, Y)
+        off, residual_, size, _ = open_of(pitch, Y)
         if size < bound:
             return Y
         if not size < AGAIN * least:
@@ -68,16 +70,26 @@ def closed(pitch: Pitch, Y: Array, bound: float) -> Array | None:
     return None
 
 
-def open_of(pitch: Pitch, Y: Array) -> tuple[Array, Array, float]:
-    """Return by how much the unknowns are off, what the stage equations leave open, and how much that is in all.
+class Open(NamedTuple):
+    """By how much the unknowns are off, what the stage equations leave open, how much that is in all; what was read.
 
-    The states are installed.
+    That is the states at the start and the quadratures.
     """
+
+    off: Array
+    residual: Array
+    size: float
+    read: tuple[Array, Array]
+
+
+def open_of(pitch: Pitch, Y: Array) -> Open:
+    """Return what states at the nodes leave open, installed."""
     start, rates = pitch.begin(Y), pitch.rates(Y)
     pitch.install(start, Y)
-    off = pitch.image(pitch.sums(rates[1])) - pitch.problem.entries.coordinates(pitch.met)
+    sums = pitch.sums(rates[1])
+    off = pitch.image(sums) - pitch.problem.entries.coordinates(pitch.met)
     open_ = residual(pitch, Y, start, rates[0])
-    return off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0)))
+    return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
 
 
 def _blocks(pitch: Pitch, Y: Array) -> list[Blocks]:
