@@ -2,7 +2,8 @@
 
 Run: python benchmarks/slopes_accuracy.py [RUNS]. Scenes and references are those of tests/tools/derivatives_pairs.csv;
 pairs whose reference is not good to 1e-5 are left out. Each scene has its derivatives found as quick, exact and finer
-ones in turn, by the same solved cycle; times are medians of one thread, of all scenes together, compiled before.
+ones in turn, by the same solved cycle; times are medians of one thread, of all scenes together, in code as
+a first run has it (not for speed: that takes minutes to compile for 19 models), compiled before.
 """
 
 from __future__ import annotations
@@ -18,7 +19,6 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "tools"))
 import derivatives as tool  # noqa: E402
-from screwsim.codegen.modules import for_speed  # noqa: E402
 from screwsim.derivatives.around import derivatives  # noqa: E402
 from screwsim.derivatives.closed import FINE, QUICK, Fineness, collocated  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
@@ -59,29 +59,28 @@ def of_scene(rows: list[tool.Row], exact: tool.Exact, fineness: Fineness) -> tup
 def main(runs: int = 3) -> None:
     """Print a line for each kind."""
     measured, points = {name: Measured() for name in KINDS}, 0.0
-    with for_speed():
-        for number, rows in sorted(tool.read([str(PAIRS)]).items()):
-            scene = tool.scene_of(number, SEED)[2]
-            exact, times = tool.Exact(scene), []
+    for number, rows in sorted(tool.read([str(PAIRS)]).items()):
+        scene = tool.scene_of(number, SEED)[2]
+        exact, times = tool.Exact(scene), []
+        simulate(scene, trace=False)
+        seconds: dict[str, list[tuple[float, float]]] = {name: [] for name in KINDS}
+        for run in range(runs + 1):  # the first one compiles
+            began = time.process_time()
             simulate(scene, trace=False)
-            seconds: dict[str, list[tuple[float, float]]] = {name: [] for name in KINDS}
-            for run in range(runs + 1):  # the first one compiles
-                began = time.process_time()
-                simulate(scene, trace=False)
-                times += [time.process_time() - began]
-                for name, fineness in KINDS.items():
-                    closing, rest, cycle, slopes = of_scene(rows, exact, fineness)
-                    seconds[name].append((closing, rest))
-                    if not run:
-                        measured[name].slices += cycle.pitch.count
-                        for row in rows:
-                            if row["own"] <= tool.GOOD:
-                                slope = slopes[row["path"]][row["figure"]] * exact.values[row["path"]] / row["value"]
-                                measured[name].errors.append(tool._error(row, slope))
-            points += statistics.median(times[1:])
-            for name, each in seconds.items():
-                measured[name].cycles.append(statistics.median(closing for closing, _ in each[1:]))
-                measured[name].rest.append(statistics.median(rest for _, rest in each[1:]))
+            times += [time.process_time() - began]
+            for name, fineness in KINDS.items():
+                closing, rest, cycle, slopes = of_scene(rows, exact, fineness)
+                seconds[name].append((closing, rest))
+                if not run:
+                    measured[name].slices += cycle.pitch.count
+                    for row in rows:
+                        if row["own"] <= tool.GOOD:
+                            slope = slopes[row["path"]][row["figure"]] * exact.values[row["path"]] / row["value"]
+                            measured[name].errors.append(tool._error(row, slope))
+        points += statistics.median(times[1:])
+        for name, each in seconds.items():
+            measured[name].cycles.append(statistics.median(closing for closing, _ in each[1:]))
+            measured[name].rest.append(statistics.median(rest for _, rest in each[1:]))
     heads = " ".join(f"{f'< {limit:g}':>8}" for limit in LIMITS)
     print(f"{'':6} {'slices':>7} {'cycle':>9} {'rest':>9}  {heads}  {'median':>8}   (times in points)")
     for name, each in measured.items():
