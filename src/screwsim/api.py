@@ -64,21 +64,22 @@ def datasheet(
     *,
     evaporating: str | None = None,
     condensing: str | None = None,
+    suction: str | None = None,
+    discharge: str | None = None,
     limits: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     progress: bool | None = None,
 ) -> Sheet:
-    """Return the data sheet of an air package or a refrigeration compressor (`screwsim datasheet`).
+    """Return the data sheet of a compressor, an expander or an air package (`screwsim datasheet`).
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
     `sheet.document` holds it in SI units, as `--json` prints it; `output` is where a page or a PDF is written.
     """
     bar = for_program("datasheet", progress)
-    found = sheet_of(
-        scene_of(scene), evaporating=evaporating, condensing=condensing, limits=limits, jobs=jobs, progress=bar
-    )
+    ranges = {"evaporating": evaporating, "condensing": condensing, "suction": suction, "discharge": discharge}
+    found = sheet_of(scene_of(scene), **ranges, limits=limits, jobs=jobs, progress=bar)
     if output is not None:
         write_sheet(found, Path(output))
     return found

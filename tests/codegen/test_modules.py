@@ -73,7 +73,7 @@ LONG = (
     RUN
     + """
 from screwsim.codegen import modules
-modules._patience = 0.001
+modules._patience = 1e-7
 values = {module.twice(0.1 * k) == 0.2 * k for k in range(5000)}
 print(values, len(module.made), module.twice(21.0))
 """

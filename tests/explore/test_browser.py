@@ -319,3 +319,21 @@ def test_a_number_is_asked_when_it_is_typed_whole(seen):
     seen.settled()
     assert seen.value("log.sent") <= before + 2  # one, or two where the keys came slowly
     assert seen.value("shown.performance") == figures("operation.speed=1500 rpm")
+
+
+CUT = """[...document.querySelectorAll('#headline dt, .row label')].filter((each) => each.offsetParent !== null)
+  .filter((each) => each.scrollWidth > each.clientWidth + 1).map((each) => each.textContent)"""
+BROKEN = """[...document.querySelectorAll('.row label')].filter((each) => each.offsetParent !== null).filter((each) => {
+  const range = document.createRange();
+  const word = each.firstChild;
+  if (word === null || word.nodeType !== 3 || /\\s/.test(word.data.trim()) || !word.data.trim()) return false;
+  range.selectNodeContents(word);
+  return new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size > 1;
+}).map((each) => each.firstChild.data)"""
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_names_of_figures_and_controls_are_read_whole(browser, server, size):
+    with opened(browser, server, size) as seen:
+        assert seen.value("document.querySelectorAll('#headline dt').length") > 3
+        assert seen.value(CUT) == [] and seen.value(BROKEN) == []

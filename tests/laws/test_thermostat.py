@@ -6,6 +6,7 @@ from CoolProp.CoolProp import PropsSI
 from screwsim import load
 from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
+from screwsim.template import asked_of, new_scene
 
 CONFIG = "tests/plain/r134a.yaml"
 WET = "gas.two_phase=equilibrium"
@@ -52,6 +53,19 @@ def test_a_warmer_discharge_needs_less_liquid(kept, inject):
 def test_gas_and_oil_of_one_temperature_are_what_the_valve_keeps(mixed):
     assert (mixed.status, mixed.warnings) == ("ok", ())
     assert mixed.performance.mixture_discharge_temperature == pytest.approx(328.15, abs=2e-2)
+
+
+@pytest.mark.parametrize("area", [5, 20, 80])
+def test_a_bore_of_any_size_is_opened_alike_where_oil_comes_back_as_warm_as_it_left(area, tmp_path):
+    """Such oil holds no temperature: the liquid cools all of it. Bores of 20 mm^2 and more did not close."""
+    text = new_scene("refrigeration", asked_of("R1234ze(E)", "780 m^3/h", None, None, None, None))
+    file = tmp_path / "machine.yaml"
+    file.write_text(text, encoding="utf-8")
+    bore = f"{{opens: 480 deg, closes: 560 deg, area: {area} mm^2, discharge_temperature: 55 degC}}"
+    found = simulate(load(file, [WET, f"effects.liquid_injection={bore}"]), trace=False)
+    assert (found.status, found.warnings) == ("ok", ())
+    assert found.performance.mixture_discharge_temperature == pytest.approx(328.15, abs=2e-2)
+    assert area * found.performance.liquid_injection_opening == pytest.approx(2.07, rel=0.01)
 
 
 def test_the_condenser_gives_off_what_evaporator_and_shaft_bring_and_the_oil_cooler_does_not_take(mixed):

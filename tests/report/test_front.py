@@ -1,5 +1,6 @@
 """Figures of an optimisation: what is drawn is what the file says is best."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from result_fakes import SCENE
 from seek_fakes import RPM, choosing
 
 from screwsim.report import front, plot, samples
+from screwsim.report.page import page_of
+from screwsim.report.page.best import best
 from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.study.optimize import optimize
@@ -57,3 +60,40 @@ def test_files_of_optimisations_have_these_figures_and_no_scatter_of_a_sample(fi
     written = {Path(path).name for path in plot(files["two"], tmp_path)}
     assert written == {"front.png", "front.pdf", "evaluations.png", "evaluations.pdf"}
     assert not list(samples.plans(open_results(files["two"])))
+
+
+def read(text):
+    """Return what a person reads of a page without its script: a line each of its head and its first table."""
+    body = re.sub(r"<(script|style)\b.*?</\1>", "", text, flags=re.DOTALL)
+    return " ".join(re.sub(r"<[^>]*>", " ", body).split())
+
+
+def test_the_page_says_what_was_sought_and_shows_the_best(files):
+    results = open_results(files["one"])
+    words = read(page_of(results))
+    (row,) = np.flatnonzero(results.optimum["front"])
+    assert "Search for the highest gas mass flow, 120 evaluations" in words and "Sweep of" not in words
+    assert "Best gas mass flow error oil-to-gas mass ratio male-rotor speed evaluation" in words
+    speed = results.along("operation.speed")[row] * 30.0 / np.pi
+    assert (
+        f" {speed:.0f} rpm {row} The table" in words
+        and "error: estimated numerical error of an aim, relative." in words
+    )
+    assert "screwsim run BEST.yaml --set output.keep=cycle" in words
+
+
+def test_the_page_of_several_aims_shows_a_front_in_order(files):
+    results = open_results(files["two"])
+    words = read(page_of(results))
+    assert "Search for the highest gas mass flow and lowest shaft power, 120 evaluations" in words
+    found = best(results)
+    numbers = [int(line[-1]) for line in found.rows]
+    aim = results.optimum["aim_gas_mass_flow"][numbers]
+    assert len(numbers) == 12 and np.all(results.optimum["front"][numbers] == 1) and np.all(np.diff(aim) >= 0.0)
+    assert f"12 of the {int(results.optimum['front'].sum())} evaluations that no other betters in all aims" in words
+
+
+def test_no_evaluation_within_the_bounds_is_told(tmp_path):
+    how = {"subject_to": ["shaft_power<0.001 W"], "evaluations": 40, "output": tmp_path / "none.h5"}
+    optimize(loads(SCENE), RANGES, ["gas_mass_flow"], [], simulate=choosing, jobs=1, **how)
+    assert "No evaluation is within the bounds" in read(page_of(open_results(tmp_path / "none.h5")))

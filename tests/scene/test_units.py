@@ -87,6 +87,7 @@ def test_other_units_are_read_with_pint(kind, text, value):
             "3000 1/min",
             "'3000 1/min' is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')",
         ),
+        ("displacement", "350 CFM", "'350 CFM' is not a displacement (write '350 ft^3/min')"),
         ("speed", "3000 U/min", "'3000 U/min' is not a speed (write '3000 rpm')"),
         ("pressure", "2 Bar", "'2 Bar' is not a pressure (write '2 bar')"),
         ("pressure", "2 bar(a)", "'2 bar(a)' is not a pressure (write '2 bar')"),

@@ -11,6 +11,8 @@ from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.diagnosis import diagnose
 from screwsim.study.calibration.residuals import Objective
 
+pytestmark = pytest.mark.around
+
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "configs" / "calibration"
 

@@ -17,6 +17,8 @@ from screwsim.study.calibration.plan import candidates_of, plan
 from screwsim.study.calibration.posterior import posterior
 from screwsim.study.calibration.schema import fit_schema
 
+pytestmark = pytest.mark.around
+
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
 VAGUE = HEAD + "a,fit,1000,7,500\nb,fit,2000,9,500\n"  # tell nothing

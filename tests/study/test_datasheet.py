@@ -180,7 +180,6 @@ def test_points_that_fail_are_told_and_counted(capsys):
     ("scene", "more", "code", "words"),
     [
         ("configs/air/fixed_speed_7.yaml", ["--limit", "shaft_power<1 kW"], 2, "--limit: belongs to a refrigeration"),
-        ("configs/paper/point.yaml", ["--set", "operation.suction.pressure=1 bar"], 2, "name effects.air_package"),
         (
             "configs/air/fixed_speed_7.yaml",
             ["--set", "sweep.oil_supply.orifice_diameter=[8 mm, 9 mm]"],

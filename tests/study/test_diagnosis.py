@@ -21,6 +21,8 @@ from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.hypotheses import NONE
 from screwsim.study.calibration.single import Along, along, whitener
 
+pytestmark = pytest.mark.around
+
 ROOT = Path(__file__).parents[2]
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 UNCHANGED = {GAP: "50 um", CAPACITY: "2 kJ/(kg K)"}  # 5 kW and 2 kW per 1000 rpm

@@ -18,6 +18,8 @@ from screwsim.study.calibration.fit import Measured, Point
 from screwsim.study.calibration.posterior import SETTLED, posterior, split_r_hat
 from screwsim.study.calibration.predict import predict
 
+pytestmark = pytest.mark.around
+
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 FIT = """\
 scene: machine.yaml

@@ -15,7 +15,8 @@ from screwsim.simulate import simulate_many
 from screwsim.study import part_load as part_load_of
 from screwsim.study.datasheet import sheet_of
 from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
-from screwsim.study.datasheet.refrigeration import asked_of, rating
+from screwsim.study.datasheet.rated import rating
+from screwsim.study.datasheet.refrigeration import asked_of
 from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 from screwsim.study.datasheet.sheet import told
 from screwsim.study.part_load import NEAR, RATIO, Control, controls, part_load, ratios
@@ -71,7 +72,7 @@ def test_the_envelope_ends_where_a_limit_is_met(rated):
     for reach in rated.reach:
         assert 313.15 < reach.high < 323.15
         assert reach.above == "shaft power < 50 kW" and reach.below == "end of the table"
-    assert solved(rated, reach.evaporating, reach.high).shaft_power == pytest.approx(50e3, rel=0.01)
+    assert solved(rated, reach.at, reach.high).shaft_power == pytest.approx(50e3, rel=0.01)
 
 
 def test_every_control_is_compared_at_equal_loads(rated):
@@ -189,12 +190,12 @@ def test_the_envelope_of_points_is_interpolated_between_them():
 
 def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
     own = asked_of(screwsim.load(CONTROL), None, None, ())
-    assert [round(T - 273.15, 6) for T in own.evaporating.values] == [-15, -10, -5, 0, 5, 10]
-    assert [round(T - 273.15, 6) for T in own.condensing.values] == [30, 35, 40, 45, 50, 55]
+    assert [round(T - 273.15, 6) for T in own.across.values] == [-15, -10, -5, 0, 5, 10]
+    assert [round(T - 273.15, 6) for T in own.down.values] == [30, 35, 40, 45, 50, 55]
     swept = asked_of(screwsim.load(CONFIGS / "r134a" / "map.yaml"), None, None, ())
-    assert len(swept.evaporating.values) == 6 and len(swept.condensing.values) == 5
+    assert len(swept.across.values) == 6 and len(swept.down.values) == 5
     cooled = asked_of(screwsim.load(CONFIGS / "co2" / "transcritical.yaml"), None, None, ())
-    assert cooled.condensing.path == GAS_COOLER_P and cooled.condensing.values[3] == pytest.approx(90e5)
+    assert cooled.down.path == GAS_COOLER_P and cooled.down.values[3] == pytest.approx(90e5)
 
 
 @pytest.mark.parametrize(
@@ -208,7 +209,11 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
         ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),
-        ("paper/point", [], "nor a refrigeration compressor (state its lines by"),
+        (
+            "control/point",
+            ["--suction", "2 bar..4 bar"],
+            "--suction: belongs to a machine whose lines are stated",
+        ),
     ],
 )
 def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):

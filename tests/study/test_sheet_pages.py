@@ -16,6 +16,8 @@ from screwsim.report.sheet_tables import columns_of
 from screwsim.report.style import journal, new_figure
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 
+pytestmark = pytest.mark.around
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 SLIDE = "machine.slide_valve={position: 0.1, travel: 90 mm, male_span: 70 deg, female_span: 60 deg}"
 SHIPPED = {  # what is asked of each: the scene, changes, options
@@ -25,6 +27,8 @@ SHIPPED = {  # what is asked of each: the scene, changes, options
     "air, variable speed": ("air/variable_speed_7", (), {}),
     "air, fixed speed": ("air/fixed_speed_10", (), {}),
     "humid air": ("air/humid_package", (), {}),
+    "gas": ("paper/point", (), {}),
+    "expander": ("expander/point", (), {}),
 }
 DPI = 300.0  # letters are set to whole pixels where their width is measured, not in the PDF
 NEAR = 1.2  # [pixel], 0.1 mm: letters touch

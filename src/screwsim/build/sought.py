@@ -165,10 +165,13 @@ def _with(scene: Scene, name: str, **changes: Found) -> Scene:
     return replace(scene, effects={**scene.effects, name: other})
 
 
-def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> list[Asked] | None:
-    """Return what the figures of a cycle ask of each coordinate; None where a figure has no value."""
+def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool = False) -> list[Asked] | None:
+    """Return what the figures of a cycle ask of each coordinate; None where a figure has no value.
+
+    `follows` tells that the oil's temperature goes with that of the discharge, which it then does not hold.
+    """
     found = []
-    for span, x, off in zip(spans(scene), standing(scene), _off(scene, figures, T_oil), strict=True):
+    for span, x, off in zip(spans(scene), standing(scene), _off(scene, figures, T_oil, follows), strict=True):
         if off is None or x is None:
             return None
         step, scale = off
@@ -178,7 +181,7 @@ def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> list[Asked]
     return found
 
 
-def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> Iterator[tuple[float, float] | None]:
+def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool) -> Iterator[tuple[float, float] | None]:
     """Yield by how much each coordinate is about wrong [K], and how much of it is a factor e of its flow."""
     if oil_is_sought(scene):
         yield _off_oil(scene, figures, T_oil)
@@ -191,7 +194,8 @@ def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> Iterator[tup
         if T is None or ratio is None:
             yield None
             return
-        cools = max(ratio, 1e-6) * LATENT / (1.0 + WARMS * (figures.get("oil_ratio") or 0.0))
+        oil = 0.0 if follows else figures.get("oil_ratio") or 0.0
+        cools = max(ratio, 1e-6) * LATENT / (1.0 + WARMS * oil)
         yield VALVE * math.log(max(1.0 + (T - wanted) / cools, 1e-3)), VALVE
 
 

@@ -19,16 +19,20 @@ def datasheet(
     condensing: Annotated[
         str | None, option("LOW..HIGH", "Its condensing temperatures, or pressures of its gas cooler.")
     ] = None,
+    suction: Annotated[
+        str | None, option("LOW..HIGH", "Suction pressures of a gas compressor's table; an expander's inlet.")
+    ] = None,
+    discharge: Annotated[str | None, option("LOW..HIGH", "Its discharge pressures; an expander's outlet.")] = None,
     limits: Annotated[
         list[str] | None,
-        option("FIGURE<VALUE", "A limit of it, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit"),
+        option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit"),
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Rate an air package by ISO 1217, or a refrigeration compressor over its temperatures, at part load, by limits."""
+    """Rate a machine over the states of its lines, at part load, by limits; an air package by ISO 1217."""
     scene = loaded(scene_file, overrides, without)
     if output is not None:
         options.check_sheet(output)
@@ -41,6 +45,8 @@ def datasheet(
         scene,
         evaporating=evaporating,
         condensing=condensing,
+        suction=suction,
+        discharge=discharge,
         limits=limits or (),
         jobs=jobs,
         progress=for_terminal("datasheet"),

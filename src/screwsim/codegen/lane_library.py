@@ -15,8 +15,8 @@ class LaneLibrary(Library):
 
     def __init__(self, program: Program) -> None:
         written = read(lane_math.texts())
-        functions, constants = written.functions | program.functions, written.constants | program.constants
-        super().__init__(Program(functions, constants))
+        functions = written.functions.and_those_of(program.functions)
+        super().__init__(Program(functions, written.constants | program.constants))
 
     def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Writer:
         if lane_rows.KINDS.get(name) == kinds:

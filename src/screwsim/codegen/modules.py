@@ -23,13 +23,14 @@ from typing import Any
 from screwsim.codegen.calls import KINDS, Context, Variant, known, take
 from screwsim.codegen.kinds import LANED, Kind
 from screwsim.numerics import compiling, store
+from screwsim.numerics.garbage import no_search
 
 _loaded: dict[str, Module] = {}
 _alone = threading.RLock()  # two threads would make two modules of one text
 _libraries: dict[int, tuple[Module, Any]] = {}  # of the modules that were compiled last: a text read takes megabytes
 _writing = threading.RLock()
 MOST_LIBRARIES = 3
-PATIENCE = 0.5  # [s] that code which was written soon runs before it is written for speed: about what that takes
+PATIENCE = 5e-6  # [s a byte] that code which was written soon runs before it is written for speed: what that takes
 _patience = PATIENCE
 
 
@@ -87,12 +88,12 @@ class Module(ModuleType):
             raise AttributeError(f"{self.__name__} has no function {name!r}")
         return self.__dict__.setdefault(name, Function(self, name))
 
-    def compiled(self, name: str, kinds: tuple[Kind, ...], fast: bool = False) -> tuple[Variant, bool]:
-        """Return a function for kinds of arguments, as it was kept or compiled now, and whether it is a fast one."""
+    def compiled(self, name: str, kinds: tuple[Kind, ...], fast: bool = False) -> tuple[Variant, int]:
+        """Return a function for kinds of arguments, as it was kept or compiled now, and its bytes; none if fast."""
         from screwsim.codegen import machine
 
         returned, code, symbol, fast = self._code(name, kinds, fast)
-        return Variant(machine.loaded(code, symbol), kinds, returned), fast
+        return Variant(machine.loaded(code, symbol), kinds, returned), 0 if fast else len(code)
 
     def of_lanes(self, name: str, kinds: tuple[Kind, ...]) -> Any:
         """Return the entry of a function of points side by side (`codegen.lane_library`), written for speed."""
@@ -117,7 +118,8 @@ class Module(ModuleType):
             kept, fast = kept or soon, kept is not None or fast
         if kept is None:
             compiling.begins()
-            returned, text = self._written(name, kinds, symbol)
+            with no_search():
+                returned, text = self._written(name, kinds, symbol)
             kept = b"\n".join([str(returned).encode(), machine.compiled(text, fast)])
             self.made.append(name)
             if lasting:
@@ -171,8 +173,8 @@ class Function:
     def _made(self, key: tuple[int, ...]) -> _Calls:
         with self._alone:
             if key not in self._variants:
-                variant, fast = self._compiled(key, self._module.fast or _patience == 0.0)
-                self._variants[key] = variant if fast else _Tried(variant, self, key)
+                variant, size = self._compiled(key, self._module.fast or _patience == 0.0)
+                self._variants[key] = _Tried(variant, self, key, size) if size else variant
             return self._variants[key]
 
     def hasten(self, key: tuple[int, ...]) -> None:
@@ -182,22 +184,22 @@ class Function:
                 with compiling.again():
                     self._variants[key] = self._compiled(key, True)[0]
 
-    def _compiled(self, key: tuple[int, ...], fast: bool) -> tuple[Variant, bool]:
+    def _compiled(self, key: tuple[int, ...], fast: bool) -> tuple[Variant, int]:
         return self._module.compiled(self._name, tuple(KINDS[kind] for kind in key), fast)
 
 
 class _Tried:
-    """A variant that was written soon, and how long it has run."""
+    """A variant that was written soon, of so many bytes, and how long it has run."""
 
-    def __init__(self, variant: Variant, function: Function, key: tuple[int, ...]) -> None:
-        self._variant, self._function, self._key = variant, function, key
+    def __init__(self, variant: Variant, function: Function, key: tuple[int, ...], size: int) -> None:
+        self._variant, self._function, self._key, self._size = variant, function, key, size
         self._ran = 0.0
 
     def __call__(self, words: Sequence[float]) -> Any:
         started = time.perf_counter()
         found = self._variant(words)
         self._ran += time.perf_counter() - started
-        if self._ran > _patience:
+        if self._ran > _patience * self._size:
             self._function.hasten(self._key)
         return found
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import re
 import struct
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,11 +19,42 @@ class CannotCompile(TypeError):
     """A text holds what is not compiled: where, and what."""
 
 
+FUNCTION = re.compile(r"^def (\w+)", re.MULTILINE)
+BEHIND = re.compile(r"^(?=[^\s)#])", re.MULTILINE)  # a function ends where a line begins that is none of its own
+
+
+class Functions(Mapping[str, ast.FunctionDef]):
+    """Functions of a text by name, each read when it is first asked for: of most texts a part is compiled."""
+
+    def __init__(self, texts: Mapping[str, str]) -> None:
+        self._texts, self._read = dict(texts), dict[str, ast.FunctionDef]()
+
+    def __getitem__(self, name: str) -> ast.FunctionDef:
+        if name not in self._read:
+            [node] = parsed(self._texts[name]).body
+            assert isinstance(node, ast.FunctionDef)
+            self._read[name] = node
+        return self._read[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._texts
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._texts)
+
+    def __len__(self) -> int:
+        return len(self._texts)
+
+    def and_those_of(self, other: Functions) -> Functions:
+        """Return these and others, which take the place of these of their names."""
+        return Functions(self._texts | other._texts)
+
+
 @dataclass
 class Program:
     """Functions and constants of a text, by name."""
 
-    functions: dict[str, ast.FunctionDef] = field(default_factory=dict)
+    functions: Functions = field(default_factory=lambda: Functions({}))
     constants: dict[str, Any] = field(default_factory=dict)
     _assigned: dict[str, set[str]] = field(default_factory=dict)
 
@@ -35,18 +68,32 @@ class Program:
 
 def read(text: str) -> Program:
     """Return what a text holds; raise CannotCompile for anything but imports, constants and functions."""
-    found = Program()
-    for node in parsed(text).body:
+    functions, others, at = dict[str, str](), list[tuple[int, str]](), 0
+    for head in FUNCTION.finditer(text):
+        if head.start() < at:
+            continue
+        others.append((at, text[at : head.start()]))
+        behind = BEHIND.search(text, head.end())
+        at = behind.start() if behind else len(text)
+        functions[head[1]] = text[head.start() : at]
+    others.append((at, text[at:]))
+    found = Program(Functions(functions))
+    for begin, other in others:
+        _read_others(found, other, text.count("\n", 0, begin) if other.strip() else 0)
+    return found
+
+
+def _read_others(found: Program, text: str, lines_before: int) -> None:
+    """Read what stands between functions."""
+    for node in parsed(text).body if text.strip() else ():
         match node:
-            case ast.FunctionDef(name=name):
-                found.functions[name] = node
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 found.constants[name] = _constant(value)
             case ast.Import() | ast.ImportFrom() | ast.Expr(value=ast.Constant()):
                 pass
             case _:
-                raise CannotCompile(f"line {node.lineno}: {ast.unparse(node).splitlines()[0]!r} is not compiled")
-    return found
+                line = lines_before + node.lineno
+                raise CannotCompile(f"line {line}: {ast.unparse(node).splitlines()[0]!r} is not compiled")
 
 
 def _constant(node: ast.expr) -> Any:

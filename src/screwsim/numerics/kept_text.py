@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from screwsim.numerics import sources, store
+from screwsim.numerics.garbage import no_search
 from screwsim.numerics.kernel import HEADER, Kernel, flatten, spelled
 
 FASTEST = 1  # level of zlib: a sixth of the size, in a millisecond
@@ -30,7 +31,8 @@ def kept_text(by: Sequence[str], kernels: Iterable[Kernel], of: Sequence[Any], w
     name = f"screwsim_{by[0]}_{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()[:24]}.text"
     text = _read(name)
     if text is None:
-        text = write()
+        with no_search():
+            text = write()
         store.keep(name, zlib.compress(text.encode(), FASTEST))
     return text
 

@@ -19,7 +19,7 @@ import textwrap
 import threading
 import types
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -175,8 +175,10 @@ def constant_text(value: Any) -> str | None:
     return None
 
 
-def _rename(tree: ast.Module, names: Mapping[str, str]) -> None:
+@lru_cache(maxsize=2048)
+def _renamed(source: str, renames: tuple[tuple[str, str], ...]) -> str:
     """Rename what the one function of a text uses, and the function itself; drop decorators and annotations."""
+    tree, names = parsed(source), dict(renames)
     for node in nodes(tree):
         if type(node) is ast.Name:
             node.id = names.get(node.id, node.id)
@@ -187,6 +189,7 @@ def _rename(tree: ast.Module, names: Mapping[str, str]) -> None:
         function.returns = None
         for argument in function.args.args:
             argument.annotation = None
+    return ast.unparse(tree)
 
 
 def spelled(kernels: Iterable[Kernel]) -> str:
@@ -247,7 +250,6 @@ def flatten(
         seen[name] = item
         found[name] = ""  # holds its place; callees come before it
         renames = {item.__name__: name}
-        tree = parsed(item.source)
         for used in item.function.__code__.co_names:
             value = item.function.__globals__.get(used)
             own = ""
@@ -268,9 +270,8 @@ def flatten(
                 constant = f"{flat_module(item.function)}__{used}{own}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
-        _rename(tree, renames)
         del found[name]
-        found[name] = ast.unparse(tree)
+        found[name] = _renamed(item.source, tuple(renames.items()))
 
     for each in kernels:
         visit(each)

@@ -81,6 +81,7 @@ _SYMBOLS = {
 
 _AXES = {
     "operation.speed": SPEED,
+    "machine.built_in_volume_ratio": Shown("built-in volume ratio", "", "", 1.0),
     "oil_supply.ratio": RATIO,
     "oil_supply.temperature": celsius("oil temperature", r"$T_\mathrm{oil}$"),
     "operation.suction.pressure": Shown("suction pressure", "$p_s$", "bar", 1e-5),

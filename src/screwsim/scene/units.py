@@ -95,6 +95,7 @@ _MEANT: dict[str, dict[str, str]] = {
     },
     "K": {"f": "degF", "c": "degC"},
     "m^3": {"ccm": "cm^3"},
+    "m^3/s": {"cfm": "ft^3/min", "acfm": "ft^3/min", "lpm": "L/min"},
     "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
     "rad": {"º": "deg"},
     "J/(kg K)": {"kJ/kgK": "kJ/(kg K)", "J/kgK": "J/(kg K)"},

@@ -195,11 +195,16 @@ def asked_of(of: Evaluation) -> Asked | None:
     if package is not None:
         off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
     if sought.is_sought(of.problem.scene):
-        others = sought.asked(of.problem.scene, of.figures, _oil_temperature(of.problem))
+        others = _of_sought(of)
         if others is None:
             return None
         off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
     return Asked(np.array(off), share, open_)
+
+
+def _of_sought(of: Evaluation) -> list[sought.Asked] | None:
+    scene = of.problem.scene
+    return sought.asked(scene, of.figures, _oil_temperature(of.problem), open_temperatures(scene)[0])
 
 
 def _oil_temperature(problem: Problem) -> float:
@@ -208,8 +213,7 @@ def _oil_temperature(problem: Problem) -> float:
 
 def sought_open(of: Evaluation) -> float:
     """Return what a scene's open numbers leave open, relative; nothing where it has none."""
-    scene = of.problem.scene
-    asked = sought.asked(scene, of.figures, _oil_temperature(of.problem)) if sought.is_sought(scene) else None
+    asked = _of_sought(of) if sought.is_sought(of.problem.scene) else None
     return max((each.open for each in asked or ()), default=0.0)
 
 

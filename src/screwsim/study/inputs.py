@@ -47,6 +47,15 @@ def read_text(scene: Scene, path: str, text: str) -> float:
     return read_value(scene, path, float(text) if bare else text.strip())
 
 
+def ends_of(text: str) -> tuple[str, str] | None:
+    """Return both ends of LOW..HIGH; a number alone has the unit of the upper end. None of a text that is no range."""
+    low, dots, high = (part.strip() for part in text.partition(".."))
+    if not (dots and low and high) or "..." in text:  # 0...5 is not up to 0.5
+        return None
+    unit = re.fullmatch(rf"{NUMBER}\s*(.*)", high)
+    return f"{low} {unit[1]}".strip() if unit and re.fullmatch(NUMBER, low) else low, high
+
+
 def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
     """Raise UsageError with the first fault when values do not fit into a scene."""
     faults = cross_check(with_values(scene, values))

@@ -20,7 +20,7 @@ from screwsim.scene import Scene, cross_check, with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate_many
 
-SPEED, CAPACITY, COP = "operation.speed", "cooling_capacity", "cop"
+SPEED = "operation.speed"
 LOADS = (1.0, 0.75, 0.5, 0.25)
 SETTINGS = 7  # from the scene's own to the control's end, where the scene sweeps none
 SLOWEST = 0.2  # of the scene's speed
@@ -45,6 +45,18 @@ class Control(NamedTuple):
     name: str
     path: str
     settings: tuple[float, ...]
+
+
+class Aim(NamedTuple):
+    """What a load is a share of, what the best built-in volume ratio gives most of, and what is said without a load."""
+
+    load: str
+    best: str
+    none: str
+
+
+REFRIGERATION = Aim("cooling_capacity", "cop", "there is no cooling capacity")
+GAS = Aim("gas_mass_flow", "isentropic_efficiency", "nothing is delivered")
 
 
 class Step(NamedTuple):
@@ -124,34 +136,41 @@ def part_load(
     full: float | None = None,
     loads: Sequence[float] = LOADS,
     among: Sequence[float] = (),
+    aim: Aim = REFRIGERATION,
 ) -> PartLoad:
-    """Return what a control does to a scene without a sweep; `full` is the capacity [W] of load 1 (its first's).
+    """Return what a control does to a scene without a sweep; `full` is the capacity [SI] of load 1 (its first's).
 
-    `among` are the built-in volume ratios of which the best is found at each load.
+    `among` are the built-in volume ratios of which the best is found at each load, `aim` what capacity and best are.
     """
     curve, why, solve = [], "", _solver(scene, control)
     for setting in control.settings:
         result = solve(setting)
-        capacity = result.performance.get(CAPACITY) if result.status == "ok" else None
+        capacity = result.performance.get(aim.load) if result.status == "ok" else None
         if capacity is None or capacity <= 0.0:
-            why = result.message or "there is no cooling capacity"
+            why = result.message or aim.none
             break
         full = full or capacity
         curve.append(Step(setting, capacity / full, result))
     falling = _falling(curve)
-    steps = list(_at_loads(solve, falling, full or 0.0, loads)) if len(falling) > 1 else falling[:1]
+    steps = list(_at_loads(solve, falling, full or 0.0, loads, aim)) if len(falling) > 1 else falling[:1]
     if among and len(falling) > 1:
-        steps = [_at_best(scene, control, falling, step, full or 0.0, among) for step in steps]
+        steps = [_at_best(scene, control, falling, step, full or 0.0, among, aim) for step in steps]
     return PartLoad(control, curve, steps, why)
 
 
 def _at_best(
-    scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float]
+    scene: Scene,
+    control: Control,
+    known: Sequence[Step],
+    step: Step,
+    full: float,
+    among: Sequence[float],
+    aim: Aim,
 ) -> Step:
     """Return a step with the ratio of its best COP: between those tried by a parabola, at the same load."""
     solve, cop = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}
     for ratio in among:
-        value = solve(ratio).performance.get(COP)
+        value = solve(ratio).performance.get(aim.best)
         if value is not None:
             cop[ratio] = float(value)
     if not cop:
@@ -162,7 +181,7 @@ def _at_best(
     slope = _slope(known, step)
     for _ in range(TRIES):
         result = again(setting)
-        capacity = result.performance.get(CAPACITY)
+        capacity = result.performance.get(aim.load)
         if result.status != "ok" or not capacity:
             return step
         best, off = result, capacity / full - wanted
@@ -215,7 +234,7 @@ def _falling(curve: Sequence[Step]) -> list[Step]:
     return kept
 
 
-def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[float]) -> Iterator[Step]:
+def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[float], aim: Aim) -> Iterator[Step]:
     """Yield a step at each load that the curve reaches: interpolated, solved, corrected where it misses."""
     yield known[0]
     for load in loads:
@@ -223,7 +242,7 @@ def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[floa
             continue
         step, seen = None, known
         for _ in range(TRIES):
-            step = _at(solve, seen, full, load)
+            step = _at(solve, seen, full, load, aim)
             if step is None or abs(step.load - load) <= NEAR:
                 break
             seen = _falling(sorted([*seen, step], key=lambda each: abs(each.setting - known[0].setting)))
@@ -231,11 +250,11 @@ def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[floa
             yield step
 
 
-def _at(solve: Solve, known: Sequence[Step], full: float, load: float) -> Step | None:
+def _at(solve: Solve, known: Sequence[Step], full: float, load: float, aim: Aim) -> Step | None:
     """Return the step at the setting that is interpolated for a load; None where it is not ok."""
     rising = sorted(known, key=lambda step: step.load)
     x, y = (np.array([getattr(step, name) for step in rising]) for name in ("load", "setting"))
     setting = float(Pchip(x, y)(min(max(load, x[0]), x[-1])))
     result = solve(setting)
-    capacity = result.performance.get(CAPACITY)
+    capacity = result.performance.get(aim.load)
     return Step(setting, capacity / full, result) if result.status == "ok" and capacity else None

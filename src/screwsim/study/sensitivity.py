@@ -18,7 +18,7 @@ from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
 from screwsim.study.each import each
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
+from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_text, shown_value, usual_efficiency
 from screwsim.study.optimum import Simulate, absolute_error, closed, simulator
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
@@ -85,12 +85,12 @@ def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
     found: dict[str, Range] = {}
     for text in texts:
         path, equals, ends = text.partition("=")
-        path, (low, dots, high) = path.strip(), ends.partition("..")
-        if not (equals and dots and low.strip() and high.strip()) or "..." in ends:  # 0...5 is not up to 0.5
+        path, both = path.strip(), ends_of(ends)
+        if not equals or both is None:
             example = "--path 'machine.rotor_diameter=120 mm..136 mm'"
             raise UsageError(f"--path {text}: is not PATH=LOW..HIGH (write e.g. {example})")
         check_continuous(scene, path)
-        span = Range(path, read_text(scene, path, low), read_text(scene, path, high))
+        span = Range(path, read_text(scene, path, both[0]), read_text(scene, path, both[1]))
         if not span.low < span.high:
             shown = " … ".join(shown_value(scene, path, end) for end in span[1:])
             raise UsageError(f"{path}: the range {shown} is empty (LOW must be below HIGH)")

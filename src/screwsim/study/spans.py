@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import Scene, leaf_of, value_at
-from screwsim.study.inputs import check_continuous, read_text, shown_value
+from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search goes over the logarithm
 FAR = 20.0  # without a range: so many times the scene's value, and its fraction, at the most
@@ -85,11 +85,11 @@ def span_of(scene: Scene, path: str, low: float, high: float) -> Span:
 
 
 def _stated(scene: Scene, path: str, text: str, ends: str) -> tuple[float, float]:
-    low, dots, high = ends.partition("..")
-    if not (dots and low.strip() and high.strip()) or "..." in ends:  # 0...5 is not up to 0.5
+    both = ends_of(ends)
+    if both is None:
         example = "--vary 'operation.speed=1000 rpm..4500 rpm'"
         raise UsageError(f"--vary {text}: is not PATH=LOW..HIGH (write e.g. {example})")
-    return read_text(scene, path, low), read_text(scene, path, high)
+    return read_text(scene, path, both[0]), read_text(scene, path, both[1])
 
 
 def _known(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:

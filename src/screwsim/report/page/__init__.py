@@ -52,10 +52,11 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
 
     from screwsim import __version__
     from screwsim.report.page import data, tables
+    from screwsim.report.page.best import best, is_optimisation
     from screwsim.report.page.pack import compressed
     from screwsim.report.page.uncertain import model_lines
 
-    shown = data.selection(results)
+    shown, sought = data.selection(results), is_optimisation(results)
     document = data.document(results, shown)
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string(_source("page.html"))
@@ -71,7 +72,8 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         counts=tables.counts(results),
         quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
         axes=tables.axes(results),
-        headline=tables.headline(results),
+        headline="" if sought else tables.headline(results),
+        best=best(results) if sought else None,
         warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
         figures=tables.figures(results, shown, document["start"]["case"]),

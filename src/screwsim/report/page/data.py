@@ -11,11 +11,14 @@ from screwsim.figures.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
+from screwsim.report.front import aims
+from screwsim.report.page.best import front_of, is_optimisation
 from screwsim.report.page.pack import bytes_of, floats, steps, thin
 from screwsim.report.page.uncertain import half_of, inputs_document
 from screwsim.report.quantities import PRESSURE, TEMPERATURE, Shown, is_numeric, shown_axis, shown_figure
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
 from screwsim.results import Results
+from screwsim.results.optimum import EVALUATION, POINT
 from screwsim.results.warned import warns
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
@@ -86,7 +89,8 @@ def _axis(axis: Any, stride: int) -> dict[str, Any]:
     values = axis.values[::stride]
     if axis.joined:
         joined = [_axis(inner, stride) for inner in axis.joined]
-        return {"label": "case", "words": "case", "texts": [str(value) for value in values], "joined": joined}
+        name = {EVALUATION: "evaluation", POINT: "operating point"}.get(axis.path, "case")
+        return {"label": name, "words": name, "texts": [str(value) for value in values], "joined": joined}
     if not is_numeric(axis):
         words = axis.path.split(".")[-1].replace("_", " ")
         return {"label": words, "words": words, "texts": [str(value) for value in values]}
@@ -230,10 +234,17 @@ def _words(results: Results) -> int | None:
 
 
 def _start(results: Results, shown: Selection) -> dict[str, Any]:
-    """Return what is shown first: the best case, its efficiency over the axes that the printed figures use."""
+    """Return what is shown first: the best case, its efficiency over the axes that the printed figures use.
+
+    Of an optimisation it is the first aim, and its best evaluation at the first operating point.
+    """
     name = efficiency_name(results)
     case = 0
-    if name is not None:
+    if is_optimisation(results) and len(front := front_of(results)):
+        name = aims(results)[0]
+        row = int(front[0]) // shown.strides[0]
+        case = row * int(np.prod(shown.shape[1:], dtype=int))
+    elif name is not None:
         score = shown.of(results.performance[name])
         closed = np.isfinite(score) & (shown.of(results.status) == "ok")
         case = int(np.argmax(np.where(closed, score, -np.inf))) if closed.any() else 0

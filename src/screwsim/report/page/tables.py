@@ -12,6 +12,7 @@ import numpy as np
 from screwsim.figures.engineering import engineering, shown_name, small
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
+from screwsim.report.page.best import is_optimisation
 from screwsim.report.page.data import Selection
 from screwsim.report.page.uncertain import half_of, half_text, inputs_lines
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
@@ -69,7 +70,9 @@ def axes(results: Results) -> Iterator[str]:
         how, ends = shown_axis(axis), (int(np.argmin(axis.values)), int(np.argmax(axis.values)))
         low, high = (value_of(axis, end).rpartition(" = ")[2] for end in ends)
         yield f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}"
-    yield from (f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined)
+    if not is_optimisation(results):
+        joined = (axis for axis in results.axis_list if axis.joined)
+        yield from (f"{len(axis.values)} cases in which these vary together" for axis in joined)
 
 
 def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:

@@ -18,6 +18,9 @@ from screwsim.study.progress import Progress
 __all__ = ["Sheet", "sheet_of"]
 
 
+BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
+REFRIGERATES, STATES = "a refrigeration machine", "a machine whose lines are stated by pressures"
+BELONGS = dict.fromkeys((*BY_TEMPERATURE, "--limit"), REFRIGERATES) | dict.fromkeys(BY_PRESSURE, STATES)
 FIGURES = ("gas_mass_flow", "cooling_capacity", "shaft_power", "electrical_power", "cop", "specific_power")
 
 
@@ -26,17 +29,21 @@ def sheet_of(
     *,
     evaporating: str | None = None,
     condensing: str | None = None,
+    suction: str | None = None,
+    discharge: str | None = None,
     limits: Sequence[str] = (),
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Sheet:
-    """Return the data sheet of a scene; raise UsageError, in one line, where none is known for its kind.
+    """Return the data sheet of a scene; raise UsageError, in one line, where it leaves open what is to be rated.
 
     Of a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') in place of those of the
-    scene's sweep, `limits` what is to hold ('discharge_temperature<110 degC'); a package of air has neither.
+    scene's sweep; of a gas compressor and an expander, whose scenes state pressures, `suction` and `discharge` ('4
+    bar..6 bar'). `limits` say what is to hold ('discharge_temperature<110 degC'). A package of air has none of these.
     Where the scene gives tolerances, or names the validation of its model, lines say what these make of its own point.
     """
-    sheet = _sheet(scene, evaporating, condensing, limits, jobs, progress)
+    given = (evaporating, condensing, suction, discharge)
+    sheet = _sheet(scene, dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True)), limits, jobs, progress)
     return _with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
 
 
@@ -78,32 +85,40 @@ def _by_model(result: Result, model: Mapping[str, Any]) -> str:
 
 def _sheet(
     scene: Scene,
-    evaporating: str | None,
-    condensing: str | None,
+    ranges: Mapping[str, str | None],
     limits: Sequence[str],
     jobs: int | None,
     progress: Progress | None,
 ) -> Sheet:
-    operation = scene.operation
     if package_of(scene) is not None and scene.gas.name.lower() == "air":
-        from screwsim.study.datasheet.air_rating import rating
+        from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
 
-        given = {"--evaporating": evaporating, "--condensing": condensing, "--limit": tuple(limits) or None}
-        wrong = next((option for option, value in given.items() if value is not None), None)
-        if wrong is not None:
-            what = "belongs to a refrigeration machine, and the scene is an air package"
-            raise UsageError(f"{wrong}: {what} (remove it)")
-        return air_sheet(scene, rating(scene))
+        _refuse({**ranges, "--limit": tuple(limits) or None}, "the scene is an air package")
+        return air_sheet(scene, air_rating(scene))
+    from screwsim.study.datasheet import gas, refrigeration
+    from screwsim.study.datasheet.bounds import limits_of
+    from screwsim.study.datasheet.rated import rating
+
+    bounds = limits_of(scene, limits)
+    operation = scene.operation
     states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
     if states_lines and scene.machine.mode == "compressor":
-        from screwsim.study.datasheet import refrigeration
-        from screwsim.study.datasheet.bounds import limits_of
         from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 
-        asked = refrigeration.asked_of(scene, evaporating, condensing, limits_of(scene, limits))
-        return refrigeration_sheet(refrigeration.rating(asked, jobs, progress))
-    raise UsageError(
-        "datasheet: the scene is neither an air package (name effects.air_package) nor a refrigeration compressor "
-        "(state its lines by operation.evaporating_temperature and condensing_temperature)"
-    )
+        _refuse({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
+        asked = refrigeration.asked_of(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
+        return refrigeration_sheet(rating(asked, jobs, progress))
+    from screwsim.study.datasheet.gas_sheet import gas_sheet
+
+    options = gas.options_of(scene)
+    stated = "pressures" if "--suction" in options else "saturation temperatures"
+    _refuse({name: text for name, text in ranges.items() if name not in options}, f"the scene states {stated}")
+    return gas_sheet(rating(gas.asked_of(scene, ranges, bounds), jobs, progress))
+
+
+def _refuse(given: Mapping[str, Any], why: str) -> None:
+    """Raise UsageError where an option is given that the scene has no use for."""
+    wrong = next((option for option, value in given.items() if value is not None), None)
+    if wrong is not None:
+        raise UsageError(f"{wrong}: belongs to {BELONGS[wrong]}, and {why} (remove it)")

@@ -1,4 +1,4 @@
-"""Limits of a machine, FIGURE<VALUE or FIGURE>VALUE, and the envelope of temperatures within which all of them hold."""
+"""Limits of a machine, FIGURE<VALUE or FIGURE>VALUE, and the envelope within which all of them hold."""
 
 from __future__ import annotations
 
@@ -49,15 +49,16 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
     stated = read_bounds(scene, texts, "--limit")
     found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
     motor = scene.effects.get("motor")
-    if motor is not None and not any(bound.figure == "shaft_power" for bound in found):
-        found.append(Bound("shaft_power", 1, float(motor.parameters.rated_power), RATED))
+    power = "output_power" if scene.machine.mode == "expander" else "shaft_power"
+    if motor is not None and not any(bound.figure == power for bound in found):
+        found.append(Bound(power, 1, float(motor.parameters.rated_power), RATED))
     return tuple(found)
 
 
 class Reach(NamedTuple):
-    """From where to where the condensing side may go at an evaporating temperature [SI], and what ends it."""
+    """From where to where the axis down may go at a value of that across [SI], and what ends it."""
 
-    evaporating: float
+    at: float
     low: float
     high: float
     below: str
@@ -69,12 +70,12 @@ def envelope(
     axes: tuple[Sequence[float], Sequence[float]],
     bounds: Sequence[Bound],
 ) -> Iterator[Reach]:
-    """Yield for each evaporating temperature the longest run of points within all limits, its ends interpolated.
+    """Yield for each value across the longest run of points within all limits, its ends interpolated.
 
     `points` are figures by the numbers on both axes, None where a point has none. Between a point within and one beyond
     a limit its excess is taken as linear; next to a point without figures the run ends at the last one that has them.
     """
-    for i, evaporating in enumerate(axes[0]):
+    for i, across in enumerate(axes[0]):
         column = [points[i, j] for j in range(len(axes[1]))]
         inside = [found is not None and not beyond(found, bounds) for found in column]
         runs = list(_runs(inside))
@@ -83,7 +84,7 @@ def envelope(
         first, last = max(runs, key=lambda run: run[1] - run[0])
         low, below = _end(column, axes[1], first, first - 1, bounds)
         high, above = _end(column, axes[1], last, last + 1, bounds)
-        yield Reach(evaporating, low, high, below, above)
+        yield Reach(across, low, high, below, above)
 
 
 def beyond(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[Bound]:

@@ -1,0 +1,75 @@
+"""What the page says of an optimisation: what was sought, over what, and the evaluations that are best."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.figures.engineering import engineering, shown_name
+from screwsim.report.front import aims
+from screwsim.report.quantities import is_numeric, shown_axis
+from screwsim.results import Results
+from screwsim.results.optimum import AIM, ERROR
+
+ROWS = 12  # of a front that are shown, evenly spread along its first aim; all are in the file
+
+
+class Best(NamedTuple):
+    """The best of an optimisation: what was sought, heads and rows of a table of it, and a line below it."""
+
+    sought: str
+    heads: list[str]
+    rows: list[list[str]]
+    note: str
+
+
+def is_optimisation(results: Results) -> bool:
+    """Tell whether a search for the best wrote the file."""
+    return bool(aims(results))
+
+
+def front_of(results: Results) -> np.ndarray:
+    """Return the evaluations that no other betters, along the first aim."""
+    front = np.flatnonzero(results.optimum["front"] == 1)
+    return front[np.argsort(results.optimum[AIM + aims(results)[0]][front], kind="stable")]
+
+
+def best(results: Results) -> Best:
+    """Return what an optimisation sought and found."""
+    names, front = aims(results), front_of(results)
+    evaluations, *points = results.axis_list
+    varied = [axis for axis in evaluations.joined or (evaluations,) if is_numeric(axis)]
+    spread = np.linspace(0, len(front) - 1, min(len(front), ROWS)).round().astype(int)
+    shown = front[spread]
+    words = [shown_axis(axis) for axis in varied]
+    heads = [*map(shown_name, names), "error", *(how.words for how in words), "evaluation"]
+    rows = [
+        [
+            *(_aim(results, name, int(row)) for name in names),
+            f"{_error(results, names, int(row)):.0e}",
+            *(how.value(float(axis.values[row])).rpartition(" = ")[2] for how, axis in zip(words, varied, strict=True)),
+            str(row),
+        ]
+        for row in shown
+    ]
+    some = f"{len(shown)} of the {len(front)}" if len(shown) < len(front) else f"the {len(front)}"
+    many = f"{some} evaluations that no other betters in all aims; " if len(names) > 1 else ""
+    over = f" over {len(points[0].values)} operating points" if points and len(points[0].values) > 1 else ""
+    wanted = " and ".join(f"{_sense(results, name)} {shown_name(name)}" for name in names)
+    sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"
+    return Best(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
+
+
+def _aim(results: Results, name: str, row: int) -> str:
+    return " ".join(engineering(results.figure(name), float(results.optimum[AIM + name][row]))).strip()
+
+
+def _sense(results: Results, name: str) -> str:
+    return "lowest" if results.optimum.about[AIM + name].long_name.endswith("lowest") else "highest"
+
+
+def _error(results: Results, names: list[str], row: int) -> float:
+    """Return the largest error of the aims of an evaluation, relative."""
+    sizes = ((results.optimum[ERROR + name][row], abs(results.optimum[AIM + name][row])) for name in names)
+    return max((float(error / size) for error, size in sizes if size), default=0.0)

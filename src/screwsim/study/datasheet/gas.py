@@ -1,0 +1,86 @@
+"""What a gas compressor is rated over, its suction and discharge pressure, and an expander, its speed and outlet.
+
+A scene that sweeps these is rated at their values, one that does not at shares of its own. An expander is rated over
+its inlet in place of the speed where the scene sweeps that, or a range of it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from screwsim.inputs.faults import UsageError
+from screwsim.scene import Scene, value_at, with_values
+from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
+from screwsim.study.datasheet.bounds import Bound
+from screwsim.study.datasheet.rated import Asked, Axis, faults_of, pressure_ratio, read_range, spread
+from screwsim.study.part_load import ENDS, GAS, RATIO, SPEED, controls, ratios
+
+SWING = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
+SPEEDS = (0.4, 0.6, 0.8, 1.0, 1.2)  # of an expander's own
+OUTLETS = (0.7, 0.85, 1.0, 1.2, 1.4)  # of its outlet pressure
+INLETS = (0.7, 0.85, 1.0, 1.15)  # of its inlet pressure, where both pressures vary
+EXAMPLES = {
+    P_S: "4 bar..6 bar",
+    P_D: "15 bar..25 bar",
+    EVAPORATING: "80 degC..100 degC",
+    CONDENSING: "30 degC..50 degC",
+}
+COUNT = 5  # values of a range
+
+
+def options_of(scene: Scene) -> dict[str, str]:
+    """Return the options that state the range of a line's pressure, or saturation temperature: option -> path."""
+    if scene.operation.evaporating_temperature is not None:
+        return {"--evaporating": EVAPORATING, "--condensing": CONDENSING}
+    return {"--suction": P_S, "--discharge": P_D}
+
+
+def asked_of(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> Asked:
+    """Return what of a scene is to be rated, by ranges of its lines' options; raise UsageError."""
+    base, options = replace(scene, sweep={}, joints=()), options_of(scene)
+    (first, inlet), (second, outlet) = options.items()
+    expands = base.machine.mode == "expander"
+    beside = {SPEED, RATIO} if expands else {RATIO, *ENDS}
+    others = [path for path in scene.sweep if path not in {inlet, outlet, *beside}]
+    if others or scene.joints:
+        path = others[0] if others else scene.joints[0].paths[0]
+        over = f"{SPEED}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
+        raise UsageError(
+            f"datasheet: a sheet goes over {over}, and the scene varies {path} otherwise (rate one value after the "
+            f"other: a scene without that axis, with --set {path}=VALUE)"
+        )
+    if expands and ranges.get(first) is None and inlet not in scene.sweep:
+        across = Axis(SPEED, _stated(scene, SPEED) or tuple(share * base.operation.speed for share in SPEEDS))
+    else:
+        across = _line(scene, base, inlet, ranges.get(first), first)
+    down = _line(scene, base, outlet, ranges.get(second), second)
+    if expands:
+        return Asked(base, across, down, tuple(bounds), (), aim=GAS)
+    return Asked(base, across, down, tuple(bounds), tuple(controls(scene)), ratios(scene), GAS)
+
+
+def _line(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
+    if text is not None:
+        return Axis(path, spread(*read_range(base, path, text, option, EXAMPLES[path]), COUNT))
+    return Axis(path, _stated(scene, path) or _own(base, path))
+
+
+def _stated(scene: Scene, path: str) -> tuple[float, ...]:
+    return tuple(sorted(map(float, scene.sweep.get(path, ()))))
+
+
+def _own(base: Scene, path: str) -> tuple[float, ...]:
+    """Return values around the scene's own."""
+    own = float(value_at(base, path))
+    shares = SWING if base.machine.mode != "expander" else INLETS if path == P_S else OUTLETS
+    every = [share * own for share in shares]
+    if path in (EVAPORATING, CONDENSING):
+        every = [own + 5.0 * step for step in (-2, -1, 0, 1, 2)]
+    kept = tuple(value for value in every if not faults_of(base, {path: value}))
+    return kept or (own,)
+
+
+def ratio_at(asked: Asked, across: float, down: float) -> float:
+    """Return the pressure ratio of a point of the table."""
+    return pressure_ratio(with_values(asked.scene, {asked.across.path: across, asked.down.path: down}))

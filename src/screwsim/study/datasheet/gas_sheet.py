@@ -1,0 +1,246 @@
+"""The rating of a gas compressor or an expander as a sheet: what it says, draws and gives to programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from screwsim.figures.engineering import quantity
+from screwsim.fluid import constants
+from screwsim.scene import Scene
+from screwsim.scene.lines import lines
+from screwsim.scene.operation import EVAPORATING
+from screwsim.scene.types import STANDARD_ATMOSPHERE
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet.gas import ratio_at
+from screwsim.study.datasheet.rated import Rating, celsius, pressure_ratio
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
+from screwsim.study.datasheet.tables import (
+    HOUR,
+    KW,
+    PERCENT,
+    Column,
+    decimals_of,
+    document_of,
+    envelope_table,
+    has,
+    load_curve,
+    part_load_table,
+    shown_at,
+    tables_of,
+)
+from screwsim.study.datasheet.words import (
+    DUTY,
+    control_line,
+    cooled,
+    limit_lines,
+    machine_line,
+    notes_of,
+    oil_line,
+    power_lines,
+)
+from screwsim.study.part_load import SPEED
+
+FLOW, DISCHARGE, ISENTROPIC, FILLING = (
+    "gas_mass_flow",
+    "discharge_temperature",
+    "isentropic_efficiency",
+    "filling_factor",
+)
+ELECTRICAL = "electrical_power", "electrical_isentropic_efficiency"
+KEPT = (
+    FLOW, "shaft_power", "output_power", *ELECTRICAL, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
+    "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
+    "oil_supply_temperature", "oil_flow_ratio", "separator_temperature",
+)  # fmt: skip
+PACKAGE = "a package of filter, cooler and fan around it is rated by ISO 1217 (name effects.air_package)"
+NORMAL = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
+MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
+
+
+def gas_sheet(rated: Rating) -> Sheet:
+    """Return the sheet of a rating."""
+    scene, expands = rated.asked.scene, _expands(rated)
+    heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_words(rated))}"
+    meant = MEANT.replace("of ISO 1217 ", "") if expands else MEANT
+    notes = [*notes_of(rated, _own_point(rated), meant)]
+    return Sheet(
+        heading=heading,
+        title=scene.title,
+        lines=list(_lines(rated)),
+        tables=list(_tables(rated)),
+        verdict=None,
+        notes=notes if expands else [*notes[:-1], *_of_gas(scene), notes[-1]],
+        drawings=list(_drawings(rated)),
+        document=_document(rated),
+        ok=rated.ok,
+    )
+
+
+def _of_gas(scene: Scene) -> list[str]:
+    return [NORMAL, PACKAGE] if scene.gas.name.lower() == "air" else [NORMAL]
+
+
+def _expands(rated: Rating) -> bool:
+    return rated.asked.scene.machine.mode == "expander"
+
+
+def normal_factor(scene: Scene) -> float:
+    """Return what a mass flow [kg/s] is multiplied by for Nm³/h: R T_n/p_n, of the ideal gas."""
+    return HOUR * constants.gas_constant(scene.gas.name) * ZERO_CELSIUS / STANDARD_ATMOSPHERE
+
+
+def _own_point(rated: Rating) -> str:
+    at, speed = lines(rated.asked.scene), rated.asked.scene.operation.speed
+    what = f"{quantity('Pa', at.p_s)}, {celsius(at.T_s):.4g} °C to {quantity('Pa', at.p_d)}"
+    return f"{what} at {quantity('rad s-1', speed)}" if _expands(rated) else what
+
+
+# ---- lines -------------------------------------------------------------------------------------------------------
+
+
+def _lines(rated: Rating) -> Iterator[tuple[str, str]]:
+    scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
+    yield from machine_line(scene, found)
+    yield "gas", f"{scene.gas.name}, {_temperature(scene)}"
+    yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
+    yield from power_lines(scene, found, "generator" if _expands(rated) else "motor")
+    yield from oil_line(scene, found)
+    power = "output_power" if _expands(rated) else "shaft_power"
+    yield from limit_lines(rated, (power,) if _expands(rated) else (DISCHARGE, power))
+    if not _expands(rated):
+        yield from control_line(rated)
+
+
+def _temperature(scene: Scene) -> str:
+    suction, superheat = scene.operation.suction, scene.operation.superheat
+    superheat = suction.superheat if suction.superheat is not None else superheat
+    if superheat is not None:
+        return f"superheated by {superheat:.4g} K"
+    if suction.quality is not None:
+        return f"vapour share {suction.quality:.4g} at the inlet"
+    return f"{celsius(lines(scene).T_s):.4g} °C at the inlet"
+
+
+def _point(rated: Rating, found: Mapping[str, Any]) -> str:
+    if not found:
+        return rated.own.told
+    flow, power, efficiency, filled, *_ = _columns(rated)
+    words = [
+        f"{flow.cell(found)} kg/h",
+        f"{power.cell(found)} kW {_power_words(rated)}",
+        f"η_s {efficiency.cell(found)} %",
+    ]
+    if not _expands(rated):
+        words.insert(1, f"{normal_factor(rated.asked.scene) * found[FLOW]:.5g} Nm³/h")
+        return ", ".join([*words, f"λ {filled.cell(found)} %"])
+    return ", ".join([*words, f"filling factor {filled.cell(found)}"])
+
+
+def _power_words(rated: Rating) -> str:
+    electrical = "motor" in rated.asked.scene.effects
+    if _expands(rated):
+        return "of electrical power given" if electrical else "given at the shaft"
+    return "of electrical power" if electrical else "at the shaft"
+
+
+def _columns(rated: Rating) -> tuple[Column, ...]:
+    """Return what each table is of; the first four are flow, power, efficiency and how the chambers fill."""
+    scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
+    electrical = "motor" in scene.effects
+    flow = HOUR * (own.get(FLOW) or 1.0)
+    kw = decimals_of(KW * abs(own.get("shaft_power") or 1e5))
+    word = "electrical power" if electrical else "shaft power"
+    what, sign = (f"{word} given" if expands else word), (-1.0 if expands else 1.0)
+    power, efficiency = ELECTRICAL if electrical else ("shaft_power", ISENTROPIC)
+    if expands:
+        filled = Column(FILLING, "Filling factor", 1.0, 3)
+    else:
+        filled = Column("volumetric_efficiency", "Volumetric efficiency [%]", PERCENT, 1)
+    columns = [
+        Column(FLOW, "Mass flow [kg/h]", HOUR, decimals_of(flow)),
+        Column(power, f"{what.capitalize()} [kW]", sign * KW, kw),
+        Column(efficiency, f"{'Electrical isentropic' if electrical else 'Isentropic'} efficiency [%]", PERCENT, 1),
+        filled,
+        Column(DISCHARGE, f"{'Outlet' if expands else 'Discharge'} temperature [°C]", 1.0, 1, celsius=True),
+    ]
+    if not expands:
+        normal = normal_factor(scene)
+        columns.append(Column(FLOW, "Flow [Nm³/h]", normal, decimals_of(normal * flow / HOUR)))
+    if cooled(scene):
+        columns.append(Column(DUTY, "Oil cooler duty [kW]", KW, kw))
+    return tuple(columns)
+
+
+# ---- tables and drawings -----------------------------------------------------------------------------------------
+
+
+def _sides(rated: Rating) -> tuple[str, str]:
+    asked, expands = rated.asked, _expands(rated)
+    across = "speed" if asked.across.path == SPEED else "inlet" if expands else "suction"
+    if asked.across.path == EVAPORATING:
+        across = "evaporating"
+    down = "outlet" if expands else "discharge"
+    return across, "condensing" if asked.down.path.endswith("temperature") else down
+
+
+def _words(rated: Rating) -> Iterator[str]:
+    """Yield what both axes are, in words."""
+    for axis, side in zip((rated.asked.across, rated.asked.down), _sides(rated), strict=True):
+        kind = "temperature" if axis.path.endswith("temperature") else "pressure"
+        yield side if axis.path == SPEED else f"{side} {kind}"
+
+
+def _tables(rated: Rating) -> Iterator[Table]:
+    across, down = _sides(rated)
+    columns = _columns(rated)
+    yield from tables_of(rated, columns, down)
+    yield from envelope_table(rated, across, list(_words(rated))[1])
+    if _expands(rated):
+        return
+    note = f"load: mass flow over that of the scene as it stands, at {_own_point(rated)}"
+    ratios = rated.asked.ratios
+    if ratios:
+        within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
+        note += f"; best Vi: machine.built_in_volume_ratio of the best η_s at that load, within {within}"
+    flow, power, efficiency, _, discharge, *_ = columns
+    word = power.title.split()[0].lower()
+    shown = ("flow kg/h", flow), (f"{word} kW", power), ("η_s %", efficiency), ("discharge °C", discharge)
+    yield from part_load_table(rated, shown, ("η_s there", efficiency), note)
+
+
+def _drawings(rated: Rating) -> Iterator[Drawing]:
+    asked = rated.asked
+    across, _ = _sides(rated)
+    columns = _columns(rated)
+    for column in (columns[1], columns[2]):
+        curves = []
+        for i, value in enumerate(asked.across.values):
+            good = [
+                (ratio_at(asked, value, asked.down.values[j]), column.value(one.performance) or 0.0)
+                for j in range(len(asked.down.values))
+                if (one := rated.points.get((i, j))) is not None and has(one, column)
+            ]
+            if len(good) > 1:
+                x, y = zip(*sorted(good), strict=True)
+                name = shown_at(asked.across, value)
+                curves.append(Curve(x, y, name if curves else f"{across} {name}"))
+        if curves:
+            yield Drawing(column.title, "pressure ratio", column.title, curves)
+    parts = [each for each in rated.loads if len(each.curve) > 1]
+    if parts:
+        title = f"Part load: {columns[2].title[0].lower()}{columns[2].title[1:]}"
+        yield Drawing(title, "load [%]", title, [load_curve(each, columns[2]) for each in parts])
+
+
+def _document(rated: Rating) -> dict[str, Any]:
+    scene = rated.asked.scene
+    return {
+        "kind": "expander" if _expands(rated) else "gas",
+        "title": scene.title,
+        "gas": scene.gas.name,
+        "inlet_temperature": lines(scene).T_s,
+        "pressure_ratio": pressure_ratio(scene),
+        "normal_volume": normal_factor(scene) / HOUR,  # m³ of a kilogram at 0 °C and 1.01325 bar, as an ideal gas
+        **document_of(rated, KEPT),
+    }

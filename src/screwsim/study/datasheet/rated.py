@@ -1,0 +1,158 @@
+"""What any sheet over two quantities is made of: points over both, the envelope, part load by each control.
+
+Refrigeration machines go over evaporating temperature and condenser, gas compressors over both pressures, expanders
+over speed and outlet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene.lines import lines
+from screwsim.scene.operation import CONDENSING
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.simulate import simulate_many
+from screwsim.study.datasheet.bounds import Bound, Reach, envelope
+from screwsim.study.each import each
+from screwsim.study.inputs import ends_of, read_text, shown_value
+from screwsim.study.part_load import LOADS, REFRIGERATION, Aim, Control, PartLoad, part_load
+from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
+
+LEAST_LIFT = 10.0  # [K]
+LEAST_RATIO = 1.2  # of pressures, below which no point is taken
+
+
+class Axis(NamedTuple):
+    """An axis of the table: its path and values [SI], rising."""
+
+    path: str
+    values: tuple[float, ...]
+
+
+class Asked(NamedTuple):
+    """What is rated: a scene without a sweep, the axes across and down its tables, limits, controls."""
+
+    scene: Scene
+    across: Axis
+    down: Axis
+    bounds: tuple[Bound, ...]
+    controls: tuple[Control, ...]
+    ratios: tuple[float, ...] = ()  # built-in volume ratios among which each part load's best is found
+    aim: Aim = REFRIGERATION
+
+
+@dataclass(frozen=True)
+class Rating:
+    """The results: at the scene's own point, by the numbers on both axes, of each control; the envelope."""
+
+    asked: Asked
+    own: Result
+    points: dict[tuple[int, int], Result]
+    loads: Sequence[PartLoad]
+    reach: Sequence[Reach]
+
+    @property
+    def ok(self) -> bool:
+        """Tell whether every point closed that there can be."""
+        return self.own.status == "ok" and all(result.status == "ok" for result in self.points.values())
+
+
+def faults_of(base: Scene, values: dict[str, float]) -> list[str]:
+    """Return what keeps values from fitting into a scene."""
+    return [str(fault) for fault in cross_check(with_values(base, values))]
+
+
+def read_range(base: Scene, path: str, text: str, option: str, example: str) -> tuple[float, float]:
+    """Return both ends [SI] of a range LOW..HIGH of a path; raise UsageError in one line."""
+    both = ends_of(text)
+    if both is None:
+        raise UsageError(f"{option} {text}: is not LOW..HIGH (write e.g. {option} '{example}')")
+    try:
+        first, last = (read_text(base, path, end) for end in both)
+    except UsageError as fault:
+        raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
+    if not first < last:
+        ends = " … ".join(shown_value(base, path, end) for end in (first, last))
+        raise UsageError(f"{option} {text}: the range {ends} is empty (LOW must be below HIGH)")
+    return first, last
+
+
+def spread(first: float, last: float, count: int) -> tuple[float, ...]:
+    """Return evenly spaced values from the first to the last."""
+    return tuple(first + (last - first) * i / (count - 1) for i in range(count))
+
+
+def rating(asked: Asked, jobs: int | None = None, progress: Progress | None = None) -> Rating:
+    """Return the rating of what is asked for; columns of the table and controls are computed by `jobs` workers."""
+    (own,) = simulate_many([asked.scene], trace=False)
+    full = own.performance.get(asked.aim.load) if own.status == "ok" else None
+    count, many = len(asked.across.values), len(asked.controls) if full else 0
+    work = partial(_part, asked, full)
+    found = each(work, count + many, died=partial(_died, asked, count), jobs=jobs, progress=progress)
+    columns, loads = [part.column for part in found[:count]], [part.load for part in found[count:]]
+    points = {(i, j): result for i, column in enumerate(columns) for j, result in enumerate(column) if result}
+    axes = asked.across.values, asked.down.values
+    figures = {
+        (i, j): points[i, j].performance if (i, j) in points and points[i, j].status == "ok" else None
+        for i in range(count)
+        for j in range(len(axes[1]))
+    }
+    reach = tuple(envelope(figures, axes, asked.bounds))
+    return Rating(asked, own, points, [load for load in loads if load is not None], reach)
+
+
+class _Part(NamedTuple):
+    """What one worker computes: the column of the table, or what a control does."""
+
+    column: Sequence[Result | None] = ()
+    load: PartLoad | None = None
+
+
+def _part(asked: Asked, full: float | None, number: int) -> _Part:
+    """Return a column by the number of its value, behind these what a control does."""
+    count = len(asked.across.values)
+    if number >= count:
+        return _Part(load=part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim))
+    across = asked.across.values[number]
+    cases = [_case(asked, across, down) for down in asked.down.values]
+    solved = simulate_many([case for case in cases if isinstance(case, Scene)], trace=False)
+    return _Part([next(solved) if isinstance(case, Scene) else case for case in cases])
+
+
+def _case(asked: Asked, across: float, down: float) -> Scene | Result | None:
+    """Return the scene of a point; why there is none, or nothing where lift or pressure ratio is too small for one."""
+    values = {asked.across.path: across, asked.down.path: down}
+    if asked.aim == REFRIGERATION and asked.down.path == CONDENSING and down - across < LEAST_LIFT:
+        return None
+    faults = faults_of(asked.scene, values)
+    if faults:
+        return Result("failed", message=faults[0])
+    scene = with_values(asked.scene, values)
+    return scene if asked.aim == REFRIGERATION or pressure_ratio(scene) >= LEAST_RATIO else None
+
+
+def pressure_ratio(scene: Scene) -> float:
+    """Return the higher pressure of a scene's lines over the lower, as the machine is meant to turn."""
+    at = lines(scene)
+    return at.p_s / at.p_d if scene.machine.mode == "expander" else at.p_d / at.p_s
+
+
+def _died(asked: Asked, count: int, number: int) -> _Part:
+    lost = Result("failed", message=DIED)
+    if number >= count:
+        return _Part(load=PartLoad(asked.controls[number - count], (), (), DIED))
+    return _Part([lost] * len(asked.down.values))
+
+
+def celsius(T: float) -> float:
+    """Return a temperature [K] in °C, without the rounding of 273.15."""
+    found = round(T - ZERO_CELSIUS, 6)
+    return 0.0 if math.isclose(found, 0.0, abs_tol=1e-9) else found

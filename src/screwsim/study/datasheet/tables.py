@@ -1,0 +1,179 @@
+"""Tables of a sheet over two quantities, each a figure's: what they say of it, part load, envelope."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from screwsim.figures.engineering import quantity
+from screwsim.outputs import Result
+from screwsim.scene.operation import CONDENSING
+from screwsim.study.datasheet.bounds import beyond
+from screwsim.study.datasheet.rated import Axis, Rating, celsius
+from screwsim.study.datasheet.sheet import Curve, Table
+from screwsim.study.inputs import shown_value
+from screwsim.study.part_load import PartLoad, Step
+
+KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
+NONE, BLANK, MARK = "–", "\u00a0", "*"
+
+
+class Column(NamedTuple):
+    """A figure as a sheet has it: its name, its title with the unit, factor from SI, decimals; of `celsius` in °C."""
+
+    figure: str
+    title: str
+    factor: float
+    decimals: int
+    celsius: bool = False
+
+    def value(self, found: Mapping[str, Any]) -> float | None:
+        """Return its number among figures [SI], None where it has none."""
+        value = found.get(self.figure)
+        return None if value is None else celsius(value) if self.celsius else self.factor * value + 0.0
+
+    def cell(self, found: Mapping[str, Any]) -> str:
+        """Return its number as a sheet writes it."""
+        value = self.value(found)
+        return NONE if value is None else f"{value + 0.0:.{self.decimals}f}"
+
+
+def decimals_of(size: float) -> int:
+    """Return the decimals of a column by the size of its value at the scene's own point."""
+    return next((decimals for decimals, least in enumerate((1000.0, 20.0, 2.0)) if size >= least), 3)
+
+
+def shown_at(axis: Axis, value: float) -> str:
+    """Return a value of an axis in words: °C, rpm of a speed, or bar."""
+    if axis.path.endswith("temperature"):
+        return f"{celsius(value):.4g} °C"
+    return quantity("rad s-1" if axis.path.endswith("speed") else "Pa", value)
+
+
+def place_of(rated: Rating, i: int, j: int) -> str:
+    """Return a point of the table in words."""
+    asked = rated.asked
+    first, second = (shown_at(axis, axis.values[k]) for axis, k in zip((asked.across, asked.down), (i, j), strict=True))
+    unit = second.rpartition(" ")[2]
+    return f"{first.removesuffix(f' {unit}')}/{second}" if first.endswith(f" {unit}") else f"{first}, {second}"
+
+
+def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[Table]:
+    """Yield the table of each column; `side` heads the values down."""
+    asked = rated.asked
+    across = (shown_at(asked.across, value) for value in asked.across.values)
+    heads = [side, *(value.replace(" ", BLANK) for value in across)]
+    for column in columns:
+        rows, marked = [], False
+        for j, value in enumerate(asked.down.values):
+            cells = []
+            for i in range(len(asked.across.values)):
+                result = rated.points.get((i, j))
+                if result is None or result.status != "ok":
+                    cells.append("" if result is None else NONE)
+                    continue
+                out = bool(beyond(result.performance, asked.bounds))
+                marked = marked or out
+                cells.append(column.cell(result.performance) + (MARK if out else BLANK))
+            rows.append([shown_at(asked.down, value), *cells])
+        if not marked:
+            rows = [[cell.rstrip(BLANK) for cell in row] for row in rows]
+        yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
+
+
+def part_load_table(
+    rated: Rating, columns: Sequence[tuple[str, Column]], best: tuple[str, Column], note: str
+) -> Iterator[Table]:
+    """Yield the table of part loads: columns by their heads, and the best built-in ratio with its column."""
+    scene = rated.asked.scene
+    heads = ["control", "load %", "setting", *(head for head, _ in columns)]
+    heads += ["best Vi", best[0]] if rated.asked.ratios else []
+    rows = []
+    for each in rated.loads:
+        for k, step in enumerate(each.steps):
+            setting = shown_value(scene, each.control.path, step.setting, 4)
+            cells = [column.cell(step.result.performance) for _, column in columns]
+            if rated.asked.ratios:
+                better = step.best.performance if step.best is not None else {}
+                cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", best[1].cell(better)]
+            rows.append([each.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
+    if rows:
+        yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
+
+
+def envelope_table(rated: Rating, first: str, side: str) -> Iterator[Table]:
+    """Yield the table of the envelope: `first` heads the values across, `side` is what lies within limits."""
+    asked = rated.asked
+    if not rated.reach:
+        return
+    rows = []
+    for each in rated.reach:
+        ends = (_end(asked.down, at) for at in (each.low, each.high))
+        rows.append([shown_at(asked.across, each.at), *ends, each.below, each.above])
+    heads = (first, "from", "to", "lower end", "upper end")
+    yield Table(f"Envelope: {side} within all limits", heads, rows)
+
+
+def _end(axis: Axis, value: float) -> str:
+    return f"{celsius(value):.1f} °C" if axis.path == CONDENSING else quantity("Pa", value)
+
+
+def load_curve(each: PartLoad, column: Column) -> Curve:
+    """Return a column over the load of a control."""
+    steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has(step.result, column)}.items())
+    y = [column.value(step.result.performance) or 0.0 for _, step in steps]
+    return Curve([100.0 * load for load, _ in steps], y, each.control.name)
+
+
+def has(result: Result, column: Column) -> bool:
+    """Tell whether a result has a column's figure."""
+    return result.status == "ok" and result.performance.get(column.figure) is not None
+
+
+# ---- for programs ------------------------------------------------------------------------------------------------
+
+
+def kept(result: Result, names: Sequence[str]) -> dict[str, Any]:
+    """Return what a sheet's document keeps of a result."""
+    found = {name: result.performance[name] for name in names if name in result.performance}
+    said = {"status": result.status, "message": result.message, "warnings": list(result.warnings)}
+    return {**said, **found}
+
+
+def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
+    """Return points, limits, envelope and part load for programs (SI units)."""
+    asked = rated.asked
+    first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
+    points = []
+    for (i, j), result in rated.points.items():
+        out = [bound.figure for bound in beyond(result.performance, asked.bounds)] if result.status == "ok" else []
+        at = {first: asked.across.values[i], second: asked.down.values[j]}
+        points.append({**at, **kept(result, names), "beyond": out})
+    every = (rated.own, *rated.points.values(), *(step.result for each in rated.loads for step in each.steps))
+    return {
+        "own_point": kept(rated.own, names),
+        "points": points,
+        "limits": [
+            {"figure": bound.figure, "below": bound.sign > 0, "value": bound.value, "from": bound.source}
+            for bound in asked.bounds
+        ],
+        "envelope": [
+            {first: each.at, second: [each.low, each.high], "ends": [each.below, each.above]} for each in rated.reach
+        ],
+        "part_load": [_control(each, names) for each in rated.loads],
+        "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
+    }
+
+
+def _control(each: PartLoad, names: Sequence[str]) -> dict[str, Any]:
+    steps = [
+        {"load": step.load, "setting": step.setting, **kept(step.result, names), **_best(step, names)}
+        for step in each.steps
+    ]
+    about = {"control": each.control.name, "path": each.control.path, "least_load": each.least, "message": each.why}
+    return {**about, "loads": steps}
+
+
+def _best(step: Step, names: Sequence[str]) -> dict[str, Any]:
+    """Return the built-in volume ratio of the best COP at a part load, and the figures there."""
+    return {} if step.best is None else {"best_volume_ratio": {"ratio": step.ratio, **kept(step.best, names)}}
