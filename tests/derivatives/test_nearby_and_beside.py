@@ -65,7 +65,30 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
     assert (which, more) == (slice(0, 6), [])
     for i, (numbers, edges) in enumerate(asked):
         pitch.put(numbers)
-        for one, many in zip(pitch.rates(cycle.nodes, edges), (f, g), strict=True):
-            scale = np.abs(one).max(axis=(0, 1))
+        rounding = 1e-3 * np.abs(cycle.nodes).max(axis=(0, 1))  # of what balances to nothing, by the state it is of
+        for one, many, least in zip(pitch.rates(cycle.nodes, edges), (f, g), (rounding, 0.0), strict=True):
+            scale = np.maximum(np.abs(one).max(axis=(0, 1)), least)
             assert (np.abs(many[..., i] - one) <= 1e-11 * scale).all()
     pitch.put(at)
+
+
+def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cycle):
+    pitch, at = cycle.pitch, cycle.at
+    pitch.put(at)
+    off = cycle.nodes * (1.0 + 1e-6 * np.sin(np.arange(pitch.N)))
+    assert nearby.open_of(pitch, off)[2] > 1e-5
+    found = nearby.closed(pitch, off, 1e-6)
+    assert found is not None
+    assert nearby.open_of(pitch, found)[2] < 1e-6
+    assert found == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
+    pitch.put(at)
+    pitch.install(cycle.start, cycle.nodes)
+
+
+def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle):
+    pitch, at = cycle.pitch, cycle.at
+    pitch.put(at)
+    start = pitch.begin(cycle.nodes)
+    assert nearby.closed(pitch, cycle.nodes, 0.0) is None
+    assert (pitch.numbers.P == at.P).all()
+    assert pitch.begin(cycle.nodes) == pytest.approx(start, rel=0.0, abs=0.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from screwsim.numerics.roots import brentq
+from screwsim.numerics.roots import bracketed, brentq
 
 FUNCTIONS = {
     "cubic": lambda a, x: x**3 - a,
@@ -47,3 +47,28 @@ def test_the_zero_and_the_steps_to_it_are_those_of_scipy(name):
 def test_ends_of_one_sign_are_refused():
     with pytest.raises(ValueError, match="different signs"):
         brentq(lambda x: x * x + 1.0, -1.0, 1.0)
+
+
+def test_many_zeros_at_once_lie_where_brentq_finds_them_and_are_none_where_none_is():
+    random = np.random.default_rng(2)
+    a, low, high = random.normal(size=200), -5.0 * random.uniform(0.1, 1.0, 200), 5.0 * random.uniform(0.1, 1.0, 200)
+
+    def steep(x):
+        return np.tanh(1e3 * (x - a)) + 1e-2 * (x - a) ** 3
+
+    found = bracketed(steep, low, high, 1e-10, np.zeros(200))
+    inside = (low < a) & (a < high)
+    assert (np.isfinite(found) == inside).all()
+    assert np.abs(found - a)[inside].max() < 1e-10 * 10.0
+
+
+def test_a_zero_is_good_enough_where_the_function_is_as_small_as_asked():
+    calls = []
+
+    def cubic(x):
+        calls.append(x)
+        return x**3 - 2.0
+
+    found = bracketed(cubic, np.zeros(1), np.full(1, 2.0), 1e-14, np.full(1, 1e-3))
+    assert abs(cubic(found)[0]) <= 1e-3
+    assert len(calls) < 10

@@ -18,5 +18,5 @@ def quick(monkeypatch):
     from screwsim.simulate import warm_up
 
     monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
-    monkeypatch.setattr("screwsim.study.calibration.residuals.found", lambda scene, values: Found({}, {}, "not asked"))
+    monkeypatch.setattr("screwsim.study.calibration.residuals.found", lambda *asked: Found({}, {}, "not asked"))
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)

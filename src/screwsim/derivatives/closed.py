@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import Problem
+from screwsim.derivatives import nearby
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.nearby import SMALL, near, size_of, stepped, tamed
-from screwsim.derivatives.nearby import residual as residual_of
+from screwsim.derivatives.nearby import SMALL, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.slices import (
@@ -34,16 +34,36 @@ Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
 ERROR = 0.03  # of the wanted accuracy: of a slice
 READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside slices, which the error tells less of
+WIDER_INSIDE = 0.8  # ... and of how slices around a turning of a flow grow
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
-CLOSED = 1e-8  # relative residual with which it is ...
+CLOSED = 1e-7  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
-NEARLY = 1e-4  # ... and with which it is near enough to place its slices
-SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made
+NEARLY = 1e-4  # ... and with which it is near enough to place its slices, where states nearby are not found
+SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made ...
+ROUGHLY = 10.0  # ... and in the first round, whose slices are too long by far
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
-LOST = 20.0  # layers from any crossing, where one of before is not there any more
+LOST = 20.0  # layers from a crossing, within which it may be one of before
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
+
+
+class Fineness(NamedTuple):
+    """How exact derivatives are asked, in multiples of what exact ones take.
+
+    That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
+    leaves open, and of the slices around a turning of a flow: of the first, and of each further one over that before.
+    """
+
+    error: float = 1.0
+    divided: float = 1.0
+    closed: float = 1.0
+    ring: float = 1.0
+    wider: float = 1.0
+
+
+FINE = Fineness()  # 1e-5 of a derivative, mostly
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6)  # 1e-3
 
 
 class Closed(NamedTuple):
@@ -69,43 +89,45 @@ class NotClosed(Exception):
     """The collocated cycle does not close."""
 
 
-def collocated(problem: Problem, machinery: Machinery, life: Trajectory) -> Closed:
+def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> Closed:
     """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
     c = machinery.composition
     machinery.composition = replace(c, TAB=c.TAB.copy())  # to be written into
     why = NotClosed()
     for steps in STEPS:
         try:
-            return _collocated(problem, machinery, life, steps)
+            return _collocated(problem, machinery, life, steps, fineness)
         except (NotClosed, np.linalg.LinAlgError) as error:
             why = NotClosed(str(error))
     raise why
 
 
-def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float) -> Closed:
+def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness) -> Closed:
     """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
     machinery.put(life)
-    seams, tolerance = seams_of(machinery, problem.parts), ERROR * problem.scene.numerics.accuracy
-    tolerance *= READ_INSIDE if problem.parts.pulsations else 1.0
+    inside = bool(problem.parts.pulsations)
+    seams, tolerance = seams_of(machinery, problem.parts), fineness.error * ERROR * problem.scene.numerics.accuracy
+    tolerance *= READ_INSIDE if inside else 1.0
+    growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
     plain = edges_of(machinery, seams, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, nearly, linear = np.empty(0), crossings(pitch), NEARLY, None
+    Y, turns, linear, good, closing = np.empty(0), crossings(pitch), None, False, False
     for left in range(ROUNDS, 0, -1):
-        pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, _peak(pitch))))
+        pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, growth, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        placed = near(pitch, SETTLED * tolerance) if nearly > CLOSED else None
+        placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance)
         if placed is None:
-            Y, linear = _closed(pitch, nearly, kept)
+            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept)
         start, Y = placed or (pitch.begin(Y), Y)
-        before, turns, errors = turns, _with_lost(crossings(pitch), turns), errors_of(pitch, start, Y)
-        good = errors.max() <= tolerance
-        if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
+        before, turns = turns, _with_lost(crossings(pitch), turns)
+        if closing and (left == 1 or (good and _stand(turns, before))):
             break
-        if good or left <= 3:
-            nearly = CLOSED
-        of_plain = np.zeros(len(plain) - 1)
-        np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
-        plain = refined(plain, of_plain, tolerance)
+        if not good:
+            errors = errors_of(pitch, start, Y)
+            good, of_plain = bool(errors.max() <= fineness.divided * tolerance), np.zeros(len(plain) - 1)
+            np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
+            plain = refined(plain, of_plain, tolerance)
+        closing = good or left <= 3
     return _linearised(pitch, Y)
 
 
@@ -116,9 +138,23 @@ def _peak(pitch: Pitch) -> float:
 
 
 def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
-    """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not."""
-    lost = [one for one in before if all(abs(one.angle - each.angle) > LOST * one.layer for each in turns)]
-    return sorted([*turns, *lost])
+    """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not.
+
+    Each of before goes with one that is there: of two side by side, one is lost where only one is left.
+    """
+    pairs = sorted(
+        (abs(one.angle - each.angle) / one.layer, i, j)
+        for i, one in enumerate(before)
+        for j, each in enumerate(turns)
+        if abs(one.angle - each.angle) <= LOST * one.layer
+    )
+    met: set[int] = set()
+    there: set[int] = set()
+    for _, i, j in pairs:
+        if i not in met and j not in there:
+            met.add(i)
+            there.add(j)
+    return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
 def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
@@ -147,20 +183,17 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
     It begins with the slopes of the slices before, where these are as many.
     """
     Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
+    found = nearby.closed(pitch, Y, nearly)
+    if found is not None:
+        return found, linear
     last = np.zeros_like(Y)
     for left in range(MOST, 0, -1):
-        start, rates = pitch.begin(Y), pitch.rates(Y)
-        sums = pitch.sums(rates[1])
-        pitch.install(start, Y)
-        met = pitch.met
-        residual = residual_of(pitch, Y, start, rates[0])
-        off = pitch.image(sums) - entries.coordinates(met)
-        size = max(size_of(residual, Y), float(np.max(np.abs(off), initial=0.0)))
+        off, residual, size, read = open_of(pitch, Y)
         if size < nearly or (size < ENOUGH and left == 1):
             return Y, linear
         if not np.isfinite(size):
             break
-        at = pitch.numbers
+        at, met = pitch.numbers, pitch.met
         stages = -residual[..., None]
         if linear is None or size > KEPT * before:
             changes = [_moved(pitch, at, met, j) for j in range(len(met))]
@@ -171,7 +204,7 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
             none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
             response = linear.respond(none, stages).and_then(of_unknowns)
         before = size
-        back = made_of(pitch, Read(start, Y, sums, at), response, met, 1)
+        back = made_of(pitch, Read(read[0], Y, read[1], at), response, met, 1)
         change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
         last = tamed(response.nodes @ np.append(1.0, change), last)
         Y = stepped(pitch, Y, last)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +12,11 @@ from screwsim.derivatives.slices import SHARES, Crossing
 from screwsim.effects.base import FlowPath
 from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
 from screwsim.model.trajectory import Trajectory
-from screwsim.numerics.roots import brentq
+from screwsim.numerics.roots import bracketed, brentq
 
 Array = np.ndarray
 PLACED = 1e-10  # of the distance between two of these, and of the angle: how well a crossing is placed
+OF_LAYER = 1e-6  # of its regularisation, the pressure difference at which a crossing is placed well enough
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
 LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
 CORNERED = 1e-2  # rad: what a corner of a rate counts as, whose slope jumps; the slice before it ends 1e-6 rad from it
@@ -29,21 +30,33 @@ class Side(NamedTuple):
     line: int = 0
 
 
+class Turn(NamedTuple):
+    """A path whose flow turns round: its sides, between which angles [rad], the width [Pa] of its regularisation.
+
+    `wide` [rad] is the slice in which it does.
+    """
+
+    own: Side
+    beyond: Side
+    ends: tuple[float, float]
+    width: float
+    wide: float
+
+
 def crossings(pitch: Pitch) -> list[Crossing]:
     """Return where flows turn round in the last history, by their angles: through ports, steep ones of gaps, from oil.
 
     What a gap carries is little, but near its turn as steep in the pressures as that of a port.
     """
-    life, slices = pitch.machinery.trajectory, pitch.slices
+    slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
-    wide, found = np.repeat(slices.widths, len(LOOKED)), []
-    for own, beyond, width, turns in _turning(pitch, angles):
-        for k in np.flatnonzero(turns).tolist():
-            ends = float(angles[k]), float(angles[k + 1])
-            crossing = _crossing(life, own, beyond, ends, float(width[k]))
-            if crossing is not None and (beyond.start is None or crossing.layer < STEEP * wide[k]):
-                found.append(crossing)
-    return sorted({*found, *_equilibria(pitch, angles)})
+    wide = np.repeat(slices.widths, len(LOOKED))
+    turns = [
+        Turn(own, beyond, (float(angles[k]), float(angles[k + 1])), float(width[k]), float(wide[k]))
+        for own, beyond, width, there in _turning(pitch, angles)
+        for k in np.flatnonzero(there).tolist()
+    ]
+    return sorted({*_placed(pitch.machinery.trajectory, turns), *_equilibria(pitch, angles)})
 
 
 def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
@@ -77,17 +90,24 @@ def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, A
         is_open = areas.reshape(c.chambers, -1) > 0.0
         if of_port:
             number = parts.number(path.to)
-            beyond = np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
+            beyond = _line_pressures(life, number, angles)
             sides = [(j, Side(None, number), beyond) for j in range(c.chambers)]
             widths = np.full(p.shape, float(c.P[P_PORT_WIDTH + number]))
         else:  # those ahead of the last one are the discharge, whose port tells
             ahead = range(path.offset, c.chambers)
             sides = [(j, Side(float(starts[to])), p[to]) for j, to in enumerate(ahead)]
             widths = float(c.P[P_GAP_WIDTH]) * p
-        for j, beyond, there in sides:
-            drop = p[j] - there
-            turns = (drop[:-1] * drop[1:] < 0.0) & is_open[j, :-1] & is_open[j, 1:]
-            yield Side(float(starts[j])), beyond, widths[j], turns
+        drops = p[: len(sides)] - np.stack([there for _, _, there in sides])
+        turns = (drops[:, :-1] * drops[:, 1:] < 0.0) & (is_open[:, :-1] & is_open[:, 1:])[: len(sides)]
+        for j in np.flatnonzero(turns.any(axis=1)).tolist():
+            yield Side(float(starts[j])), sides[j][1], widths[j], turns[j]
+
+
+def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:
+    """Return that of `_line_pressure` at angles [rad]: one where the line does not pulsate."""
+    if not life.composition.pulsating or number >= FIRST_OWN:
+        return np.full(len(angles), float(life.R[number * PLACE + PRESSURE]))
+    return np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
 
 
 def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
@@ -98,31 +118,43 @@ def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
     return pressure * (1.0 + sum(life.module.line_pulse(number, angle, c.P)))
 
 
-def _crossing(life: Trajectory, own: Side, beyond: Side, ends: tuple[float, float], width: float) -> Crossing | None:
-    """Return where the pressures of both sides are equal between two angles, by the states themselves.
+def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
+    """Return where the pressures of both sides of paths are equal, by the states themselves.
 
-    Of two chambers it is None where these tell of none.
+    Of two chambers it is left out where these tell of none, or of one in a wide layer.
 
     The pressure that a history stores is held between its ends near a line, which is good for flows and not for this.
     """
+    if not turns:
+        return []
+    low, high = np.array([turn.ends for turn in turns]).T
+    widths = np.array([turn.width for turn in turns])
+    drop = _drops(life, turns)
+    at, step = bracketed(drop, low, high, PLACED, OF_LAYER * widths), SLOPE * (high - low)
+    real = np.isfinite(at)
+    at, step = np.where(real, at, 0.5 * (low + high)), np.where(real, step, 0.5 * (high - low))
+    slopes = (drop(at + step) - drop(at - step)) / (2.0 * step)
+    layers = widths / np.maximum(np.abs(slopes), 1e-300)
+    return [
+        Crossing(angle, layer)
+        for turn, is_real, angle, layer in zip(turns, real.tolist(), at.tolist(), layers.tolist(), strict=True)
+        if turn.beyond.start is None or (is_real and layer < STEEP * turn.wide)
+    ]
 
-    def pressure(of: Side, angle: float) -> float:
-        if of.start is None:
-            return _line_pressure(life, of.line, angle)
-        return float(life.pressures_at(np.array([of.start + angle]))[0])
 
-    def drop(angle: float) -> float:
-        return pressure(own, angle) - pressure(beyond, angle)
+def _drops(life: Trajectory, turns: list[Turn]) -> Callable[[Array], Array]:
+    """Return what makes of an angle [rad] for each path the pressure [Pa] on one side less that on the other."""
+    sides = [turn.own for turn in turns] + [turn.beyond for turn in turns]
+    starts = np.array([np.nan if side.start is None else side.start for side in sides])
+    chambers, found = np.flatnonzero(np.isfinite(starts)), np.empty(len(sides))
+    lines = [(i, side.line) for i, side in enumerate(sides) if side.start is None]
 
-    low, high = ends
-    below, above = drop(low), drop(high)
-    angle = low - below * (high - low) / (above - below) if below * above < 0.0 else 0.5 * (low + high)
-    if below * above < 0.0:
-        angle = brentq(drop, low, high, PLACED * (high - low), PLACED)
-        step = SLOPE * (high - low)
-        slope = (drop(angle + step) - drop(angle - step)) / (2.0 * step)
-    elif beyond.start is not None:
-        return None
-    else:
-        slope = (above - below) / (high - low)
-    return Crossing(angle, width / max(abs(slope), 1e-300))
+    def drop(angles: Array) -> Array:
+        at = (starts + np.append(angles, angles))[chambers]
+        order = np.argsort(at, kind="stable")
+        found[chambers[order]] = life.pressures_at(at[order])
+        for i, line in lines:
+            found[i] = _line_pressure(life, line, float(angles[i - len(angles)]))
+        return found[: len(angles)] - found[len(angles) :]
+
+    return drop

@@ -1,20 +1,26 @@
-"""States near those of the closed cycle, to place slices by: start and unknowns held as the integrator left them.
+"""States near those of the closed cycle, to place slices by, and from there to it where little is left open.
 
 Newton's method with what each chamber makes of itself alone: gaps tie it to the others, by little. So the matrix is
-that of one chamber, no change goes around the pitch, and a solution takes a fraction of the closing one.
+that of one chamber, and a solution takes a fraction of the closing one. To place slices, start and unknowns are held
+as the integrator left them; to close, a chamber's changes follow it through its life, and unknowns go as they are made.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.slices import INTEGRALS, NODES
 
 Array = np.ndarray
 MOST = 12  # iterations
 KEPT = 0.5  # of the residual before, down to which slopes of the iteration before are good enough
+CLOSINGS = 8  # iterations by which a cycle is closed so, while each leaves at most ...
+AGAIN = 4.0  # ... so many times what any before left open: what one leaves, others may bring back before it goes
 LONGEST = 0.3  # change of a state in one iteration, over itself
 SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
@@ -40,6 +46,52 @@ def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
     return None
 
 
+def closed(pitch: Pitch, Y: Array, bound: float) -> Array | None:
+    """Return states at the nodes that close the cycle up to less than a relative residual, installed; None for none.
+
+    Unknowns are met as the cycle makes them; they stand as they stood where there are none.
+    """
+    at, least, first = pitch.numbers, np.inf, Y
+    blocks, inject = None, None
+    for _ in range(CLOSINGS):
+        off, residual_, size, _ = open_of(pitch, Y)
+        if size < bound:
+            return Y
+        if not size < AGAIN * least:
+            break
+        if blocks is None or inject is None:
+            blocks, inject = _blocks(pitch, Y), injection(pitch, Y)[0]
+        least = min(size, least)
+        Y = stepped(pitch, Y, _followed(blocks, -residual_, pitch.n, inject))
+        met = pitch.met
+        pitch.meet(pitch.problem.entries.coordinates(met) + off, met)
+    pitch.put(at)
+    pitch.install(pitch.begin(first), first)
+    return None
+
+
+class Open(NamedTuple):
+    """By how much the unknowns are off, what the stage equations leave open, how much that is in all; what was read.
+
+    That is the states at the start and the quadratures.
+    """
+
+    off: Array
+    residual: Array
+    size: float
+    read: tuple[Array, Array]
+
+
+def open_of(pitch: Pitch, Y: Array) -> Open:
+    """Return what states at the nodes leave open, installed."""
+    start, rates = pitch.begin(Y), pitch.rates(Y)
+    pitch.install(start, Y)
+    sums = pitch.sums(rates[1])
+    off = pitch.image(sums) - pitch.problem.entries.coordinates(pitch.met)
+    open_ = residual(pitch, Y, start, rates[0])
+    return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
+
+
 def _blocks(pitch: Pitch, Y: Array) -> list[Blocks]:
     """Return the stage equations of each chamber by itself, factored."""
     chambers, n = pitch.N // pitch.n, pitch.n
@@ -48,10 +100,18 @@ def _blocks(pitch: Pitch, Y: Array) -> list[Blocks]:
     return Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0).parted(chambers)
 
 
-def _followed(blocks: list[Blocks], right: Array, n: int) -> Array:
-    """Return the changes at the nodes that right sides make, chamber by chamber."""
+def _followed(blocks: list[Blocks], right: Array, n: int, inject: Array | None = None) -> Array:
+    """Return the changes at the nodes that right sides make, chamber by chamber; each begins with none.
+
+    With `inject` (N, N), what the injection makes of changes, each begins with those at the end of the one before.
+    """
     parts = np.ascontiguousarray(right.reshape(*right.shape[:2], -1, n, 1).transpose(2, 0, 1, 3, 4))
-    found = [each.follow(np.zeros((n, 1)), part) for each, part in zip(blocks, parts, strict=True)]
+    found: list[Array] = []
+    for j, (each, part) in enumerate(zip(blocks, parts, strict=True)):
+        start = np.zeros((n, 1))
+        if inject is not None and found:
+            start = inject[j * n : j * n + n, j * n : j * n + n] @ found[-1][-1, -1]
+        found.append(each.follow(start, part))
     return np.concatenate(found, axis=2)[..., 0]
 
 

@@ -44,9 +44,9 @@ LEAST = 1e-9  # rad: slices are no shorter ...
 LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells nothing of a law that moves
 MOST = 4  # parts of a slice in one refinement
 POWER = 0.25  # of the error of a slice by its width: that of the estimate
-RING = 0.2  # widths of a layer: the first slices on both sides of where a flow turns round ...
+RING = 0.3  # widths of a layer: the first slices on both sides of where a flow turns round ...
 AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
-WIDER = 2.0  # ... and each next one over the one before
+WIDER = 2.5  # ... and each next one over the one before
 BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
 
 
@@ -114,9 +114,12 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
     return np.append(np.concatenate(found), edges[-1])
 
 
-def ringed(edges: Array, seams: Array, crossings: Sequence[Crossing], peak: float = math.nan) -> Array:
+def ringed(
+    edges: Array, seams: Array, crossings: Sequence[Crossing], growth: tuple[float, float], peak: float = math.nan
+) -> Array:
     """Return edges with those around crossings in place of others near them: slices there grow with the distance.
 
+    `growth` are multiples of `RING` and of `WIDER`.
     Where the pressure is highest [rad], if that is known, a slice is short: polynomials are good at their ends before
     they are between them, and the highest pressure is read inside.
     """
@@ -125,11 +128,11 @@ def ringed(edges: Array, seams: Array, crossings: Sequence[Crossing], peak: floa
         around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
     for angle, layer in crossings:
-        at, first = angle - BEFORE * layer, RING * layer
+        at, first, wider = angle - BEFORE * layer, growth[0] * RING * layer, growth[1] * WIDER
         after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
         room = float(edges[after] - edges[after - 1])
-        count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(WIDER))))
-        reach = first * WIDER ** np.arange(count)
+        count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(wider))))
+        reach = first * wider ** np.arange(count)
         segment = int(np.clip(np.searchsorted(seams, at), 1, len(seams) - 1))
         low, high = seams[segment - 1] + LEAST, seams[segment] - LEAST
         ring = np.concatenate([at - reach[::-1], [at], at + reach])

@@ -10,7 +10,7 @@ from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.derivatives.around import derivatives
-from screwsim.derivatives.closed import NotClosed, collocated
+from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated
 from screwsim.inputs.faults import Impossible
 from screwsim.model import leases
 from screwsim.scene import Scene
@@ -29,7 +29,7 @@ class Found(NamedTuple):
     why: str = ""
 
 
-def found(scene: Scene, values: Mapping[str, float]) -> Found:
+def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) -> Found:
     """Return the derivatives of a scene's figures by numbers [SI] at paths of it."""
     series = Series()
     try:
@@ -41,7 +41,7 @@ def found(scene: Scene, values: Mapping[str, float]) -> Found:
         accurate = solved(problem, machinery, None, search)
         if accurate.cycle.status != "ok":
             return Found({}, {}, "the cycle does not close")
-        cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life)
+        cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
         slopes, refused = derivatives(cycle, values)
         leases.give_back(machinery)
     except NotClosed as error:

@@ -1,9 +1,10 @@
-"""A zero between two places, as scipy's brentq finds it, to the bit.
+"""A zero between two places, as scipy's brentq finds it, to the bit; and many zeros at once, by calls of all of them.
 
 Here, since scipy.optimize takes longer to import than the zeros of a run to find.
 
 Source: R. P. Brent, Algorithms for Minimization without Derivatives, Prentice-Hall 1973, ch. 4, with hyperbolic
-extrapolation in place of the inverse quadratic one (J. C. P. Bus, T. J. Dekker, ACM Trans. Math. Softw. 1 (1975)).
+extrapolation in place of the inverse quadratic one (J. C. P. Bus, T. J. Dekker, ACM Trans. Math. Softw. 1 (1975)); many
+at once: T. R. Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from math import copysign, inf
+
+import numpy as np
 
 RTOL = 8.881784197001252e-16  # four times the rounding of a float
 MOST = 100  # steps
@@ -61,3 +64,46 @@ def _tried(x: tuple[float, float, float], f: tuple[float, float, float]) -> floa
     by_across = (f_across - f_now) / (x_across - x_now)
     above = -f_now * (f_across * by_across - f_before * by_before)
     return above / (by_across * by_before * (f_across - f_before))
+
+
+def bracketed(
+    f: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, share: float, least: np.ndarray
+) -> np.ndarray:
+    """Return where functions pass zero between places, NaN where none does; `f` is asked for all of them at once.
+
+    Each is within a share of their distance, or where its function is less than `least`.
+    """
+    x, other, third = np.array(low, float), np.array(high, float), np.array(high, float)
+    f_x, f_other = f(x), f(other)
+    f_third, none, within = f_other.copy(), f_x * f_other > 0.0, share * (other - x)
+    along = np.full(len(x), 0.5)
+    for _ in range(MOST):
+        open_ = (np.abs(other - x) > within) & (np.minimum(np.abs(f_x), np.abs(f_other)) > least) & ~none
+        if not open_.any():
+            break
+        tried = np.where(open_, x + along * (other - x), x)
+        f_tried = f(tried)
+        same = np.signbit(f_tried) == np.signbit(f_x)
+        third, f_third = _chosen(open_, (same, x, other), third), _chosen(open_, (same, f_x, f_other), f_third)
+        other, f_other = _chosen(open_, (same, other, x), other), _chosen(open_, (same, f_other, f_x), f_other)
+        x, f_x = np.where(open_, tried, x), np.where(open_, f_tried, f_x)
+        along = _share_of((x, other, third), (f_x, f_other, f_third))
+        shortest = np.minimum(0.5, 0.5 * within / np.maximum(np.abs(other - x), 1e-300))
+        along = np.clip(along, shortest, 1.0 - shortest)
+    return np.where(none, np.nan, np.where(np.abs(f_x) <= np.abs(f_other), x, other))
+
+
+def _chosen(open_: np.ndarray, of: tuple[np.ndarray, np.ndarray, np.ndarray], old: np.ndarray) -> np.ndarray:
+    """Return the first of two where they are the same, else the second; the old one where nothing is open."""
+    same, first, second = of
+    return np.where(open_, np.where(same, first, second), old)
+
+
+def _share_of(x: tuple[np.ndarray, ...], f: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Return how far to go from the first place to the second: by inverse quadratic interpolation, or a half."""
+    (x1, x2, x3), (f1, f2, f3) = x, f
+    with np.errstate(all="ignore"):
+        xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+        along = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
+        good = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi) & np.isfinite(along)
+    return np.where(good, along, 0.5)

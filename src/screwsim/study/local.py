@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+from screwsim.derivatives.closed import FINE, QUICK
 from screwsim.derivatives.solving import found
 from screwsim.figures import declared
 from screwsim.inputs.declare import is_derived
@@ -109,10 +110,13 @@ def sensitivities(
     jobs: int | None = 1,
     progress: Progress | bool | None = None,
     result: Result | None = None,
+    fine: bool = True,
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
 
-    `result` is that of the scene, where it is known. Raises UsageError for a path or a figure that is not there.
+    `result` is that of the scene, where it is known. Derivatives that need not be `fine` are good to 1e-3 where those
+    are to 1e-5, and cost less (docs/explanation/numerics.md). Raises UsageError for a path or a figure that is not
+    there.
     """
     scene = scene_of(scene)
     every, left_out = numeric_paths(scene)
@@ -123,7 +127,7 @@ def sensitivities(
     result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
     if result.status != "ok":
         return Sensitivities(result)
-    exact = found(scene, values)
+    exact = found(scene, values, FINE if fine else QUICK)
     others = {path: exact.why or exact.refused[path] for path in values if path not in exact.derivatives}
     differenced, failed = _differences(scene, {path: values[path] for path in others}, jobs, progress)
     by_path = {**exact.derivatives, **differenced}

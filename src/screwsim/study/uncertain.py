@@ -126,7 +126,7 @@ def uncertainty(
     scene = scene_of(scene)
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
-    found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
+    found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result, fine=False)
     spreads = spreads_of(scene, found.values, found.derivatives)
     left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
     return Uncertainty(spreads, found, groups_of(scene), left_out if found.derivatives else {})

@@ -59,7 +59,7 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
 
 def by_tolerance(scene: Scene, point: Point, group: Group) -> Array:
     """Return what one standard uncertainty of inputs that err together makes of a point's residuals."""
-    found = sensitivities(scene, list(group), list(point.measured))
+    found = sensitivities(scene, list(group), list(point.measured), fine=False)
     total = np.zeros(len(point.measured))
     for path in group:
         standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.solving import Found, found
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration.fit import EXACT, Fit, Parameter, Point
@@ -166,7 +167,7 @@ class Objective:
         scene = self.fit.at(point, values)
         self.solutions += 1
         self.exact += 1
-        return found(scene, self.fit.changes(values))
+        return found(scene, self.fit.changes(values), QUICK)
 
     def _differences(self, point: Point, places: Array, index: int, here: Figures, sides: int) -> Array:
         """Return the slopes of a point's residuals over one place; zero where no second solution is."""
