@@ -1,9 +1,9 @@
 """Print what exactness of derivatives costs: errors of stored pairs of figure and number, over processor time.
 
 Run: python benchmarks/slopes_accuracy.py [RUNS]. Scenes and references are those of tests/tools/derivatives_pairs.csv;
-pairs whose reference is not good to 1e-5 are left out. Each scene has its derivatives found as quick, exact and finer
-ones in turn, by the same solved cycle; times are medians of one thread, of all scenes together, in code as
-a first run has it (not for speed: that takes minutes to compile for 19 models), compiled before.
+pairs whose reference is not good to 1e-5 are left out. Each scene has its derivatives found as quick ones, as exact
+ones and as ones between in turn, by the same solved cycle; times are medians of one thread, of all scenes together, in
+code as a first run has it (not for speed: that takes minutes to compile for all models), compiled before.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from screwsim.simulate import simulate  # noqa: E402
 
 PAIRS = ROOT / "tests" / "tools" / "derivatives_pairs.csv"
 SEED = 1  # with which the scenes of that file were drawn
-KINDS = {"quick": QUICK, "exact": FINE, "finer": Fineness(0.1, 1.0, 1.0, 0.5, 0.7)}
+KINDS = {"quick": QUICK, "between": Fineness(), "exact": FINE}
 LIMITS = (1e-5, 1e-4, 1e-3, 1e-2)
 
 

@@ -35,9 +35,9 @@ from tight import NotTight, Tight  # noqa: E402
 
 from screwsim.cycle.guess import leased  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
-from screwsim.derivatives import closed, slices, solving  # noqa: E402
+from screwsim.derivatives import solving  # noqa: E402
 from screwsim.derivatives.around import derivatives  # noqa: E402
-from screwsim.derivatives.closed import NotClosed, collocated  # noqa: E402
+from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated  # noqa: E402
 from screwsim.derivatives.figures import figures_of  # noqa: E402
 from screwsim.inputs.faults import Impossible, SceneError, UsageError  # noqa: E402
 from screwsim.model import leases  # noqa: E402
@@ -63,7 +63,7 @@ KINK = 30.0  # times what the reference is uncertain by, by which both sides dif
 BENT = 1e-3  # ... and times the slope
 LEAST = 1e-2  # percent per percent
 RTOL, TOLERANCE = 3e-9, 1e-10  # of a step and of a change, of reference cycles
-FINER = 0.03  # of the error of a slice, to tell what is owed to them
+FINER = FINE._replace(error=0.03 * FINE.error, ring=0.2 * FINE.ring, wider=0.6)  # to tell what is owed to slices
 FIXED = ("machine.rotor", "effects.blow_hole.opens", "effects.blow_hole.closes")  # angles that belong to the machine
 LIMITS = (1e-5, 1e-4, 1e-3, 1e-2)
 ANGLES = ("opens", "phi_A", "phi_B", "phi_C", "closes", "opens_moved")
@@ -145,20 +145,11 @@ class Exact:
         of, self.widths = accurate.evaluation, accurate.wanted.widths
         self.problem, self.life = of.problem, of.life
 
-    def slopes(self, paths: Sequence[str]) -> dict[str, dict[str, float]]:
+    def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:
         """Return derivatives [SI] by path and figure times the number at the path."""
-        cycle = collocated(self.problem, self.machinery, self.life)
+        cycle = collocated(self.problem, self.machinery, self.life, fineness)
         found, _ = derivatives(cycle, {path: self.values[path] for path in paths})
         return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
-
-    def finer(self, paths: Sequence[str]) -> dict[str, dict[str, float]]:
-        """Return the same with finer slices."""
-        usual = closed.ERROR, slices.RING, slices.WIDER
-        closed.ERROR, slices.RING, slices.WIDER = FINER * usual[0], 0.2 * usual[1], 0.5 * (1.0 + usual[2])
-        try:
-            return self.slopes(paths)
-        finally:
-            closed.ERROR, slices.RING, slices.WIDER = usual
 
 
 def rows(scene: Scene, paths: Sequence[str]) -> Iterator[Row]:
@@ -211,7 +202,7 @@ def judged(scene: Scene, found: list[Row], exact: Exact | None = None, quick: bo
             if fine is None:
                 exact = exact or Exact(scene)
                 try:
-                    fine = exact.finer(sorted({each["path"] for each in missed}))
+                    fine = exact.slopes(sorted({each["path"] for each in missed}), FINER)
                 except NotClosed:
                     fine = {}
             value = fine.get(row["path"], {}).get(row["figure"])
