@@ -14,6 +14,8 @@ from screwsim.explore.crew import Patience
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
+pytestmark = pytest.mark.around
+
 MOODS = '''"""An effect that does what its mood says: nothing, raise, sleep, or end the process."""
 
 import os

@@ -20,6 +20,8 @@ from screwsim.machine.rotors.sections import polygon_area
 from screwsim.results import save
 from screwsim.scene import load
 
+pytestmark = pytest.mark.around
+
 ROOT = Path(__file__).parents[2]
 COMPACT = str(ROOT / "configs" / "r134a" / "compact.yaml")
 

@@ -23,6 +23,8 @@ from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many
 from screwsim.study.performance_map import TERMS, performance_maps, polynomial
 
+pytestmark = pytest.mark.around
+
 R134A = str(Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml")
 TEMPERATURES = (
     "operation.evaporating_temperature=-10 degC..5 degC",

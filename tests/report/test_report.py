@@ -40,6 +40,8 @@ from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_sty
 from screwsim.report.trace import chosen_trace
 from screwsim.results import Results, open_results, warned
 
+pytestmark = pytest.mark.around
+
 THREE = SCENE + "sweep:\n" + SPEEDS + RATIOS + "  operation.discharge.pressure: [10 bar, 14 bar]\n"
 MANY = (
     SCENE
