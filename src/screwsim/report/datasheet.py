@@ -20,6 +20,7 @@ COLOURS, DASHES = 6, ("", "7 3", "2 3", "9 3 2 3")  # of several curves: colours
 CLASSES = {True: "holds", False: "fails", None: ""}
 WORDS = {True: "met", False: "not met", None: "no verdict"}
 MANY = 2  # tables, or drawings, from which on they stand beside one another
+LONG = 42  # letters of all heads of a table, from which on units go below their numbers: two tables stand in a row
 
 
 def write_sheet(sheet: Any, output: Path) -> str:
@@ -58,7 +59,8 @@ def _beside(name: str, parts: Sequence[str], count: int) -> str:
 
 def _table(table: Any) -> str:
     kinds = ["" if i < table.left else ' class="n"' for i in range(len(table.heads))]
-    heads = "".join(f'<th scope="col"{kind}>{escape(head)}</th>' for kind, head in zip(kinds, table.heads, strict=True))
+    named = table.heads if sum(map(len, table.heads)) < LONG else [head.replace("\xa0", " ") for head in table.heads]
+    heads = "".join(f'<th scope="col"{kind}>{escape(head)}</th>' for kind, head in zip(kinds, named, strict=True))
     rows = (
         "".join(f"<td{kind}>{escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) for row in table.rows
     )
