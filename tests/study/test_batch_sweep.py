@@ -100,3 +100,24 @@ def test_the_time_of_a_case_stands_still_while_others_run():
                 assert limit._deadlines.keys() == left.keys()
         assert list(limit._deadlines.values()) and not limit._left
     assert not limit._deadlines
+
+
+def test_a_case_that_is_ended_while_it_waits_for_others_leaves_no_time():
+    from greenlet import getcurrent, greenlet
+
+    from screwsim.study import limit
+
+    own = getcurrent()
+
+    def waits():
+        with limit.Limit(1000.0):
+            limit.handed_on(getcurrent(), own)
+            own.switch()
+
+    task = greenlet(waits)
+    task.switch()
+    assert task in limit._left
+    task.throw()
+    assert task.dead
+    assert task not in limit._left
+    assert task not in limit._deadlines

@@ -46,6 +46,7 @@ class Limit:
         if self._seconds is not None:
             with _lock:
                 _deadlines.pop(getcurrent(), None)
+                _left.pop(getcurrent(), None)  # it was ended while it waited for others
                 _arm()
 
 
