@@ -24,7 +24,8 @@ from screwsim.study.datasheet.tables import (
     document_of,
     envelope_table,
     has,
-    load_curve,
+    part_load_drawing,
+    part_load_note,
     part_load_table,
     shown_at,
     tables_of,
@@ -198,11 +199,7 @@ def _tables(rated: Rating) -> Iterator[Table]:
     yield from envelope_table(rated, across, list(_words(rated))[1])
     if _expands(rated):
         return
-    note = f"load: mass flow over that of the scene as it stands, at {_own_point(rated)}"
-    ratios = rated.asked.ratios
-    if ratios:
-        within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
-        note += f"; best Vi: machine.built_in_volume_ratio of the best η_s at that load, within {within}"
+    note = part_load_note(rated, f"mass flow over that of the scene as it stands, at {_own_point(rated)}", "η_s")
     flow, power, efficiency, _, discharge, *_ = columns
     word = power.title.split()[0].lower()
     shown = ("flow kg/h", flow), (f"{word} kW", power), ("η_s %", efficiency), ("discharge °C", discharge)
@@ -227,10 +224,8 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
                 curves.append(Curve(x, y, name if curves else f"{across} {name}"))
         if curves:
             yield Drawing(column.title, "pressure ratio", column.title, curves)
-    parts = [each for each in rated.loads if len(each.curve) > 1]
-    if parts:
-        title = f"Part load: {columns[2].title[0].lower()}{columns[2].title[1:]}"
-        yield Drawing(title, "load [%]", title, [load_curve(each, columns[2]) for each in parts])
+    title = columns[2].title
+    yield from part_load_drawing(rated, columns[2], f"Part load: {title[0].lower()}{title[1:]}")
 
 
 def _document(rated: Rating) -> dict[str, Any]:

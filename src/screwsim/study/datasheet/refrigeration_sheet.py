@@ -20,7 +20,7 @@ from screwsim.study.datasheet.refrigeration_tables import (
     tables_of,
 )
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet
-from screwsim.study.datasheet.tables import document_of, has, load_curve, shown_at
+from screwsim.study.datasheet.tables import document_of, has, part_load_drawing, shown_at
 from screwsim.study.datasheet.words import (
     DUTY,
     control_line,
@@ -99,10 +99,7 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
                 curves.append(Curve(x, [y for _, y in good], name if curves else f"{by} {name}"))
         if curves:
             yield Drawing(column.title, "evaporating temperature [°C]", column.title, curves)
-    parts = [each for each in rated.loads if len(each.curve) > 1]
-    if parts:
-        title = f"Part load: {columns[2].title}"
-        yield Drawing(title, "load [%]", title, [load_curve(each, columns[2]) for each in parts])
+    yield from part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
     if len(rated.reach) > 1 and asked.down.path == CONDENSING:
         yield _outline(rated)
 

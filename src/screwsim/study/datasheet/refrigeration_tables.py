@@ -51,11 +51,8 @@ def tables_of(rated: Rating) -> Iterator[Table]:
     yield from tables.tables_of(rated, columns, "condensing" if condensing else "gas cooler")
     side = "condensing temperature" if condensing else "pressure of the gas cooler"
     yield from tables.envelope_table(rated, "evaporating", side)
-    note = f"load: cooling capacity over that of the scene as it stands, at {own_point(rated)}"
-    ratios = rated.asked.ratios
-    if ratios:
-        within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
-        note += f"; best Vi: machine.built_in_volume_ratio of the best COP at that load, within {within}"
+    load = f"cooling capacity over that of the scene as it stands, at {own_point(rated)}"
+    note = tables.part_load_note(rated, load, "COP")
     capacity, power, cop, _, discharge, *_ = columns
     shown = (
         ("capacity kW", capacity),

@@ -10,7 +10,7 @@ from screwsim.outputs import Result
 from screwsim.scene.operation import CONDENSING
 from screwsim.study.datasheet.bounds import beyond
 from screwsim.study.datasheet.rated import Axis, Rating, celsius
-from screwsim.study.datasheet.sheet import Curve, Table
+from screwsim.study.datasheet.sheet import Curve, Drawing, Table
 from screwsim.study.inputs import shown_value
 from screwsim.study.part_load import PartLoad, Step
 
@@ -118,7 +118,23 @@ def _end(axis: Axis, value: float) -> str:
     return f"{celsius(value):.1f} °C" if axis.path == CONDENSING else quantity("Pa", value)
 
 
-def load_curve(each: PartLoad, column: Column) -> Curve:
+def part_load_note(rated: Rating, load: str, best: str) -> str:
+    """Return what a part load is a share of, and of what the best built-in volume ratio gives most."""
+    note, ratios = f"load: {load}", rated.asked.ratios
+    if not ratios:
+        return note
+    within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
+    return f"{note}; best Vi: machine.built_in_volume_ratio of the best {best} at that load, within {within}"
+
+
+def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
+    """Yield a figure over the load, a curve of each control; nothing where none has two points."""
+    parts = [each for each in rated.loads if len(each.curve) > 1]
+    if parts:
+        yield Drawing(title, "load [%]", title, [_load_curve(each, column) for each in parts])
+
+
+def _load_curve(each: PartLoad, column: Column) -> Curve:
     """Return a column over the load of a control."""
     steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has(step.result, column)}.items())
     y = [column.value(step.result.performance) or 0.0 for _, step in steps]
