@@ -102,14 +102,24 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tup
             asked.append(Asked(at.plus(sign * step, numbers), there))
     own: list[Array] = []
     for which, *found in rates_of(pitch, Y, asked):
-        own = own or [pitch.slices.widths[:, None, None] * rates[..., 0] for rates in found]
-        for lane in range(not which.start, which.stop - which.start):
-            i, per, one_sided = of_asked[which.start + lane - 1]
-            edges = asked[which.start + lane].edges
-            widths = (pitch.slices.widths if edges is None else np.diff(edges))[:, None, None]
-            for all_, rates, here in zip((hf, hg), found, own, strict=True):
-                moved = widths * rates[..., lane]
-                all_[..., i] += per * (moved - here if one_sided else moved)
+        own = own or [rates[..., :1].copy() for rates in found]
+        first, widths = int(not which.start), pitch.slices.widths
+        of_lanes = of_asked[which.start + first - 1 : which.stop - 1]
+        edges = [each.edges for each in asked[which.start + first : which.stop]]
+        there = np.stack(
+            [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)], -1
+        )
+        here = np.stack([per * one_sided * widths for _, per, one_sided in of_lanes], -1)
+        columns = [i for i, *_ in of_lanes]
+        run = columns == [*range(columns[0], columns[0] + len(columns))]
+        for all_, rates, of_own in zip((hf, hg), found, own, strict=True):
+            moved = there[:, None, None] * rates[..., first : first + len(columns)]
+            moved -= here[:, None, None] * of_own
+            if run:  # many columns at once are written in a third of the time
+                all_[..., columns[0] : columns[-1] + 1] += moved
+            else:
+                for j, i in enumerate(columns):
+                    all_[..., i] += moved[..., j]
     return hf, hg
 
 
