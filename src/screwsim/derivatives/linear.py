@@ -167,11 +167,6 @@ class Linear:
         self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
         nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
         self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
-        self._ones = np.ones(pitch.count)  # sources are of h g
-        self._felt_sums = pitch.sums(self._felt.hg, self._ones)
-        weights = (pitch.slices.widths[:, None] * INTEGRALS[-1])[..., None, None]
-        of_states = (weights * slopes.g_by_states)[:, :, :-1].transpose(2, 0, 1, 3)
-        self._summed = of_states.reshape(of_states.shape[0], -1)  # quadratures of changes at all nodes
         columns = 0 if stages is None else stages.shape[-1]
         nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
         self.first = self._responded(nothing.and_then(self.changed), nodes[..., N + felt :])
@@ -227,7 +222,9 @@ class Linear:
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
         felt = cells[self._feels]
-        flat = self._from.reshape(-1, N + len(felt)) @ np.concatenate([start, felt])  # all nodes in one product
-        nodes = nodes + flat.reshape(nodes.shape)
-        sums = self._summed @ nodes.reshape(-1, nodes.shape[-1]) + self.pitch.sums(sources.hg, self._ones)
-        return Response(start, nodes, cells, sums + self._felt_sums @ felt)
+        nodes = nodes + self._from @ np.concatenate([start, felt])
+        hg = self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
+        hg += sources.hg
+        if len(felt):
+            hg += self._felt.hg @ felt
+        return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))
