@@ -1,11 +1,13 @@
 """A length as small as a gap is told with an example of its size."""
 
+from pathlib import Path
+
 import pytest
 
 import screwsim
 from screwsim.inputs.faults import SceneError, UsageError
 
-PAPER = "configs/paper/point.yaml"
+PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 
 
 @pytest.mark.parametrize(
