@@ -66,6 +66,15 @@ def test_a_machine_with_another_cycle_says_so(number):
     assert any("another cycle" in words for words in result.warnings) == (number in TWO_CYCLES)
 
 
+def test_a_turn_that_meets_its_tolerance_by_chance_closes_no_cycle():
+    """Gas of 2475 K goes round in leaks: corrected turns lead to and fro, each off by ten tolerances of the next."""
+    scene = scene_of("part load", 7711, 0)
+    result = simulate(scene, trace=False)
+    assert result.status == "ok", result.message
+    _, _, true = true_error(scene, result)
+    assert true <= scene.numerics.accuracy
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("structure", AGAIN)
 def test_an_estimate_holds_when_solved_again(structure):
