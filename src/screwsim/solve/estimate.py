@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.balances import mass_in, met_across, residuals
+from screwsim.cycle.balances import mass_in, met_across
 from screwsim.cycle.close import again
 from screwsim.cycle.coordinates import NEAR
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
@@ -41,7 +41,6 @@ HIDDEN = 1.5  # that it is as many times what two of them show
 EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all there is
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
-OPEN = 2.0  # where nothing is delivered: error over what the balances of mass and energy leave open
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
 
@@ -71,25 +70,13 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     among_leaks = not told and _filling(found) < LEAKY  # chambers live on what leaks
     whole = WHOLE * ((HIDDEN if _filling(found) > 0.0 else EMPTY) if among_leaks else 1.0)
     left = cycle.left if len(finer.lives) == 1 else 0.0  # more than one life shows it
-    least = _open(of) if c.chambers > 1 and cycle.how != "coupled" and _filling(found) <= 0.0 else 0.0
     for name, size in errors.items():
-        errors[name] = max(whole * size + left, least) if size is not None else None
+        errors[name] = whole * size + left if size is not None else None
     flow = found["gas_mass_flow"]
     lost = 0.0 if not flow or met_across(of.problem) else abs(mass_in(c, cycle.q) * of.problem.rate / flow)
     for name, size in flow_errors(found, lost).items():
         errors[name] = (errors[name] or 0.0) + (size or 0.0)
     return errors
-
-
-def _open(of: Evaluation) -> float:
-    """Return what the balances leave open makes of figures where nothing is delivered.
-
-    What a turn misses of mass or energy then goes from turn to turn among the chambers, and lives that follow, each
-    among the one before, hardly show it: a trapped mass was off by 9.4e-4 with 2.4e-4 of mass open, where they showed
-    5e-5.
-    """
-    left = residuals(of.problem, of.life.R, of.q)
-    return OPEN * max(left.mass, left.energy)
 
 
 def _shown(found: Figures, finer: Finer, least: tuple[float, float]) -> Figures:
