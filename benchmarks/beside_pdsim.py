@@ -6,11 +6,12 @@ built from its repository: what the package index has of it lacks its compiled m
     git clone --recursive https://github.com/ibell/pdsim
     pip install cython numpy scipy matplotlib h5py CoolProp ./pdsim
 
-whose interpreter is PYTHON; FOLDER is `pdsim/examples`. Its examples are run as they are, and each tells the time that
-its solution took. Ours is the time of one point, alone, compiled, without the estimate of errors, at the accuracy of
-the scene. The machines are those of the examples, by their numbers, as near as the two programs are: theirs have
-tubes, a shell or a lump at a temperature that is found, ours none; their reeds are pushed by the flow's drag. A scroll
-is no machine of ours, and its example is timed alone.
+whose interpreter is PYTHON; FOLDER is `pdsim/examples`. Its examples are run as they are. Each tells the time that
+its solution took, and its figures: flow, power on the gas (p dV), and by how much what leaves differs from what enters.
+Ours is the time of one point, alone, compiled, without the estimate of errors, at the accuracy of the scene. The
+machines are those of the examples, by their numbers, as near as the two programs are: theirs have tubes, a shell or a
+lump at a temperature that is found, ours none; their reeds are pushed by the flow's drag. A scroll is no machine of
+ours, and its example is timed alone.
 """
 
 from __future__ import annotations
@@ -24,13 +25,17 @@ import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.codegen.modules import for_speed
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 
-TOOK = re.compile(r"time taken\W*([0-9.eE+-]+)")
+NUMBER = r"([0-9.eE+-]+)"
+TOOK = re.compile(rf"time taken\W*{NUMBER}")
+FLOW = re.compile(rf"Mass flow rate is\s*{NUMBER}\s*g/s")
+POWER = re.compile(rf"P-v,Qamb\s*\S+\s+{NUMBER}")  # [kW]
+UNCLOSED = re.compile(rf"mdot \[%\]\s*{NUMBER}")
 NEEDS = "PDSim.flow.flow", "PDSim.core.core"  # compiled modules that an example imports
 PATIENCE = 1800.0  # [s] for one example
 # simple_example.py: V = 0.5 cm³ + 4 cm³ (1 − cos θ), a bore of 20 mm on a long rod; ports that let one way through
@@ -79,39 +84,64 @@ def missing(python: str, needs: tuple[str, ...] = NEEDS) -> str:
     return "" if found.returncode == 0 else f"--python {python}: has no PDSim that runs: {why} ({remedy})"
 
 
-def theirs(python: str, example: Path) -> list[float]:
-    """Return the times [s] that an example tells of its solutions; raise RuntimeError where it tells none."""
+class Solved(NamedTuple):
+    """What one solution took and made; None is a figure that is not told."""
+
+    seconds: float
+    flow: float | None = None  # [g/s]
+    power: float | None = None  # [W], of the pistons on the gas
+    unclosed: float | None = None  # outflow over inflow, less 1
+
+    def told(self) -> str:
+        """Return the figures in words."""
+        parts = (self.flow, "{:.4g} g/s"), (self.power, "{:.4g} W"), (self.unclosed, "mass unclosed by {:.1e}")
+        return ", ".join(text.format(value) for value, text in parts if value is not None)
+
+
+def theirs(python: str, example: Path) -> list[Solved]:
+    """Return what an example tells of its solutions; raise RuntimeError where it tells no time."""
     with tempfile.TemporaryDirectory() as folder:  # it writes files where it stands
         environment = os.environ | {"MPLBACKEND": "Agg"}
         command = [python, str(example.resolve())]
         run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=PATIENCE)
-    times = [float(each) for each in TOOK.findall(run.stdout)]
-    if not times:
+    solutions, start = [], 0
+    for took in TOOK.finditer(run.stdout):  # figures come before the time
+        found = (pattern.findall(run.stdout, start, took.start()) for pattern in (FLOW, POWER, UNCLOSED))
+        flow, power, unclosed = (float(each[-1]) if each else None for each in found)
+        scaled = None if power is None else 1e3 * power, None if unclosed is None else abs(unclosed) / 100.0
+        solutions.append(Solved(float(took[1]), flow, *scaled))
+        start = took.end()
+    if not solutions:
         last = (run.stderr.strip().splitlines() or ["it tells no time"])[-1]
         raise RuntimeError(f"{example.name}: {last}")
-    return times
+    return solutions
 
 
-def ours(scene: Scene) -> float:
-    """Return the time [s] of one point; raise RuntimeError where it does not close."""
+def ours(scene: Scene) -> Solved:
+    """Return what one point took and made; raise RuntimeError where it does not close."""
     result: Any = simulate(scene, trace=False)
     if result.status != "ok":
         raise RuntimeError(result.told)
-    return result.numerics.wall_time
+    figures = result.performance
+    made = 1e3 * figures.gas_mass_flow, figures.indicated_power, abs(result.balance.mass)
+    return Solved(result.numerics.wall_time, *made)
 
 
 def pairs(python: str, example: Path, text: str | None, count: int) -> str:
-    """Return in words what paired runs took: the shortest of an example's solutions beside a point here."""
+    """Return in words what paired runs took and made: the shortest of an example's solutions beside a point here."""
     scene = None if text is None else loads(text)
     if scene is not None:
         ours(scene)
+        ours(scene)
     found = [(min(theirs(python, example)), None if scene is None else ours(scene)) for _ in range(count)]
-    peer = statistics.median(one for one, _ in found)
-    if scene is None:
-        return f"{example.name}: PDSim {peer:.3g} s; no machine of ours"
-    own = statistics.median(other for _, other in found if other is not None)
-    ratio = statistics.median(one / other for one, other in found if other)
-    return f"{example.name}: PDSim {peer:.3g} s, here {1e3 * own:.3g} ms, {ratio:.3g} times (median of {count} pairs)"
+    peer = statistics.median(one.seconds for one, _ in found)
+    last, own = found[-1]
+    there = f"{example.name}: PDSim {peer:.3g} s" + (f" ({last.told()})" if last.told() else "")
+    if own is None:
+        return f"{there}; no machine of ours"
+    here = statistics.median(other.seconds for _, other in found if other is not None)
+    ratio = statistics.median(one.seconds / other.seconds for one, other in found if other is not None)
+    return f"{there}, here {1e3 * here:.3g} ms ({own.told()}): {ratio:.3g} times (median of {count} pairs)"
 
 
 @for_speed()

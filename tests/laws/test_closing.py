@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from scenes import closed, make, run
@@ -114,6 +115,29 @@ def test_net_flow_is_taken_where_noise_between_open_chambers_does_not_count():
     assert abs(taken / exact - 1.0) < 5e-5
     assert abs(taken / exact - 1.0) < min(abs(flow / exact - 1.0) for flow in through)
     assert taken == pytest.approx(evaluate(problem, cycle).figures.gas_mass_flow, rel=1e-12)
+
+
+QUICKLY, SLOWLY = (40.0, 100.0), (40.0, 8.0)  # gap and change of the states of a turn before, in tolerances
+
+
+@pytest.mark.parametrize(
+    ("before", "moved", "stalled", "chance"),
+    [
+        (QUICKLY, 4.0, 0, False),  # the next turn moves them by 0.16
+        (SLOWLY, 6.0, 0, True),  # by 4.5
+        (SLOWLY, 4.0, 0, False),  # by 2
+        ((0.9, 8.0), 6.0, 0, False),  # it was met before: noise
+        (QUICKLY, 0.9, 1, True),  # corrected turns were as near, and led away
+    ],
+)
+def test_a_tolerance_is_met_by_chance_while_states_move_on_or_corrections_swing(before, moved, stalled, chance):
+    tolerance = 1e-4
+    turns = object.__new__(relaxation._Turns)
+    turns.wanted = SimpleNamespace(tolerance=tolerance)
+    turns.number, turns.gap, turns.moved = 5, 0.8 * tolerance, moved * tolerance
+    turns.before = before[0] * tolerance, before[1] * tolerance
+    turns.stalled, turns.least_gap = stalled, 1.2 * tolerance
+    assert turns.by_chance() is chance
 
 
 @pytest.mark.parametrize(("pitches", "tried"), [(1, False), (2, True)])

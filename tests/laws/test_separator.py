@@ -205,6 +205,15 @@ def test_a_cycle_whose_power_hangs_little_on_the_oil_is_met_at_once():
     assert found.numerics.rhs_evaluations < 4.0 * run(stated).numerics.rhs_evaluations
 
 
+def test_little_oil_comes_back_as_warm_as_its_separator():
+    """What so little oil carries leaves next to nothing of the power open, however far off its temperature is."""
+    scene = load(Path(__file__).parents[2] / "configs/two_stage/low.yaml", ["oil_supply.ratio=0.001"])
+    figures = simulate(scene, trace=False).performance
+    assert figures["oil_supply_temperature"] == pytest.approx(
+        figures["separator_temperature"], rel=scene.numerics.accuracy
+    )
+
+
 def test_neighbours_of_a_sweep_find_what_each_finds_alone():
     scenes = [make({**COOLED["flash, duty"], "operation.speed": f"{speed} rpm"}) for speed in (3000, 2900, 2800, 2700)]
     together, alone = list(simulate_many(scenes)), [simulate(scene) for scene in scenes]

@@ -51,6 +51,7 @@ STALL = 2  # corrected turns near the end without progress, after which steps ar
 PROGRESS = 0.5  # of the least gap before, below which a gap is progress
 REFINED = 0.4  # tolerance of the steps then over that before
 FALLING = 0.5  # residual over that of the turn before, below which it is the turns that close a balance, not the steps
+PASSING = 3.0  # tolerances that the next turn would move the states by, above which the last may have met one by chance
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
 LITTLE = 2e-3  # ... and below this
 
@@ -153,17 +154,33 @@ class _Turns:
         return None
 
     def closed(self) -> bool:
-        """Tell whether the last turn changed as little as is wanted, and the balances are closed.
+        """Tell whether the last turn changed as little as is wanted, not by chance, and the balances are closed.
 
         Where only these are not, nor on the way there, it is for the steps.
         """
         if not (self.gap <= self.wanted.tolerance and self.rtol <= self.finest):
             return False
         if self.residual <= ENOUGH * self.wanted.bound:
-            return True
+            return not self.by_chance()
         if self.moved <= self.wanted.tolerance and self.residual > FALLING * self.residual_before:
             self.finest = finer(self.finest, self.residual / self.wanted.bound)
         return False
+
+    def by_chance(self) -> bool:
+        """Tell whether mass, work and unknowns may have met their tolerance as they passed by it.
+
+        The states say so that the next turn, at the pace of the last two, would move by far more; and corrected turns
+        that lead to and fro. Not after a turn that met it likewise: states stall above it where the steps' noise is all
+        that moves them.
+        """
+        (gap, moved), tolerance = self.before, self.wanted.tolerance
+        if self.number == 1 or gap <= tolerance:
+            return False
+        return self._swings() or self.moved * min(self.moved / moved, 1.0) > PASSING * tolerance
+
+    def _swings(self) -> bool:
+        """Tell whether corrected turns lead to and fro: one that is hardly nearer than another is as likely off."""
+        return self.stalled > 0 and self.gap > PROGRESS * self.least_gap
 
     def closes(self, corrected: bool) -> bool:
         """Tell whether so little is still to come that no turn need show it, and the balances are closed well."""

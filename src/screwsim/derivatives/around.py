@@ -16,7 +16,8 @@ from screwsim.build import Temperatures, filled, open_temperatures
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.derivatives.closed import Closed
 from screwsim.derivatives.directions import Directions, Structural
-from screwsim.derivatives.figures import differenced, figures_of, placed, responses
+from screwsim.derivatives.figures import differenced, figures_of, placed, responses, standing
+from screwsim.derivatives.peak import turn_of
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.inputs.faults import UsageError
@@ -24,7 +25,7 @@ from screwsim.scene import with_values
 from screwsim.solve.circuit import KPA, asked_of, unknowns_of
 
 Array = np.ndarray
-STEP = 1e-6  # of its size, by which a number is shifted
+STEP = 2e-7  # of its size, by which a number is shifted
 AROUND = 100.0  # [K, kPa] the size of what lies around the machine
 
 
@@ -51,11 +52,15 @@ def derivatives(cycle: Closed, values: Mapping[str, float]) -> tuple[dict[str, d
             refused[path] = str(why)
     every = [*around, *directions.values()]
     moves, read = responses(cycle, every, made), []
+    if not every:
+        return {}, refused
+    own = standing(cycle, made)
+    turn = turn_of(own)
+    here = _read(own, turn, bool(around))
     for j, direction in enumerate(every):
-        one = moves.by(j)
-        sides = [_read(placed(cycle, direction, one, made, side)) for side in (0, 1)]
-        figures = differenced([each.figures for each in sides], direction.steps)
-        read.append(Sides(figures, (sides[0].asked - sides[1].asked) / (direction.steps[0] - direction.steps[1])))
+        there = _read(placed(cycle, direction, moves.by(j), made), turn, bool(around))
+        figures = differenced(there.figures, here.figures, direction.step)
+        read.append(Sides(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
     found = {}
     for path, each in own.items():
@@ -77,9 +82,10 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
     }
 
 
-def _read(of: Evaluation) -> Sides:
-    asked = asked_of(of)
-    return Sides(figures_of(of), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
+def _read(of: Evaluation, turn: tuple[int, float] | None, whole: bool) -> Sides:
+    """Return what is read of an evaluation, its highest pressure at a turn; `whole`: what it asks of around, too."""
+    asked = asked_of(of) if whole else None
+    return Sides(figures_of(of, turn), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
 
 
 def _size(value: float) -> float:

@@ -46,7 +46,7 @@ _entries: dict[str, Any] = {}  # of lanes by module; None where its text cannot 
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
     """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
-    An even number of them at a time, behind which the rest of the lanes is nothing; numbers stand as they stood.
+    As many at a time as there are lanes; behind the last ones the rest of them is nothing; numbers stand as they stood.
     """
     at, shape = pitch.numbers, (pitch.count, NODES)
     for first in range(0, len(asked), LANES):

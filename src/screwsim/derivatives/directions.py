@@ -1,7 +1,7 @@
 """How a number of a scene moves what the rates take: parameters, tables, lines, breakpoints, the injected oil.
 
-A scene with the number shifted is composed, not solved: that is a plain function, and its differences are exact but for
-a millionth.
+A scene with the number shifted is composed, not solved: that is a plain function. Its differences go to one side of the
+cycle, whose own side is the same for all numbers: they are exact but for less than a millionth.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from screwsim.derivatives.slices import moved
 from screwsim.inputs.faults import UsageError
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
+from screwsim.numerics.once import once
 
 Array = np.ndarray
 ROOM = 8  # steps in the spare machinery, which integrates none
@@ -31,15 +32,15 @@ class Structural(Exception):
 
 
 class Direction(NamedTuple):
-    """One number of a scene, shifted by `steps` (above, below), and what that moves per unit of it.
+    """One number of a scene, shifted by `step` (either sign), and what that moves per unit of it.
 
-    `problems` are those above and below, `sides` their numbers as the cycle stands; `change` that of the rates, `start`
-    and `cells` of what the injection does, `stated` of the unknowns that the scene states, in coordinates.
+    `problem` is that shifted, `side` its numbers as the cycle stands; `change` that of the rates, `start` and `cells`
+    of what the injection does, `stated` of the unknowns that the scene states, in coordinates.
     """
 
-    problems: tuple[Problem, Problem]
-    sides: tuple[Numbers, Numbers]
-    steps: tuple[float, float]
+    problem: Problem
+    side: Numbers
+    step: float
     change: Change
     start: Array
     cells: Array
@@ -64,38 +65,20 @@ class Directions:
 
         Where no scene can be posed on one side of it, it stays there; raise UsageError where neither can.
         """
-        problems, steps = self._posed(shifted, step)
-        text = self.cycle.pitch.machinery.composition.text
-        if any(each.composition.text != text for each in problems):
+        try:
+            problem, by = shifted(step), step
+        except UsageError:
+            problem, by = shifted(-step), -step
+        if problem.composition.text != self.cycle.pitch.machinery.composition.text:
             raise Structural("decides on the structure of the model")
-        sides = [self.numbers(each, self.cycle.met) for each in problems]
-        if any(each.TAB.shape != self.cycle.at.TAB.shape for each, _ in sides):
+        side, given = self.numbers(problem, self.cycle.met)
+        if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
-        per = 1.0 / (steps[0] - steps[1])
-        numbers = Numbers(*(per * (above - below) for above, below in zip(sides[0][0], sides[1][0], strict=True)))
-        edges, one_sided = self._edges(problems, per)
-        change = Change(numbers, edges, one_sided)
+        own, own_given = self.own
+        numbers = Numbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
+        change = self._change(problem, numbers, by)
         start, cells = self._injected(numbers, step)
-        return Direction(
-            problems, (sides[0][0], sides[1][0]), steps, change, start, cells, per * (sides[0][1] - sides[1][1])
-        )
-
-    def _posed(
-        self, shifted: Callable[[float], Problem], step: float
-    ) -> tuple[tuple[Problem, Problem], tuple[float, float]]:
-        """Return the problems above and below, and by how much they are shifted."""
-        found, steps, wrong = [], [], None
-        for by in (step, -step):
-            try:
-                found.append(shifted(by))
-                steps.append(by)
-            except UsageError as error:
-                found.append(self.cycle.pitch.problem)
-                steps.append(0.0)
-                wrong = error
-        if wrong is not None and not any(steps):
-            raise wrong
-        return (found[0], found[1]), (steps[0], steps[1])
+        return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
     def numbers(self, problem: Problem, met: Array) -> tuple[Numbers, Array]:
         """Return the numbers of a problem that meets unknowns, and in coordinates what of these its scene states.
@@ -113,21 +96,21 @@ class Directions:
         P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return Numbers(P.copy(), c.TAB, machinery.R.copy()), given
 
-    def _edges(self, problems: tuple[Problem, Problem], per: float) -> tuple[Array | None, tuple[float, float]]:
-        """Return how the edges move with the breakpoints, None where they stay, and the sides to go to."""
-        found = []
-        for problem in problems:
-            self.spare.begin(problem.composition)
-            found.append(self.spare.pitch_breakpoints())
-        above, below = found
-        if len(above) == len(below) == len(self.breakpoints):
-            rates = per * (above - below)
-            if not rates.any():
-                return None, (1.0, -1.0)
-            return moved(self.cycle.pitch.slices, self.breakpoints, rates), (1.0, -1.0)
-        pitch = float(self.cycle.at.P[P_PITCH])
-        way = float(np.sign(self._ways(above, pitch) - self._ways(below, pitch)))
-        return None, (way or 1.0, 0.0)
+    @once
+    def own(self) -> tuple[Numbers, Array]:
+        """What `numbers` returns of the cycle's own problem."""
+        return self.numbers(self.cycle.pitch.problem, self.cycle.met)
+
+    def _change(self, problem: Problem, numbers: Numbers, by: float) -> Change:
+        """Return the change of the rates: of numbers and of edges, which move with the breakpoints, and its side."""
+        self.spare.begin(problem.composition)
+        there = self.spare.pitch_breakpoints()
+        if len(there) == len(self.breakpoints):
+            rates = (there - self.breakpoints) / by
+            edges = moved(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None
+            return Change(numbers, edges)
+        way = float(np.sign(by * self._ways(there, float(self.cycle.at.P[P_PITCH]))))
+        return Change(numbers, None, way or 1.0)
 
     def _ways(self, breakpoints: Array, pitch: float) -> float:
         """Return the sum of the distances of breakpoints from the nearest of the cycle's."""

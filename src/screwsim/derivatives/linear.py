@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.slices import INTEGRALS, NODES
-from screwsim.model.slots import P_GAP_WIDTH
+from screwsim.model.slots import P_GAP_WIDTH, PLACE, PRESSURE, R_RATIO
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # of the regularisation: steps of differences, a tenth of how near to its turn a node is ...
@@ -66,7 +65,7 @@ def step_of(pitch: Pitch) -> float:
 
 
 class Change(NamedTuple):
-    """A direction: of the numbers, of the edges of the slices [rad]; `sides` are the signs of its differences.
+    """A direction: of the numbers, of the edges of the slices [rad]; `side` is the sign of its differences.
 
     Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences go to the side on
     which the nodes at the ends of slices stay in theirs.
@@ -74,36 +73,53 @@ class Change(NamedTuple):
 
     numbers: Numbers
     edges: Array | None = None
-    sides: tuple[float, float] = (1.0, -1.0)
+    side: float = 1.0
 
     @property
     def nothing(self) -> bool:
         """Does no rate feel it?"""
         return self.numbers.nothing and self.edges is None
 
+    @property
+    def both(self) -> bool:
+        """Is it to be differenced to both sides: pressures of lines, in whose layers chambers may stand for long?"""
+        return bool(self.numbers.R[PRESSURE:R_RATIO:PLACE].any())
+
 
 def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
     """Return the derivatives of h f and h g at the nodes along changes (slices, NODES, …, changes)."""
     hf, hg = (np.zeros((pitch.count, NODES, size, len(changes))) for size in (pitch.N, pitch.q))
     some = [i for i, each in enumerate(changes) if not each.nothing]
-    step, asked, shares, widths = step_of(pitch), [], [], pitch.slices.widths
-    for numbers, edges, sides in (changes[i] for i in some):
-        for sign in sides:
+    if not some:
+        return hf, hg
+    step, asked, of_asked = step_of(pitch), [Asked(at, None)], []
+    for i in some:
+        numbers, edges, side = changes[i]
+        signs = (1.0, -1.0) if changes[i].both else (side,)
+        of_asked += [(i, sign / (step * len(signs)), len(signs) == 1) for sign in signs]
+        for sign in signs:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
             asked.append(Asked(at.plus(sign * step, numbers), there))
-        shares.append(step * (sides[0] - sides[1]))
+    own: list[Array] = []
     for which, *found in rates_of(pitch, Y, asked):
-        columns = slice(which.start // 2, which.stop // 2)
-        h, many = widths[:, None, None, None] / np.array(shares[columns]), columns.stop - columns.start
-        sides = np.zeros((LANES, many))
-        sides[range(0, 2 * many, 2), range(many)], sides[range(1, 2 * many, 2), range(many)] = 1.0, -1.0
-        for all_, rates in zip((hf, hg), found, strict=True):
-            for lane, (_, edges) in enumerate(asked[which]):
-                if edges is not None:
-                    rates[..., lane] *= (np.diff(edges) / widths)[:, None, None]
-            moved = h * (rates.reshape(-1, LANES) @ sides).reshape(*rates.shape[:-1], -1)
-            for j, i in enumerate(some[columns]):
-                all_[..., i] = moved[..., j]
+        own = own or [rates[..., :1].copy() for rates in found]
+        first, widths = int(not which.start), pitch.slices.widths
+        of_lanes = of_asked[which.start + first - 1 : which.stop - 1]
+        edges = [each.edges for each in asked[which.start + first : which.stop]]
+        there = np.stack(
+            [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)], -1
+        )
+        here = np.stack([per * one_sided * widths for _, per, one_sided in of_lanes], -1)
+        columns = [i for i, *_ in of_lanes]
+        run = columns == [*range(columns[0], columns[0] + len(columns))]
+        for all_, rates, of_own in zip((hf, hg), found, own, strict=True):
+            moved = there[:, None, None] * rates[..., first : first + len(columns)]
+            moved -= here[:, None, None] * of_own
+            if run:  # many columns at once are written in a third of the time
+                all_[..., columns[0] : columns[-1] + 1] += moved
+            else:
+                for j, i in enumerate(columns):
+                    all_[..., i] += moved[..., j]
     return hf, hg
 
 

@@ -28,10 +28,35 @@ def peak_pressure(of: Evaluation) -> float:
     return peak(of.life, of.problem.parts.geometry)[0]
 
 
+def turn_of(of: Evaluation) -> tuple[int, float] | None:
+    """Return in which step, and at which share of it, the highest pressure is; None where it is at an end or nowhere.
+
+    There its derivative is that of the pressure at this share: by how much the maximum moves is of no account.
+    """
+    life, (_, angle) = of.life, peak(of.life, of.problem.parts.geometry)
+    if not np.isfinite(angle) or min(abs(angle - each) for each in _limits(of.life, of.problem.parts.geometry)) < REAL:
+        return None
+    i = int(np.clip(np.searchsorted(life.times[: life.steps + 1], angle) - 1, 0, life.steps - 1))
+    low, high = float(life.times[i]), float(life.times[i + 1])
+    return i, (angle - low) / (high - low)
+
+
+def pressure_at(life: Trajectory, turn: tuple[int, float]) -> float:
+    """Return the pressure [Pa] in a step of a life at a share of it."""
+    i, share = turn
+    low, high = float(life.times[i]), float(life.times[i + 1])
+    return float(life.pressures_at(np.array([low + share * (high - low)]))[0])
+
+
+def _limits(life: Trajectory, geometry: Any) -> tuple[float, float]:
+    """Return the angles [rad] between which the highest pressure is sought."""
+    limit = geometry.life if geometry.expands else geometry.widest_discharge()
+    return float(life.composition.P[P_INJECTION]), float(limit)
+
+
 def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
     """Return that pressure [Pa] and its angle [rad]; NaN for none."""
-    first = float(life.composition.P[P_INJECTION])
-    limit = geometry.life if geometry.expands else geometry.widest_discharge()
+    first, limit = _limits(life, geometry)
     times = life.times[: life.steps + 1]
     ends = life.dense[: life.steps, 1, len(life.composition.states)]
     inside = (times[1:] > first) & (times[1:] <= limit + 1e-9)

@@ -18,7 +18,7 @@ MOST = 15  # numbers in a text, those that count most first
 class Slopes(Protocol):
     """What is found: derivatives [SI] by figure and path, the numbers [SI] at the paths and their SI units.
 
-    `method` is 'exact' or 'differences', by path; `left_out` says why paths have none.
+    `method` is 'exact', 'quick' (good to 1e-3 mostly) or 'differences', by path; `left_out` says why paths have none.
     """
 
     @property

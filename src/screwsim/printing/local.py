@@ -135,6 +135,6 @@ def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
         "number": Column([found.values[number] for _, number, _ in rows], "1", "the number, SI unit"),
         "derivative": Column([slope for _, _, slope in rows], "1", "figure by number, SI unit over SI unit"),
         "relative": Column([found.relative(figure, number) for figure, number, _ in rows], "1", "percent per percent"),
-        "method": Column([found.method[number] for _, number, _ in rows], "", "exact, or differences"),
+        "method": Column([found.method[number] for _, number, _ in rows], "", "exact, quick, or differences"),
     }
     write_columns(path, "local sensitivities", columns)

@@ -250,7 +250,7 @@ def _slopes(results: Sequence[Result]) -> dict[str, Any]:
     numbers = {path: unit for found in told.values() for path, unit in found.units.items()}
     slopes: dict[str, np.ndarray] = {}
     for row, found in told.items():
-        about = {VALUE: found.values, EXACT: {path: float(way == "exact") for path, way in found.method.items()}}
+        about = {VALUE: found.values, EXACT: {path: float(way != "differences") for path, way in found.method.items()}}
         for name, by_path in {**about, **found.derivatives}.items():
             there = slopes.setdefault(name, np.full((len(results), len(numbers)), np.nan))
             there[row] = [by_path.get(path, np.nan) for path in numbers]

@@ -6,16 +6,20 @@ import os
 import re
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from screwsim.fluid.models import find_gas_model
-from screwsim.inputs.declare import AUTO, Found
+from screwsim.inputs.declare import AUTO, KINDS, Found
 from screwsim.inputs.near import nearest
 from screwsim.machine.kinds import MACHINES
 from screwsim.numerics.integrators import find_integrator
 from screwsim.scene.fields import Leaf
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
+
+LARGEST_GAP = 2e-3  # m: lengths that hardly are longer are told by an example of their size
+GAP = replace(KINDS["length"], example="27 um")
 
 
 def shown(raw: Any) -> str:
@@ -44,6 +48,8 @@ def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
 def _quantity(leaf: Leaf, raw: Any) -> float:
     kind = leaf.dimension
     assert kind is not None
+    if kind.name == "length" and (leaf.hardly[1] or 1.0) <= LARGEST_GAP:  # a rotor is no gap
+        kind = GAP
     if isinstance(raw, str):
         return parse_quantity(kind, raw)
     if isinstance(raw, int | float) and not isinstance(raw, bool):

@@ -303,10 +303,16 @@ def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[boo
 
 
 def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
-    """Return the errors of the figures with those that the unknowns have: of what is open, and of the cycle's."""
+    """Return the errors of the figures with those that the unknowns have: of what is open, and of the cycle's.
+
+    A search of one step has learnt nothing of its last cycle yet; where little oil flows, temperatures that leave next
+    to nothing of the shaft's power open may be far off.
+    """
     errors, asked = Figures(accurate.errors), asked_of(accurate.evaluation)
     if asked is None or search.why or not errors:
         return errors
+    if not search.series.per_step:
+        search.learn(accurate.evaluation, unknowns_of(accurate.evaluation.problem))
     others = abs(asked.off[2 + 2 * (accurate.evaluation.problem.scene.losses is not None) :]).tolist()
     off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors), *others)
     for name, size in errors.items():

@@ -21,7 +21,7 @@ from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along, relax
-from screwsim.cycle.simultaneous import close_together
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -42,6 +42,7 @@ EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all th
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
+BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
 
 
 class Finer(NamedTuple):
@@ -136,11 +137,24 @@ def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSol
     slowly Newton's correction tells what they come to. With simultaneous closing, and where corrections are of no use,
     what shows it is the cycle closed again, finer.
     """
+    if _hidden(of, cycle):
+        together = _together(of.problem, machinery, wanted, cycle)
+        if together is not None:
+            return Finer([together])
+        machinery.put(cycle.trajectory)
     finer = NOTHING if cycle.needed or cycle.how == "coupled" else _finer_lives(of, machinery, wanted, cycle)
     if len(finer.lives) == 1 or _tells(of, finer):
         return finer
     closed = _finer_cycle(of.problem, machinery, wanted, cycle)
     return Finer([closed]) if closed is not None else finer
+
+
+def _hidden(of: Evaluation, cycle: CycleSolution) -> bool:
+    """Tell whether lives among the closed cycle's would repeat its error: turns that had to be corrected close it.
+
+    Where nothing is delivered all that a chamber holds comes from the others, whose errors a correction leaves alone.
+    """
+    return cycle.how == "histories" and cycle.tangents is not None and _filling(of.figures) < BARELY
 
 
 def _tells(of: Evaluation, finer: Finer) -> bool:
@@ -235,6 +249,13 @@ class _Lives:
         """Return the share that a correction left of the change before it; none where that is hardly any."""
         before, last = self.changes[-2:]
         return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / max(before, 1e-300)
+
+
+def _together(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures | None:
+    """Return the figures of all chambers closed together from a closed cycle, with finer steps; None where none do."""
+    wanted = replace(wanted, rtol=FINER * cycle.rtol)
+    finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+    return evaluate(problem, finer).figures if finer.status == "ok" else None
 
 
 def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures | None:

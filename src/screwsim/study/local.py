@@ -31,7 +31,7 @@ from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress, shown
 from screwsim.study.workers import DIED
 
-EXACT, DIFFERENCES = "exact", "differences"
+EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"
 STEP = 5e-3  # of a number, for differences of closed cycles ...
 ANGLE = math.radians(0.5)  # ... of an angle no more: half a percent of where a port opens is three degrees ...
 ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
@@ -45,8 +45,9 @@ class Sensitivities(Brief):
     """Derivatives of figures by numbers of a scene, at the point that it states.
 
     `derivatives` are those of each figure by the number at each path, SI units of one over those of the other; `values`
-    the numbers [SI], `units` their SI units, `method` how each one's were found, 'exact' or 'differences' (then `why`
-    says why), `left_out` which paths have none, and why. `result` is the point itself.
+    the numbers [SI], `units` their SI units, `method` how each one's were found, 'exact', 'quick' (as exact
+    ones, with fewer slices: good to 1e-3 mostly) or 'differences' (then `why` says why), `left_out` which paths have
+    none, and why. `result` is the point itself.
     """
 
     result: Result
@@ -139,7 +140,7 @@ def sensitivities(
         {path: value for path, value in values.items() if path in by_path},
         {path: _unit(leaves[path]) for path in values if path in by_path},
         {name: {path: by_path[path][name] for path in values if name in by_path.get(path, {})} for name in asked},
-        {path: DIFFERENCES if path in others else EXACT for path in values if path in by_path},
+        {path: DIFFERENCES if path in others else EXACT if fine else ROUGH for path in values if path in by_path},
         {path: why for path, why in others.items() if path in by_path},
         ({} if paths else left_out) | failed,
     )

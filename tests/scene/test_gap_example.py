@@ -1,0 +1,18 @@
+"""A length as small as a gap is told with an example of its size."""
+
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.inputs.faults import SceneError, UsageError
+
+PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
+
+
+@pytest.mark.parametrize(
+    ("path", "example"), [("effects.tip_leakage.gap", "27 um"), ("machine.rotor_diameter", "128 mm")]
+)
+def test_example_is_of_the_size_of_what_is_asked(path, example):
+    with pytest.raises((SceneError, UsageError), match=f"'5 bar' is not a length \\(write e.g. '{example}'\\)"):
+        screwsim.load(PAPER).with_({path: "5 bar"})
