@@ -10,7 +10,7 @@ import pytest
 
 OUTCOME = Path(__file__).parent / "mutate_outcome.json"
 STORED = json.loads(OUTCOME.read_text(encoding="utf-8"))
-SAMPLE = range(7, 2000, 41)  # numbers of mutants, of every kind
+SAMPLE = range(7, 2000, 67)  # numbers of mutants, of every kind
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -35,7 +35,10 @@ class Solids:
         A, R1, R2 = pair.centre_distance, pair.male_radius, pair.female_radius
         x, y = np.arange(-R1, A + R2, STEP), np.arange(-max(R1, R2), max(R1, R2), STEP)
         self.x, self.y = np.meshgrid(x, y)
-        self.male_bore, self.female_bore = np.hypot(self.x, self.y) < R1, np.hypot(self.x - A, self.y) < R2
+        from_male, from_female = np.hypot(self.x, self.y), np.hypot(self.x - A, self.y)
+        self.male_bore, self.female_bore = from_male < R1, from_female < R2
+        # no rotor reaches further, the thickness of its pixels included
+        self.around_male, self.around_female = from_male < R1 + FINE, from_female < R2 + FINE
 
     def in_male(self, x, y, psi):
         """Return which points [m] lie in the male rotor at ψ."""
@@ -56,8 +59,10 @@ class Solids:
 
     def free(self, psi):
         """Return the free pixels of a section at ψ."""
-        bores = self.male_bore | self.female_bore
-        return bores & ~self.in_male(self.x, self.y, psi) & ~self.in_female(self.x, self.y, psi)
+        found = self.male_bore | self.female_bore
+        for around, inside in ((self.around_male, self.in_male), (self.around_female, self.in_female)):
+            found[around] &= ~inside(self.x[around], self.y[around], psi)
+        return found
 
     def chamber(self, psi, lobe=0):
         """Return the pixels of the chamber ahead of male lobe `lobe` (1: the next one behind), as connected regions.
@@ -76,7 +81,9 @@ class Solids:
         found = set()
         for x, y in seeds:
             found.add(int(labels[self.row(y), self.column(x)]))
-        return np.isin(labels, sorted(found - {0}))
+        chosen = np.zeros(labels.max() + 1, dtype=bool)
+        chosen[sorted(found - {0})] = True
+        return chosen[labels]
 
     def row(self, y):
         """Return the row of the pixels at y [m]."""
