@@ -31,9 +31,14 @@ LONGEST = (
     "tests/effects/test_each_effect.py",
     "tests/study/test_cluster.py",
     "tests/study/test_accuracy_kept.py",
+    "tests/derivatives/test_against_differences.py",
     "tests/report/test_report.py",
-    "tests/validation/test_sources.py",
     "tests/laws/test_side_by_side.py",
+    "tests/study/test_kept_slopes.py",
+    "tests/study/test_optimize.py",
+    "tests/machine/rotors/test_solids.py",
+    "tests/hard/test_fuzz_fluids.py",
+    "tests/study/test_storage.py",
     "tests/explore/test_browser.py",
     "tests/explore/test_server.py",
     "tests/cli/test_process.py",
@@ -70,6 +75,7 @@ LONGEST = (
     "tests/study/test_notebook.py",
     "tests/laws/test_drive.py",
     "tests/validation/test_fits.py",
+    "tests/validation/test_sources.py",
 )
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
 gc.set_threshold(YOUNG, *gc.get_threshold()[1:])

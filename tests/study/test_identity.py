@@ -5,6 +5,8 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -79,18 +81,28 @@ def swept(folder: Path, chunks: int) -> str:
     return done.stdout.strip()
 
 
-@pytest.mark.parametrize("file", ["mine.py", "shared.py", "__init__.py"])
-def test_an_edited_effect_of_ones_own_is_refused_until_it_is_as_before(file, package, tmp_path):
+def test_an_edited_effect_of_ones_own_is_refused_until_it_is_as_before(package, tmp_path):
+    files = "mine.py", "shared.py", "__init__.py"
     assert swept(tmp_path, 1) == "stopped"
-    before = (package / file).read_text()
-    (package / file).write_text(before + "# other\n")
-    told = swept(tmp_path, 99)
-    assert f"out.h5.parts: holds results of this scene, but identity_effects/{file} has changed since; choose" in told
-    assert told.endswith("another -o to keep them (--restart computes them again)") and "\n" not in told
-    (package / file).write_text(before)
+    for file in files:
+        with edited(package / file):
+            told = swept(tmp_path, 99)
+        assert f"out.h5.parts: holds results of this scene, but identity_effects/{file} has changed since; " in told
+        assert told.endswith("; choose another -o to keep them (--restart computes them again)") and "\n" not in told
     assert int(swept(tmp_path, 99)) > 0
-    (package / file).write_text(before + "# other\n")
-    assert swept(tmp_path, 99).startswith("out.h5: holds results of this scene, but identity_effects/")
+    for file in files:
+        with edited(package / file):
+            told = swept(tmp_path, 99)
+        assert told.startswith(f"out.h5: holds results of this scene, but identity_effects/{file} has changed since")
+
+
+@contextmanager
+def edited(file: Path) -> Iterator[None]:
+    """Add a line to a file, and take it away afterwards."""
+    before = file.read_text()
+    file.write_text(before + "# other\n")
+    yield
+    file.write_text(before)
 
 
 def test_an_effect_that_another_import_made_anew_is_noted_anew(package, monkeypatch):

@@ -95,8 +95,13 @@ def test_plain_equations_import_nothing_of_the_package():
     }
 
 
-def test_plain_equations_agree_with_the_package_to_1e_6(compare_of):
-    """The point whose oil is carried, solved by both now; all points: as stored, at the figures of the package now."""
+@pytest.fixture(scope="module")
+def kept_plain(plain_tool):
+    return json.loads(plain_tool.KEPT.read_text(encoding="utf-8"))
+
+
+def test_plain_equations_agree_with_the_package_to_1e_6(compare_of, plain_tool, kept_plain):
+    """The point whose oil is carried: all figures kept of plain.py; all points: as stored. The package is run now."""
     module = compare_of("plain")
     points = module.points(VALIDATION / "plain")
     stored = [row for row in rows("plain") if "difference" in row["quantity"]]
@@ -106,7 +111,15 @@ def test_plain_equations_agree_with_the_package_to_1e_6(compare_of):
         assert row["quantity"].startswith(f"{point.name}: ") and row["ours"] <= 1e-6
         there = float(row["note"].split()[-2])  # of the plain equations, to eight digits
         assert ours["isothermal_efficiency"] == pytest.approx(there, rel=1e-6)
-    (carried,) = [point for point in points if "carried" in point.name]
-    now = module.compared(carried, module.plain_figures(module.machine_of(load(*carried.asked))))
+    carried = plain_tool.carried(module)
+    assert plain_tool.digest(module.machine_of(load(*carried.asked))) == kept_plain["digest"], plain_tool.REMEDY
+    now = module.compared(carried, kept_plain["figures"])
     # both are integrated to 1e-8 or better a step, at the same width of the root
     assert now.ours <= 1e-6
+
+
+@pytest.mark.around
+def test_kept_figures_are_those_of_the_plain_equations_solved_now(compare_of, plain_tool, kept_plain):
+    now = plain_tool.solved_now(compare_of("plain"))
+    assert now["digest"] == kept_plain["digest"], plain_tool.REMEDY
+    assert now["figures"] == pytest.approx(kept_plain["figures"], rel=1e-9), plain_tool.REMEDY  # the same steps
