@@ -417,7 +417,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "carried, 10 rpm": 200_000,
     "carried, 10000 rpm": 30_000,
     "carried, 240 rpm, fine": 1_500_000,
-    "carried, 250 rpm": 40_000,
+    "carried, 250 rpm": 100_000,
     "carried, 250 rpm, d = 0.09": 150_000,
     "carried, 250 rpm, fine": 1_500_000,
     "carried, 260 rpm, fine": 1_500_000,
