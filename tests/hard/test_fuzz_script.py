@@ -24,7 +24,7 @@ def fake(index, seed, drawn_from):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_scene_that_dies_or_hangs_is_one_row(jobs, monkeypatch):
     monkeypatch.setattr(fuzz, "one", fake)
-    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(6)), jobs, 1, 0, 1.5)}
+    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(6)), jobs, 1, 0, 3.0)}
     assert rows == {0: "failed", DIES: "crashed", 2: "failed", HANGS: "hung", 4: "failed", 5: "failed"}
 
 
