@@ -1,6 +1,5 @@
 """Modules of validation/ and scripts/, which are no part of the package."""
 
-import importlib.util
 from pathlib import Path
 
 import pytest
@@ -20,19 +19,10 @@ def compare_of():
 @pytest.fixture(scope="session")
 def page_script():
     """Return scripts/validation_page.py as a module."""
-    return _module(ROOT / "scripts" / "validation_page.py")
+    return sibling(ROOT / "scripts" / "validation_page.py")
 
 
 @pytest.fixture(scope="session")
 def plain_tool():
     """Return tests/tools/plain_figures.py as a module."""
-    return _module(ROOT / "tests" / "tools" / "plain_figures.py")
-
-
-def _module(path):
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return sibling(ROOT / "tests" / "tools" / "plain_figures.py")

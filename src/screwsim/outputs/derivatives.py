@@ -11,6 +11,7 @@ from screwsim.outputs import tables
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.figures import Figures, shown
 
+EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"  # methods
 SHOWN = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # those of them there are
 MOST = 15  # numbers in a text, those that count most first
 

@@ -9,6 +9,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_scales
 from screwsim.outputs import EFFICIENCY
+from screwsim.outputs.derivatives import DIFFERENCES
 from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results.write import save
@@ -16,7 +17,7 @@ from screwsim.scene import Scene, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
-from screwsim.study.local import DIFFERENCES, Sensitivities
+from screwsim.study.local import Sensitivities
 
 SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, where none is chosen
 MOST = 15  # numbers in the table, the most important first

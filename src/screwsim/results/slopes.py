@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.outputs import Figures, Variable, shown
-from screwsim.outputs.derivatives import Slopes
+from screwsim.outputs.derivatives import DIFFERENCES, Slopes
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes
 from screwsim.results.table import EXACT, VALUE
 
@@ -24,7 +24,7 @@ def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
     data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
     data[...] = [words.index(found.units[path]) for path in paths]
     layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), about_value())
-    exact = np.array([found.method[path] != "differences" for path in paths], np.int8)
+    exact = np.array([found.method[path] != DIFFERENCES for path in paths], np.int8)
     layout.variable(group, EXACT, exact, (NUMBER,), IS_EXACT)
     units = {each.name: each.units for each in shown(performance)}
     for figure, slopes in found.derivatives.items():

@@ -12,6 +12,7 @@ import numpy as np
 from screwsim.figures import declared, known, known_traces, merged
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
+from screwsim.outputs.derivatives import DIFFERENCES
 
 GROUPS = ("performance", "balance", "error", "numerics")
 Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
@@ -250,7 +251,7 @@ def _slopes(results: Sequence[Result]) -> dict[str, Any]:
     numbers = {path: unit for found in told.values() for path, unit in found.units.items()}
     slopes: dict[str, np.ndarray] = {}
     for row, found in told.items():
-        about = {VALUE: found.values, EXACT: {path: float(way != "differences") for path, way in found.method.items()}}
+        about = {VALUE: found.values, EXACT: {path: float(way != DIFFERENCES) for path, way in found.method.items()}}
         for name, by_path in {**about, **found.derivatives}.items():
             there = slopes.setdefault(name, np.full((len(results), len(numbers)), np.nan))
             there[row] = [by_path.get(path, np.nan) for path in numbers]

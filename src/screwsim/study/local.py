@@ -19,6 +19,7 @@ from screwsim.figures import declared
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
+from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths, value_at
@@ -31,7 +32,6 @@ from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress, shown
 from screwsim.study.workers import DIED
 
-EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"
 STEP = 5e-3  # of a number, for differences of closed cycles ...
 ANGLE = math.radians(0.5)  # ... of an angle no more: half a percent of where a port opens is three degrees ...
 ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
