@@ -121,7 +121,9 @@ class Course:
             gap = STEEP * float(_distances(cycles[-1].parameters, parameters))
         contraction, tangents = (1.0, None) if self._last is None else (self._last.contraction, self._last.tangents)
         hope = Hope((float(values[n]), float(values[n + 1])), gap, self._share, contraction)
-        return Guess(values[:n], values[n + 2 :], hope, tangents if cycles[-1] is self._cycles[-1] else None)
+        if tangents is not None:
+            tangents = tangents._replace(elsewhere=True) if cycles[-1] is self._cycles[-1] else None
+        return Guess(values[:n], values[n + 2 :], hope, tangents)
 
 
 def _angles(c: Composition) -> tuple[float, ...]:

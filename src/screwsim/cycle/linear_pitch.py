@@ -18,7 +18,8 @@ class Tangents(NamedTuple):
     `enter` (N, N) is the injection of oil at its start. Over a slice, (slices, N, …): `step` takes a change to its end,
     `gain` a source there; sources are `ahead`, what the chambers ahead changed, and `by_unknowns` (…, u). Of the
     quadratures, (slices, q, …): `sums` what a change at a slice's start adds, `sums_gain` a source, `sums_by_unknowns`
-    the unknowns at unchanged states. `around` (N, N) is the inverse of 1 − the map of a pitch.
+    the unknowns at unchanged states. `around` (N, N) is the inverse of 1 − the map of a pitch. Those of another scene's
+    cycle are from `elsewhere`.
     """
 
     edges: Array
@@ -31,6 +32,7 @@ class Tangents(NamedTuple):
     sums_gain: Array
     sums_by_unknowns: Array
     around: Array
+    elsewhere: bool = False
 
     @property
     def middles(self) -> Array:

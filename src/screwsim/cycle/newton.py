@@ -128,6 +128,11 @@ class Corrections:
         """Were the last ones corrected?"""
         return self.tangents is not None
 
+    @property
+    def borrowed(self) -> bool:
+        """Are the tangents of another scene's cycle?"""
+        return self.tangents is not None and self.tangents.elsewhere
+
     def due(self, slow: bool, moved: float, near: bool = False) -> bool:
         """Tell whether what was just integrated, and moved the coordinates by `moved`, is to be corrected.
 

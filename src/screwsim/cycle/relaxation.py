@@ -45,6 +45,7 @@ LASTING = 0.9  # the same, above which near the end it is noise of the steps
 FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
 QUICK = 0.2  # change of a turn over that of the one before, below which what is to come follows from it
+UNSEEN = 0.1  # share of a turn's change that corrections may miss before a second one has shown it
 FORESEEN = 1.5  # tolerances: what a correction may tell to be still to come
 HEAVIER = 2.0  # weight of what is to come of the unknowns: an energy balance with much oil hangs on its temperature
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
@@ -118,7 +119,7 @@ class _Turns:
         self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
         self.before = 1.0, 1.0  # gap, and change of the states, of the turn before
-        self.corrected = False  # was the last turn?
+        self.corrected = self.led = False  # was the last turn, and the one before it?
         self.open: Residuals | None = None  # what a turn of the finest steps left open
         self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
@@ -131,7 +132,7 @@ class _Turns:
         """Integrate a turn and measure what it changed; return where it stopped, None where it came to its end."""
         problem, machinery = self.problem, self.machinery
         self.point, self.steps_before = self.vector(self.met), int(machinery.kept[1])
-        self.corrected = False
+        self.corrected, self.led = False, self.corrected
         self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
         status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
         if status != 0:
@@ -231,7 +232,8 @@ class _Turns:
                 self.accelerate.restart()
             if found is not None and found.share == 1.0:
                 work = abs(found.work) / max(abs(self.q[0]), self.least_work)
-                self.left = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
+                told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
+                self.left = max(told, self.gap * self._missed())
             return found
         if not begun:
             if self.number > (1 if self.guessed else 2):
@@ -239,6 +241,18 @@ class _Turns:
             if self.contraction < QUICK:
                 self.left = self.gap * self.contraction / (1.0 - self.contraction)
         return None
+
+    def _missed(self) -> float:
+        """Return the share of a turn's change that corrections miss by tangents of another cycle, which may be far off.
+
+        What they miss is repeated by turns: two corrected ones tell how much of it.
+        """
+        if not self.corrections.borrowed:
+            return 0.0
+        if not self.led:
+            return UNSEEN
+        ratio = self.gap / self.before[0]
+        return ratio / (1.0 - ratio) if ratio < LASTING else 0.0
 
     def refine(self) -> None:
         """Refine the steps where corrected turns near the end make no progress: what they correct is their noise."""
