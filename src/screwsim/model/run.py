@@ -24,6 +24,7 @@ from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PL
 from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.compiling import seconds_again
 from screwsim.numerics.integrators import Check
+from screwsim.numerics.room import room
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
 MOST_CONTEXTS = 6  # remembered
@@ -77,7 +78,7 @@ class Machinery:
     @staticmethod
     def new_history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
         """Return arrays for a history: times, dense output of n columns, quadratures."""
-        return np.zeros(steps + 1), np.zeros((steps, 4, n)), np.zeros((steps, nq))
+        return room(steps + 1), room(steps, 4, n), room(steps, nq)
 
     @property
     def context(self) -> Context:

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
@@ -113,6 +113,7 @@ def describe(kind: Kind) -> str:
     return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
 
+@lru_cache(maxsize=512)
 def tidy_unit(unit: str) -> str:
     """Return a unit in the table's spelling: 'W/m²/K' gives 'W/(m^2 K)'."""
     for old, new in _SPELLINGS.items():

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -42,7 +42,7 @@ class Place:
 
     def at(self, line: int, column: int) -> Place:
         """Return another position in the same source."""
-        return replace(self, line=line, column=column) if self.line else self
+        return Place(self.rank, self.source, line, column, self.folder) if self.line else self
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,8 @@ class _Converter:
                 self.problems.append(Problem(place, join(path, name), what))
                 continue
             seen[name] = place
-            yield name, replace(self.convert(child, join(path, name)), key=place)
+            made = self.convert(child, join(path, name))
+            yield name, Node(made.value, made.place, place)
 
 
 def whole_letters(text: str) -> str:
