@@ -10,25 +10,28 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.effects.base import FlowPath
 from screwsim.model.composition import Composition
-from screwsim.model.slots import BETWEEN, P_INJECTION, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
+from screwsim.model.slots import BETWEEN, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 LEAST = 1e-300  # of what something is divided by
+NEARLY = 1e-6  # rad
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 
 
 class Residuals(NamedTuple):
     """Relative residuals of gas mass, energy and oil mass over one life (M37–M39).
 
-    The last is that of the oil where there is little of it: as a share of the trapped gas.
+    The last two: that of the oil where there is little of it, as a share of the trapped gas; carried oil itself [kg].
     """
 
     mass: float
     energy: float
     oil: float
     oil_share: float
+    oil_left: float
 
     @property
     def largest(self) -> float:
@@ -57,20 +60,40 @@ def mass_in(c: Composition, q: Array) -> float:
 
 
 def met_across(problem: Problem) -> bool:
-    """Tell whether the net gas flow is taken where it crosses the injection angle (`crossed`), not at the port."""
-    return bool(problem.composition.offsets) and not problem.parts.geometry.expands
+    """Tell whether the net gas flow is taken where it crosses an angle (`crossed`), not at the port."""
+    return bool(problem.composition.offsets) and not problem.parts.geometry.expands and _parted(problem) is not None
+
+
+def left_late(problem: Problem) -> bool:
+    """Tell whether chambers leave the suction line later than at the injection angle: by a slide's slot, by a bore."""
+    at = _parted(problem)
+    return at is None or at > problem.parts.geometry.injection_angle
+
+
+def _parted(problem: Problem) -> float | None:
+    """Return the angle [rad] beyond which no wide opening leads to the suction line; None where one does to the end.
+
+    It is the injection angle, or where what else is open to that line has closed: the slot of a slide, a bore.
+    """
+    parts, at, opens = problem.parts, problem.parts.geometry.injection_angle, problem.parts.geometry.discharge_opens
+    wide = [path for _, path in parts.all(FlowPath) if path.to == "suction" and not path.narrow]
+    closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
+    if closed <= at + NEARLY:
+        return at
+    return closed if opens is None or closed < opens else None
 
 
 def crossed(problem: Problem, life: Trajectory) -> float:
-    """Return the gas [kg] a life by which what is sucked differs from what goes on beyond the injection angle.
+    """Return the gas [kg] a life by which what is sucked differs from what goes on beyond where the line is left.
 
     A chamber meets those ahead as they were a turn before, so that what it gets from them is not quite what they give
     to those behind. Between chambers that are open to one line Δp is a few pascals, and both are off by the error of
-    the pressure; what crosses the injection angle is not.
+    the pressure; what crosses the angle at which chambers leave it is not.
     """
-    c, at, pitch = problem.composition, float(life.composition.P[P_INJECTION]), problem.parts.geometry.pitch
-    gained = 0.0
-    for i, offset in enumerate(c.offsets) if met_across(problem) else ():
+    if not met_across(problem):
+        return 0.0
+    c, at, pitch, gained = problem.composition, _parted(problem) or 0.0, problem.parts.geometry.pitch, 0.0
+    for i, offset in enumerate(c.offsets):
         ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
         gained += life.sum_until(at, ahead) + life.sum_until(at + offset * pitch, behind)
     return gained
@@ -90,7 +113,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     enthalpy = [each - h * m for each, m in zip(heat, mass, strict=True)]
     energy = sum(enthalpy) + work - pushed_of(c, q)
     scale = sum(map(abs, enthalpy)) + abs(work)
-    oil = oil_share = 0.0
+    oil = oil_share = lost = 0.0
     if c.carried and part is not None:
         injected = float(R[R_INJECTED])
         T_oil = part.temperature + problem.pressed(max(part.source_pressure, float(R[R_PRESSURE])))
@@ -108,7 +131,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
         energy, scale = energy + sum(heats), scale + sum(map(abs, heats))
     mass_scale = max(trapped, 0.5 * sum(map(abs, mass)), LEAST)
     open_energy = abs(energy) / max(scale, LEAST_WORK * trapped * problem.pv, LEAST)
-    return Residuals(abs(sum(mass)) / mass_scale, open_energy, oil, oil_share)
+    return Residuals(abs(sum(mass)) / mass_scale, open_energy, oil, oil_share, lost)
 
 
 def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:

@@ -36,7 +36,14 @@ FIGURES = (
     Figure("separator_temperature", "K", "temperature of gas and oil in the separator"),
     Figure("oil_supply_temperature", "K", "temperature of the injected oil"),
     power_figure(DUTY, "heat that the oil cooler takes"),
-    Figure("oil_flow_volume", "m3 s-1", "injected oil by volume", Scale(1e-7, ("gas_mass_flow",)), shown="L min-1"),
+    Figure(
+        "oil_flow_volume",
+        "m3 s-1",
+        "injected oil by volume",
+        Scale(1e-7, ("gas_mass_flow",)),
+        by_oil=True,
+        shown="L min-1",
+    ),
     Figure(
         "oil_circuit_residual",
         "1",

@@ -44,15 +44,18 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     return Figures(errors)
 
 
-def flow_errors(found: Figures, lost: float) -> Figures:
-    """Return what a relative error of the net gas flow, `lost`, makes of the figures that go with it."""
+def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
+    """Return what a relative error of a flow, `lost`, makes of the figures that are declared to err as it does.
+
+    `by` names what they declare: `by_flow` or `by_oil` (`outputs.Figure`).
+    """
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
     sizes: dict[str, float] = {}
     of_powers: float | None = None  # they share one scale
     for name, value in known.items():
         each = about.get(name) or declared(name, found)
-        if not each.by_flow:
+        if not getattr(each, by):
             continue
         if each.scale is not POWER:
             size = error_scale(name, each.scale, known)

@@ -55,7 +55,8 @@ class Figure:
     """A figure of a result: name, unit (SI, CF style), meaning, and what its estimated error is relative to.
 
     `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
-    declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does.
+    declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does,
+    `by_oil`: as the flow of injected oil.
     `shown` is the unit in which people write it (`engineering.SCALES`), where that is not the one of its SI unit.
     """
 
@@ -65,6 +66,7 @@ class Figure:
     scale: Scale = ITSELF
     needs: tuple[str, ...] = ()
     by_flow: bool = False
+    by_oil: bool = False
     shown: str = ""
 
 

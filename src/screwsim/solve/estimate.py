@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.balances import mass_in, met_across
+from screwsim.cycle.balances import left_late, mass_in, met_across, residuals
 from screwsim.cycle.close import again
 from screwsim.cycle.coordinates import NEAR
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
@@ -29,6 +29,7 @@ from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import R_TRAPPED
+from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
 FINER = 0.25  # tolerance of a step in the turn that estimates the error
@@ -72,11 +73,26 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     left = cycle.left if len(finer.lives) == 1 else 0.0  # more than one life shows it
     for name, size in errors.items():
         errors[name] = whole * size + left if size is not None else None
-    flow = found["gas_mass_flow"]
-    lost = 0.0 if not flow or met_across(of.problem) else abs(mass_in(c, cycle.q) * of.problem.rate / flow)
-    for name, size in flow_errors(found, lost).items():
-        errors[name] = (errors[name] or 0.0) + (size or 0.0)
+    for by, lost in _left_open(of, cycle.q).items():
+        for name, size in flow_errors(found, lost, by).items():
+            errors[name] = (errors[name] or 0.0) + (size or 0.0)
     return errors
+
+
+def _left_open(of: Evaluation, q: Array) -> dict[str, float]:
+    """Return what a life leaves open of gas and carried oil, over the flows whose figures err by that.
+
+    What gaps between chambers that are open to the suction line err by, the line makes good. Neither the net flow nor
+    the injected oil knows of it, where it is taken beyond; oil is injected before a slide's slot has closed.
+    """
+    problem, lost = of.problem, {}
+    flow, oil = of.figures["gas_mass_flow"], of.figures.get("oil_mass_flow")
+    if flow and not met_across(problem):
+        lost["by_flow"] = abs(mass_in(problem.composition, q) * problem.rate / flow)
+    if oil and problem.composition.carried and left_late(problem):
+        left = of.left or residuals(problem, of.life.R, q)
+        lost["by_oil"] = left.oil_left * problem.rate / abs(oil)
+    return lost
 
 
 def _shown(found: Figures, finer: Finer, least: tuple[float, float]) -> Figures:
