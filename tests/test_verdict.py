@@ -1,20 +1,48 @@
 """What may help follows from which limit a gas's equation has met, whatever the gas's words for it are."""
 
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from screwsim.cycle.problem import Problem, problem_of
 from screwsim.evaluate.verdict import REMEDIES, refused
 from screwsim.fluid.limits import Limit, Outside
+from screwsim.scene import load
+
+CONFIGS = Path(__file__).parents[1] / "configs"
 
 
-def a_gas(limit: Limit, what: str):
-    return SimpleNamespace(first_outside=lambda T, rho: 0, why_outside=lambda T, rho: Outside(limit, what))
+def outside(scene: str, limit: Limit, what: str) -> Problem:
+    """Return the problem of a scene whose gas is outside a limit, whatever its state."""
+    problem = problem_of(load(CONFIGS / scene))
+    gas = SimpleNamespace(first_outside=lambda T, rho: 0, why_outside=lambda T, rho: Outside(limit, what))
+    return replace(problem, parts=replace(problem.parts, gas=gas))
 
 
 @pytest.mark.parametrize("limit", Limit)
 def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     words = "the highest and the lowest of it"
     life = SimpleNamespace(times=np.radians([0.0, 90.0]), ends=(np.ones(1), np.ones(1)))
-    assert refused(a_gas(limit, words), life) == f"at 90.00 deg {words}; {REMEDIES[limit]}"
+    problem = outside("paper/point.yaml", limit, words)
+    assert refused(problem, life) == f"at 90.00 deg {words}; {REMEDIES[limit](problem)}"
+
+
+@pytest.mark.parametrize(
+    ("scene", "remedy"),
+    [
+        (
+            "paper/point.yaml",
+            "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks",
+        ),
+        ("expander/point.yaml", "use cooler gas in the suction line, or a lower pressure there"),
+        (
+            "slider_crank/air.yaml",
+            "use cooler gas in the suction line, a wider discharge port, a larger machine.clearance or smaller leaks",
+        ),
+    ],
+)
+def test_what_cools_is_of_what_the_machine_has(scene, remedy):
+    assert {REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.HOT, Limit.PRESSED)} == {remedy}

@@ -205,7 +205,7 @@ def _refused(problem: Problem, accurate: Accurate) -> str:
     found = own_effects.impossible(problem, cycle)
     if not found and cycle.status == "failed":
         found = verdict.failure(problem, cycle)
-    found = found or verdict.refused(problem.parts.gas, life) or feedback.at_its_end(problem, life)
+    found = found or verdict.refused(problem, life) or feedback.at_its_end(problem, life)
     if not found and cycle.status == "ok":
         found = feedback.line_left_open(problem, life, cycle.q)
     return found + "".join(f"; {words}" for words in plausible.shut_ways(problem.scene, problem.parts)) if found else ""

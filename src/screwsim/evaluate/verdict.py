@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,8 +12,8 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import OilRoom, Separator, Stops
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.fluid.gas import Gas
 from screwsim.fluid.limits import Limit, Outside
+from screwsim.machine.kinds import find_machine
 from screwsim.model.impacts import MOST_IMPACTS
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK
@@ -20,14 +21,15 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
-LESS = "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks"
-REMEDIES = {  # of the limits of an equation of state
-    Limit.HOT: LESS,
-    Limit.PRESSED: LESS,
-    Limit.COLD: "use warmer suction gas or oil, or a wider suction port",
-    Limit.WET: "use warmer oil or gas, or gas.two_phase: equilibrium",
-    Limit.GLIDING: "use warmer oil or gas",
-    Limit.CRITICAL: "use a wider discharge port, a larger machine.volume.min, a lower discharge pressure or warmer oil",
+REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equation of state
+    Limit.HOT: lambda problem: _cooler(problem),
+    Limit.PRESSED: lambda problem: _cooler(problem),
+    Limit.COLD: lambda _: "use warmer suction gas or oil, or a wider suction port",
+    Limit.WET: lambda _: "use warmer oil or gas, or gas.two_phase: equilibrium",
+    Limit.GLIDING: lambda _: "use warmer oil or gas",
+    Limit.CRITICAL: lambda _: (
+        "use a wider discharge port, a larger machine.volume.min, a lower discharge pressure or warmer oil"
+    ),
 }
 
 HOT = 1000.0  # [K] beyond what a machine stands
@@ -36,17 +38,29 @@ RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds 
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
-def refused(gas: Gas, life: Trajectory) -> str:
+def refused(problem: Problem, life: Trajectory) -> str:
     """Return where and why a closed cycle leaves what the gas's equation covers; empty when it does not."""
-    T, rho = life.ends
+    (T, rho), gas = life.ends, problem.parts.gas
     i = gas.first_outside(T, rho)
     found = None if i is None else gas.why_outside(float(T[i]), float(rho[i]))
-    return "" if i is None or found is None else f"at {math.degrees(life.times[i + 1]):.2f} deg {_remedied(found)}"
+    if i is None or found is None:
+        return ""
+    return f"at {math.degrees(life.times[i + 1]):.2f} deg {_remedied(problem, found)}"
 
 
-def _remedied(found: Outside) -> str:
+def _remedied(problem: Problem, found: Outside) -> str:
     """Return which limit of its gas a state violates, with the remedy."""
-    return f"{found.what}; {REMEDIES[found.limit]}"
+    return f"{found.what}; {REMEDIES[found.limit](problem)}"
+
+
+def _cooler(problem: Problem) -> str:
+    """Return what helps where gas gets too hot, or its pressure too high, of what the machine has."""
+    oil = "more or cooler oil" if problem.parts.oil is not None else "cooler gas in the suction line"
+    if problem.parts.geometry.expands:
+        return f"use {oil}, or a lower pressure there"
+    dead, _ = find_machine(problem.scene.machine.kind).dead_volume(problem.scene.machine)
+    larger = f", a larger {dead}" if dead else ""
+    return f"use {oil}, a wider discharge port{larger} or smaller leaks"
 
 
 def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
@@ -110,8 +124,8 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
         reason = gas.why_outside(float(T), float(rho))
         if reason is not None:
             angle = cycle.angle + i * problem.parts.geometry.pitch
-            return f"the integration stopped at {math.degrees(angle):.2f} deg: {_remedied(reason)}"
-    elsewhere = refused(problem.parts.gas, cycle.trajectory)
+            return f"the integration stopped at {math.degrees(angle):.2f} deg: {_remedied(problem, reason)}"
+    elsewhere = refused(problem, cycle.trajectory)
     if elsewhere:  # a chamber that gas of such a state reaches through a leak
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"
     return (
