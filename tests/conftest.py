@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -119,6 +120,27 @@ def browser():
         found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         yield found
         found.close()
+
+
+@pytest.fixture(scope="session")
+def sketch() -> Callable[[Any, Path, str], list[str]]:
+    """Return what stands for `report.style.write`: all that a figure holds is drawn, but small, once, as it lies."""
+
+    def write(figure: Any, folder: Path, name: str) -> list[str]:
+        figure.set_dpi(30)
+        figure.set_layout_engine("none")
+        paths = [folder / f"{name}.{form}" for form in ("png", "pdf")]
+        figure.canvas.print_png(paths[0])
+        shutil.copy(paths[0], paths[1])
+        return [str(path) for path in paths]
+
+    return write
+
+
+@pytest.fixture
+def sketched(monkeypatch: pytest.MonkeyPatch, sketch: Callable[[Any, Path, str], list[str]]) -> None:
+    """Sketch figures where a test asks which there are; how they are written is asked in tests/cli/test_rotors.py."""
+    monkeypatch.setattr("screwsim.report.style.write", sketch)
 
 
 @pytest.fixture
