@@ -81,8 +81,11 @@ LONGEST = (
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
 gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
-# workers of sweeps start afresh beside pytest-xdist's threads: from a process that has imported what they need
-multiprocessing.get_context("forkserver").set_forkserver_preload(["screwsim.simulate", "screwsim.study.sweep"])
+# workers of sweeps start afresh beside pytest-xdist's threads, and commands that tests look at from outside (apart.py):
+# from a process that has imported what they need
+sys.path.insert(0, str(Path(__file__).parent / "tools"))
+NEEDED = "screwsim.simulate", "screwsim.study.sweep", "screwsim.cli", "screwsim.results", "h5py", "rich.table"
+multiprocessing.get_context("forkserver").set_forkserver_preload([*NEEDED])
 
 WHOLE = re.compile(r"^pytestmark = (\[[^]]*\]|.*)", re.MULTILINE)  # marks of a whole file
 SOURCES = str(Path(__file__).parents[1] / "src")
