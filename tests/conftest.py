@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -80,8 +81,11 @@ LONGEST = (
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
 gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
-# workers of sweeps start afresh beside pytest-xdist's threads: from a process that has imported what they need
-multiprocessing.get_context("forkserver").set_forkserver_preload(["screwsim.simulate", "screwsim.study.sweep"])
+# workers of sweeps start afresh beside pytest-xdist's threads, and commands that tests look at from outside (apart.py):
+# from a process that has imported what they need
+sys.path.insert(0, str(Path(__file__).parent / "tools"))
+NEEDED = "screwsim.simulate", "screwsim.study.sweep", "screwsim.cli", "screwsim.results", "h5py", "rich.table"
+multiprocessing.get_context("forkserver").set_forkserver_preload([*NEEDED])
 
 WHOLE = re.compile(r"^pytestmark = (\[[^]]*\]|.*)", re.MULTILINE)  # marks of a whole file
 SOURCES = str(Path(__file__).parents[1] / "src")
@@ -119,6 +123,27 @@ def browser():
         found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         yield found
         found.close()
+
+
+@pytest.fixture(scope="session")
+def sketch() -> Callable[[Any, Path, str], list[str]]:
+    """Return what stands for `report.style.write`: all that a figure holds is drawn, but small, once, as it lies."""
+
+    def write(figure: Any, folder: Path, name: str) -> list[str]:
+        figure.set_dpi(30)
+        figure.set_layout_engine("none")
+        paths = [folder / f"{name}.{form}" for form in ("png", "pdf")]
+        figure.canvas.print_png(paths[0])
+        shutil.copy(paths[0], paths[1])
+        return [str(path) for path in paths]
+
+    return write
+
+
+@pytest.fixture
+def sketched(monkeypatch: pytest.MonkeyPatch, sketch: Callable[[Any, Path, str], list[str]]) -> None:
+    """Sketch figures where a test asks which there are; how they are written is asked in tests/cli/test_rotors.py."""
+    monkeypatch.setattr("screwsim.report.style.write", sketch)
 
 
 @pytest.fixture

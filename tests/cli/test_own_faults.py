@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import apart
 import pytest
 
 import screwsim.simulate  # noqa: F401 - the module, not the function of that name
@@ -116,9 +117,9 @@ def test_an_end_of_a_check_fails_its_case(jobs, own, command):
     ],
 )
 @pytest.mark.parametrize("verb", ["run", "sweep"])
-def test_a_death_of_the_process_is_told_with_the_effects_of_ones_own(verb, place, death, how, own, folder, python):
+def test_a_death_of_the_process_is_told_with_the_effects_of_ones_own(verb, place, death, how, own, folder):
     name = own(**{place: death})
-    answer = python("-m", "screwsim", verb, "ends.yaml" if verb == "sweep" else "ended.yaml", "-o", "out.h5")
+    answer = apart.ended(apart.command, verb, "ends.yaml" if verb == "sweep" else "ended.yaml", "-o", "out.h5")
     assert (answer.code, answer.out) == (2, "")
     [line] = answer.err.splitlines()
     assert line.startswith(f"effects.{name}: a process that built, compiled and ran them died {how}; mend the module")

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from screwsim.cli import exit_code
-from screwsim.report import rotors_scene
+from screwsim.report import rotors_scene, style
 from screwsim.scene import load
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -36,13 +36,17 @@ class Written(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory) -> Callable[[str | Path], Written]:
-    """Return a function that gives what was written of a scene, once for all tests."""
+def written(tmp_path_factory, sketch) -> Callable[[str | Path], Written]:
+    """Return a function that gives what was written of a scene, once for all tests; figures of others than B small."""
 
     @cache
     def write(scene: str) -> Written:
         folder = tmp_path_factory.mktemp("rotors")
-        with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as stack:
+            out = stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
+            err = stack.enter_context(contextlib.redirect_stderr(io.StringIO()))
+            if scene != B:
+                patch.setattr(style, "write", sketch)
             code = exit_code(["rotors", scene, "-o", str(folder), "--json"])
         return Written(code, json.loads(out.getvalue()), err.getvalue(), folder)
 

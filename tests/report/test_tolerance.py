@@ -24,7 +24,7 @@ def test_all_text_lies_inside_the_figure(name):
     assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
 
 
-def test_all_figures_are_written(tmp_path):
+def test_all_figures_are_written(sketched, tmp_path):
     written = figures.draw_tolerance(ALPHA, NOMINAL, POINTS, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.rpartition("/")[2] for path in written)
     assert len(written) == 6

@@ -15,11 +15,13 @@ from pathlib import Path
 
 import numpy as np
 from result_fakes import CYCLE, SCENE, fake_simulate, scene
+from result_fakes import GRID as GRID_OF_FAKES
 
 import screwsim
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
-from screwsim.scene import Scene
+from screwsim.scene import Scene, loads
 from screwsim.study.sweep import run_sweep
 
 HERE = Path(__file__).parent
@@ -163,6 +165,16 @@ def start(output: Path, jobs: int, simulator: str = "slow") -> subprocess.Popen:
     call = f"f.run_sweep(f.grid_scene(), {str(output)!r}, jobs={jobs}, simulate_many=f.{simulator})"
     command = [sys.executable, "-c", f"import sweep_fakes as f; {call}"]
     return subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE)
+
+
+def sweep_of_mine(chunks: int) -> None:
+    """Sweep over a scene with the effect identity_effects.mine, stopped after some chunks; print what comes of it."""
+    sys.dont_write_bytecode = True
+    own = loads(SCENE + "  identity_effects.mine:\n" + GRID_OF_FAKES)
+    try:
+        print(run_sweep(own, "out.h5", jobs=1, simulate=fake_simulate, progress=StopAfter(chunks)).reused)
+    except (KeyboardInterrupt, UsageError) as error:
+        print(str(error) or "stopped")
 
 
 def swept_with(pids: Path, output: Path) -> None:

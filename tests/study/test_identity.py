@@ -3,16 +3,16 @@
 import importlib
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import apart
 import h5py
 import pytest
 from result_fakes import GRID, SCENE, fake_simulate, scene
-from sweep_fakes import StopAfter, assert_same, forbidden, grid_scene
+from sweep_fakes import StopAfter, assert_same, forbidden, grid_scene, sweep_of_mine
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors import rotors
@@ -40,22 +40,6 @@ def build(parameters, machine):
 EFFECT = Effect(name="mine", title="a hole", equations=("M12",), source="none", parameters=Parameters, build=build)
 """
 AREAS = "angle_deg,area_m2\n0,0\n300,{}\n600,0\n"
-RUN = """\
-import sys
-sys.path.insert(0, {tests!r})
-from result_fakes import GRID, SCENE, fake_simulate
-from sweep_fakes import StopAfter
-from screwsim.inputs.faults import UsageError
-from screwsim.scene import loads
-from screwsim.study.sweep import run_sweep
-scene = loads(SCENE + "  identity_effects.mine:\\n" + GRID)
-try:
-    print(run_sweep(scene, "out.h5", jobs=1, simulate=fake_simulate, progress=StopAfter({chunks})).reused)
-except (KeyboardInterrupt, UsageError) as error:
-    print(str(error) or "stopped")
-"""
-
-
 @pytest.fixture
 def package(tmp_path, monkeypatch) -> Path:
     """Make a package of own effects in the working folder."""
@@ -68,31 +52,25 @@ def package(tmp_path, monkeypatch) -> Path:
     return folder
 
 
-def swept(folder: Path, chunks: int) -> str:
+def swept(chunks: int) -> str:
     """Sweep in a process of its own, stopped after some chunks; return what it says."""
-    here = Path(__file__).parent
-    program = RUN.format(tests=str(here), chunks=chunks).replace(
-        "from result_fakes", f"sys.path.insert(0, {str(here.parent / 'results')!r})\nfrom result_fakes"
-    )
-    package = str(Path(sources.__file__).parents[2])
-    environment = os.environ | {"PYTHONPATH": package, "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run([sys.executable, "-c", program], env=environment, cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.strip()
+    done = apart.ended(sweep_of_mine, chunks)
+    assert done.code == 0, done.err
+    return done.out.strip()
 
 
 def test_an_edited_effect_of_ones_own_is_refused_until_it_is_as_before(package, tmp_path):
     files = "mine.py", "shared.py", "__init__.py"
-    assert swept(tmp_path, 1) == "stopped"
+    assert swept(1) == "stopped"
     for file in files:
         with edited(package / file):
-            told = swept(tmp_path, 99)
+            told = swept(99)
         assert f"out.h5.parts: holds results of this scene, but identity_effects/{file} has changed since; " in told
         assert told.endswith("; choose another -o to keep them (--restart computes them again)") and "\n" not in told
-    assert int(swept(tmp_path, 99)) > 0
+    assert int(swept(99)) > 0
     for file in files:
         with edited(package / file):
-            told = swept(tmp_path, 99)
+            told = swept(99)
         assert told.startswith(f"out.h5: holds results of this scene, but identity_effects/{file} has changed since")
 
 
