@@ -1,6 +1,7 @@
 """The ideal gas: its laws, and its constants against CoolProp."""
 
 import math
+from itertools import count
 
 import numpy as np
 import pytest
@@ -91,6 +92,7 @@ def test_isentropic_work_tends_to_isothermal_work_as_k_tends_to_one():
 def fresh(monkeypatch, tmp_path):
     """Let `constants` ask CoolProp anew, into an empty cache folder."""
     monkeypatch.setenv("SCREWSIM_CACHE", str(tmp_path))
+    monkeypatch.setattr(constants, "_answered", count())
     constants._known.cache_clear()
     yield tmp_path
     constants._known.cache_clear()
@@ -177,6 +179,14 @@ def test_answers_about_many_conditions_fill_neither_memory_nor_disk(fresh, monke
     assert 20 < len(constants._known()) < 50 and not path.exists()  # full: what it held serves this process
     assert [constants.dew_pressure("R134a", 250.0 + 0.5 * step) for step in range(80)] == asked
     assert path.stat().st_size < 2200
+
+
+def test_a_sweep_leaves_others_the_answers_that_it_asked_for_first(fresh, monkeypatch):
+    monkeypatch.setattr(constants, "_LEFT", 3)
+    for step in range(8):
+        constants.dew_pressure("R134a", 250.0 + step)
+    constants._known.cache_clear()
+    assert len(constants._known()) == 3
 
 
 def test_saturation_is_coolprops(fresh):

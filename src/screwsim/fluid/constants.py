@@ -3,8 +3,8 @@
 Of a blend CoolProp is not asked, but `blend_border`. Importing CoolProp costs seconds, so that a question is asked
 once. The file has one answer a line, appended whole: many processes may write it, and what a torn or damaged line held
 is asked again. It is named by CoolProp's version, so that a new version is asked anew. Neither the file nor the memory
-grows with a sweep over conditions: full, the file is begun anew by the next process, and the oldest answers in memory
-make room.
+grows with a sweep over conditions: a process leaves its first answers to others, full, the file is begun anew by the
+next process, and the oldest answers in memory make room.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from itertools import count
 from typing import Any, NamedTuple
 
 from screwsim.fluid.blend_border import BlendBorder, blend_border
@@ -28,6 +29,7 @@ from screwsim.numerics.store import append_line, read_lines
 
 _FULL = 250_000  # [byte] of the file; it is read at every start
 _MOST = 5000  # answers in memory
+_LEFT = 200  # answers of a process that go into the file: what its scenes ask at their start
 _alone = threading.RLock()  # a state of CoolProp is set and then read
 
 
@@ -50,6 +52,9 @@ def _file() -> str:
     return f"coolprop-{_version()}.answers"
 
 
+_answered = count()  # answers of this process that were asked for
+
+
 @cache
 def _known() -> dict[str, Any]:
     return dict(json.loads(line) for line in read_lines(_file(), _FULL))
@@ -66,7 +71,8 @@ def _ask(key: str, question: Callable[[], Any]) -> Any:
             while len(known) >= _MOST:
                 del known[next(iter(known))]
             known[key] = answer
-            append_line(_file(), json.dumps([key, answer]), _FULL)
+            if next(_answered) < _LEFT:
+                append_line(_file(), json.dumps([key, answer]), _FULL)
         return known[key]
 
 
