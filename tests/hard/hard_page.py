@@ -10,9 +10,9 @@ from case import Case
 from hard_cases import CASES
 
 OUTCOME = Path(__file__).parent / "fuzz_outcome.json"
-AGAIN = Path(__file__).parent / "fuzz_again_outcome.json"  # of the first of them, drawn again later
 OF_FLUIDS = Path(__file__).parent / "fuzz_fluids_outcome.json"
 OF_EFFECTS = Path(__file__).parent / "fuzz_effects_outcome.json"
+OF_COURSES = Path(__file__).parent / "fuzz_courses_outcome.json"
 RADAU = Path(__file__).parent / "against_radau.json"
 OF_STEPS = 1e-3  # tolerance of a step over the wanted accuracy
 COLD = "guess"  # from where Radau begins as the case does
@@ -78,12 +78,6 @@ RANDOM = """
 draw some 500 others by hypothesis. Of a real gas many scenes fail since it condenses, or gets hotter than its
 equation goes.
 """
-ANEW = """
-Since then a search by Newton's method came. `{command}` drew the first
-{scenes} of them again (`tests/hard/fuzz_again_outcome.json`): {now} do not close, where {before} did not
-before. Their turns do not settle, with gas that all but cannot get out. Further tries: {tries}.
-Of {compared} that Radau solved again {within} agree within the accuracy. The table above is still that of before.
-"""
 FLUIDS = """
 ## Random scenes of fluids
 
@@ -135,6 +129,18 @@ What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
   efficiency of 38.2 %, the other of 16.5 %. A warning tells now where such a machine stays if it begins with little
   oil: [numerics.md](numerics.md), two cycles of one machine.)
 """
+COURSES = """
+## Random courses
+
+`tests/tools/{command}` solves {courses} courses of {kinds} kinds of machines, {scenes} scenes drawn
+far apart, each begun from the cycles before it, as a sweep does, and each of {compared} that are ok again alone, with a
+fortieth of the wanted accuracy. {beyond} are off by more than was wanted without a warning, {alone} of them alone, too,
+the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_courses_outcome.json`, this section from it.
+
+| kind | ok | worst, over the accuracy |
+|---|---|---|
+{rows}
+"""
 
 
 def _with_effects() -> str:
@@ -162,17 +168,25 @@ def _with_effects() -> str:
     )
 
 
-def _anew() -> str:
-    """Return what the first random scenes made when they were drawn again, in words."""
-    made, before = (json.loads(path.read_text(encoding="utf-8")) for path in (AGAIN, OUTCOME))
-    return ANEW.format(
+def _courses() -> str:
+    """Return what courses of scenes far apart made, in words."""
+    made = json.loads(OF_COURSES.read_text(encoding="utf-8"))
+    kinds = made["kinds"]
+    rows = [row for found in kinds.values() for row in found]
+    beyond = [each for row in rows for each in row["beyond"]]
+    return COURSES.format(
         command=made["command"],
-        scenes=made["scenes"],
-        now=len(made["not_ok"]["not_closed"]),
-        before=sum(index < made["scenes"] for index in before["not_ok"]["not_closed"]),
-        tries=", ".join(f"{name} {count}" for name, count in sorted(made["further_tries"].items())),
-        compared=made["radau"]["compared"],
-        within=made["radau"]["within_accuracy"],
+        courses=len(rows),
+        scenes=sum(row["scenes"] for row in rows),
+        kinds=len(kinds),
+        compared=sum(row["compared"] for row in rows),
+        beyond=len(beyond),
+        alone=sum(each["alone"] is not None and each["alone"] > each["wanted"] for each in beyond),
+        worst=max(row["worst"] for row in rows),
+        rows="\n".join(
+            _row(name, sum(row["ok"] for row in found), max(row["worst"] for row in found))
+            for name, found in kinds.items()
+        ),
     )
 
 
@@ -269,5 +283,5 @@ def page() -> str:
         f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"
         for case in CASES
     ]
-    searched = _random(OUTCOME, RANDOM) + _anew() + _random(OF_FLUIDS, FLUIDS) + _with_effects()
+    searched = _random(OUTCOME, RANDOM) + _random(OF_FLUIDS, FLUIDS) + _with_effects() + _courses()
     return HEAD + "\n".join(rows) + "\n" + _tight() + searched

@@ -24,13 +24,14 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES
-from screwsim.outputs import Figure
+from screwsim.outputs import Figure, Scale
 
 NAME = "liquid_injection"
 SHARP_EDGE = 0.61
+TENTH = 0.1  # of the net gas flow, over which at the least the liquid's errs: what a step errs by is of all that flows
 FIGURES = (
-    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid"),
-    Figure("liquid_injection_flow_ratio", "1", "injected liquid over net suction flow"),
+    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", Scale(TENTH, ("gas_mass_flow",))),
+    Figure("liquid_injection_flow_ratio", "1", "injected liquid over net suction flow", Scale(TENTH)),
     Figure(
         "liquid_injection_opening",
         "1",
