@@ -89,7 +89,7 @@ def test_a_killed_sweep_resumes_where_it_was(jobs, count, reference, tmp_path):
     process.join(10.0)
     assert not output.exists()
     there = held(output)
-    summary = run_sweep(grid_scene(), output, jobs=2, simulate_many=chained)
+    summary = run_sweep(grid_scene(), output, jobs=jobs, simulate_many=chained)
     assert summary.reused == there >= 13 * count
     assert_same(reference, output)
 
