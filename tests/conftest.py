@@ -143,7 +143,8 @@ def sketch() -> Callable[[Any, Path, str], list[str]]:
 @pytest.fixture
 def sketched(monkeypatch: pytest.MonkeyPatch, sketch: Callable[[Any, Path, str], list[str]]) -> None:
     """Sketch figures where a test asks which there are; how they are written is asked in tests/cli/test_rotors.py."""
-    monkeypatch.setattr("screwsim.report.style.write", sketch)
+    for module in ("style", "accuracy"):
+        monkeypatch.setattr(f"screwsim.report.{module}.write", sketch)
 
 
 @pytest.fixture

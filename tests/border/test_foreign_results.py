@@ -19,8 +19,9 @@ SHORT = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n  oil_supply
 
 @pytest.fixture(autouse=True)
 def pages_of_pixels(monkeypatch):
-    """Write figures as PNG, the form that is searched here, and not as PDF too, which takes as long again."""
+    """Write figures as small PNG, the form that is searched here, and not as PDF too, which takes as long again."""
     monkeypatch.setattr(style, "_FORMATS", {"png": style._FORMATS["png"]})
+    monkeypatch.setattr(style, "DPI", 30)
 
 
 @pytest.fixture

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scenes import scene_dict
 
-from screwsim.fluid import constants
 from screwsim.numerics.folder import cache_folder
 from screwsim.results import open_results
 from screwsim.scene import loads
@@ -87,7 +86,8 @@ def answered(cache, changes):
     """Make a cache in which nothing is compiled but CoolProp has answered: its import takes as long as compiling."""
     simulate(loads(json.dumps(scene_dict(changes))), trace=False)
     cache.mkdir(mode=0o700)
-    shutil.copy(cache_folder() / constants._file(), cache)
+    for file in cache_folder().glob("coolprop-*"):
+        shutil.copy(file, cache)
 
 
 @pytest.mark.slow

@@ -56,7 +56,7 @@ def test_each_aim_is_drawn_over_each_path(files):
     assert speed == pytest.approx([results.along("operation.speed")[best] / RPM])
 
 
-def test_files_of_optimisations_have_these_figures_and_no_scatter_of_a_sample(files, tmp_path):
+def test_files_of_optimisations_have_these_figures_and_no_scatter_of_a_sample(sketched, files, tmp_path):
     written = {Path(path).name for path in plot(files["two"], tmp_path)}
     assert written == {"front.png", "front.pdf", "evaluations.png", "evaluations.pdf"}
     assert not list(samples.plans(open_results(files["two"])))

@@ -7,13 +7,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from multiprocessing import connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import numpy as np
+from apart import begun
 from result_fakes import CYCLE, SCENE, fake_simulate, scene
 from result_fakes import GRID as GRID_OF_FAKES
 
@@ -26,6 +28,7 @@ from screwsim.study.sweep import run_sweep
 
 HERE = Path(__file__).parent
 PACKAGE = Path(screwsim.__file__).parents[1]
+FOUND = (str(HERE), *(str(HERE.parent / name) for name in ("results", "tools")), str(PACKAGE))
 RATIOS = 40  # on the last axis: three blocks a row
 GRID = f"""\
 sweep:
@@ -157,7 +160,7 @@ def note_warm_up(case: Scene) -> None:
 
 def environment() -> dict[str, str]:
     """Return an environment in which this module and the package can be imported."""
-    return os.environ | {"PYTHONPATH": os.pathsep.join((str(HERE), str(HERE.parent / "results"), str(PACKAGE)))}
+    return os.environ | {"PYTHONPATH": os.pathsep.join(FOUND)}
 
 
 def start(output: Path, jobs: int, simulator: str = "slow") -> subprocess.Popen:
@@ -165,6 +168,16 @@ def start(output: Path, jobs: int, simulator: str = "slow") -> subprocess.Popen:
     call = f"f.run_sweep(f.grid_scene(), {str(output)!r}, jobs={jobs}, simulate_many=f.{simulator})"
     command = [sys.executable, "-c", f"import sweep_fakes as f; {call}"]
     return subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE)
+
+
+def begin(output: Path, jobs: int, simulator: Callable[..., Iterator[Result]] = slow) -> BaseProcess:
+    """Start a slow sweep in a fork; what it prints on stderr is in the file err beside."""
+    return begun(_sweep_apart, output, jobs, simulator, folder=output.parent)
+
+
+def _sweep_apart(output: Path, jobs: int, simulator: Callable[..., Iterator[Result]]) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the server of forks leaves Ctrl-C to others
+    run_sweep(grid_scene(), output, jobs=jobs, simulate_many=simulator)
 
 
 def sweep_of_mine(chunks: int) -> None:

@@ -40,7 +40,7 @@ effects:
   tip_leakage: {gap: 50 um}
 numerics: {accuracy: 0.01}
 """
-EXTENT = replace(QUICK, asked=(1e-2, 1e-4), scipy_asked=(1e-3,), points=(1, 3), limit=0.5, pairs=1)
+EXTENT = replace(QUICK, asked=(1e-2, 1e-4), points=(1, 3), limit=0.5, pairs=1, seconds=1e-3, runs=1)
 
 
 @pytest.fixture(scope="module")
@@ -158,12 +158,12 @@ def test_files_hold_every_case(found, tmp_path):
         assert len(file["left_out/reason"]) == len(found.left_out)
 
 
-def test_the_figure_is_drawn(found, tmp_path):
+def test_the_figure_is_drawn(sketched, found, tmp_path):
     paths = draw(accuracy_drawing(found), tmp_path)
     assert [path.rsplit("/")[-1] for path in paths] == ["accuracy.png", "accuracy.pdf"]
 
 
-def test_the_command_prints_the_study_and_writes_its_files(found, tmp_path, monkeypatch, capsys):
+def test_the_command_prints_the_study_and_writes_its_files(sketched, found, tmp_path, monkeypatch, capsys):
     asked = []
     monkeypatch.setattr(accuracy, "study", lambda *arguments: asked.append(arguments) or found)
     (tmp_path / "small.yaml").write_text(SCENE, encoding="utf-8")

@@ -101,7 +101,7 @@ def test_more_names_than_a_byte_numbers_are_kept(tmp_path):
     assert open_results(tmp_path / "d.h5").axes["gas.fluid"].tolist() == names
 
 
-def test_words_alone_are_drawn_as_points(tmp_path):
+def test_words_alone_are_drawn_as_points(sketched, tmp_path):
     fakes(tmp_path / "c.h5", ["R134a", "Ammonia", "R32"])
     assert [Path(each).name for each in plot(tmp_path / "c.h5", tmp_path)] == ["fluid.png", "fluid.pdf"]
     assert np.all(open_results(tmp_path / "c.h5").performance["shaft_power"] > 0.0)

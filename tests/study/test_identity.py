@@ -40,6 +40,8 @@ def build(parameters, machine):
 EFFECT = Effect(name="mine", title="a hole", equations=("M12",), source="none", parameters=Parameters, build=build)
 """
 AREAS = "angle_deg,area_m2\n0,0\n300,{}\n600,0\n"
+
+
 @pytest.fixture
 def package(tmp_path, monkeypatch) -> Path:
     """Make a package of own effects in the working folder."""

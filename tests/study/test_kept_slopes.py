@@ -96,7 +96,7 @@ def test_another_word_is_told_at_its_place():
 
 
 def test_points_side_by_side_have_the_derivatives_of_a_sweep_one_by_one(tmp_path):
-    swept = screwsim.load(POINT).with_(ASKED | {"sweep.operation.speed": ["2000 rpm", "3000 rpm", "4000 rpm"]})
+    swept = screwsim.load(POINT).with_(ASKED | {"sweep.operation.speed": ["2000 rpm", "4000 rpm"]})
     for name, batch in (("single", False), ("batch", True)):
         screwsim.run_sweep(swept, tmp_path / f"{name}.h5", jobs=1, batch=batch)
     one, many = (screwsim.open_results(tmp_path / f"{name}.h5").derivatives for name in ("single", "batch"))

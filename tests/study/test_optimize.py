@@ -33,7 +33,7 @@ RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
 FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
 
 
-EVALUATIONS = 6_000  # of a long run
+EVALUATIONS = 3_000  # of a long run
 
 
 def scene(extra: str = ""):
@@ -191,7 +191,7 @@ def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
     monkeypatch.setattr("screwsim.study.shards.AT_HAND", 100_000)
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=EVALUATIONS)
-    batch, generator, sizes = 30, np.random.default_rng(1), []
+    batch, generator, sizes = 20, np.random.default_rng(1), []
     tracemalloc.start()
     try:
         with kept(tmp_path / "long.h5", asked, restart=False) as parts:

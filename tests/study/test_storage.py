@@ -260,7 +260,7 @@ def test_a_sample_of_words_and_numbers_reads_back(tmp_path):
     assert results.to_xarray().oil_supply_source.values.tolist() == list(swept.sweep["oil_supply.source"])
 
 
-def test_paths_that_vary_together_are_drawn_as_points(tmp_path):
+def test_paths_that_vary_together_are_drawn_as_points(sketched, tmp_path):
     zipped = "zip: [{operation.speed: [1000 rpm, 2000 rpm], machine.male_lobes: [4, 5]}]"
     swept = scene(SCENE + f"sweep: {{{zipped}, oil_supply.ratio: [1, 2, 3]}}\n")
     run_sweep(swept, tmp_path / "out.h5", jobs=1, simulate=fake_simulate)

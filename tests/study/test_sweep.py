@@ -15,6 +15,7 @@ from sweep_fakes import (
     RATIOS,
     StopAfter,
     assert_same,
+    begin,
     chained,
     environment,
     faulty,
@@ -24,6 +25,7 @@ from sweep_fakes import (
     parts_of,
     slow,
     start,
+    stuck,
     wait_for_parts,
 )
 
@@ -81,13 +83,13 @@ def test_slow_machines_are_simulated_first(tmp_path):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_killed_sweep_resumes_where_it_was(jobs, count, reference, tmp_path):
     output = tmp_path / "out.h5"
-    process = start(output, jobs)
+    process = begin(output, jobs)
     wait_for_parts(output, count)
     process.kill()
-    process.communicate(timeout=10)
+    process.join(10.0)
     assert not output.exists()
     there = held(output)
-    summary = run_sweep(grid_scene(), output, jobs=2, simulate_many=chained)
+    summary = run_sweep(grid_scene(), output, jobs=jobs, simulate_many=chained)
     assert summary.reused == there >= 13 * count
     assert_same(reference, output)
 
@@ -101,11 +103,11 @@ def test_workers_end_with_a_killed_parent(tmp_path):
 
 def test_ctrl_c_leaves_parts_that_resume(reference, tmp_path):
     output = tmp_path / "out.h5"
-    process = start(output, 2)
+    process = begin(output, 2)
     wait_for_parts(output, 3)
-    process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=10)
-    assert b"KeyboardInterrupt" in told
+    os.kill(process.pid, signal.SIGINT)
+    process.join(10.0)
+    assert process.exitcode == 1 and "KeyboardInterrupt" in (tmp_path / "err").read_text()
     assert not output.exists()
     summary = run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
     assert summary.reused >= 39
@@ -116,15 +118,13 @@ def test_ctrl_c_ends_a_sweep_while_a_worker_sends(tmp_path, monkeypatch):
     """The other half of the message never comes: a process that waits for it never ends."""
     sending = tmp_path / "sending"
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(sending))
-    process = start(tmp_path / "out.h5", 2, "stuck")
+    process = begin(tmp_path / "out.h5", 2, stuck)
     while not sending.exists():
         time.sleep(0.02)
-    process.send_signal(signal.SIGINT)
-    try:
-        _, told = process.communicate(timeout=20)
-    finally:
-        process.kill()
-    assert b"KeyboardInterrupt" in told
+    os.kill(process.pid, signal.SIGINT)
+    process.join(20.0)
+    process.kill()
+    assert process.exitcode == 1 and "KeyboardInterrupt" in (tmp_path / "err").read_text()
 
 
 def test_an_exception_is_the_result_of_its_case_in_one_line(tmp_path):
@@ -248,14 +248,14 @@ def test_a_part_with_a_changed_byte_is_computed_again(reference, tmp_path):
 
 def test_two_sweeps_at_once_into_one_file_are_refused(tmp_path):
     output = tmp_path / "out.h5"
-    process = start(output, 1)
+    process = begin(output, 1)
     wait_for_parts(output, 1)
     try:
         with pytest.raises(UsageError, match="another sweep is writing it"):
             run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
     finally:
         process.kill()
-        process.communicate(timeout=10)
+        process.join(10.0)
 
 
 def test_a_place_that_cannot_be_written_is_told_in_one_line(tmp_path):
