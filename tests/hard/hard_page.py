@@ -135,7 +135,7 @@ COURSES = """
 `tests/tools/{command}` solves {courses} courses of {kinds} kinds of machines, {scenes} scenes drawn
 far apart, each begun from the cycles before it, as a sweep does, and each of {compared} that are ok again alone, with a
 fortieth of the wanted accuracy. {beyond} are off by more than was wanted without a warning, {alone} of them alone, too,
-the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_courses_outcome.json`, this section from it.
+the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_courses_outcome.json`, whence this section.
 
 | kind | ok | worst, over the accuracy |
 |---|---|---|
