@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import CoolProp.CoolProp as coolprop
 import pytest
 
 import screwsim
@@ -35,8 +34,13 @@ def cold():
     return solved(*COLD, "effects.suction_throttle={pressure_ratio: 0.9}")
 
 
+def coolprop():
+    """Return CoolProp, whose import takes seconds: where a test asks it, not where all tests are read."""
+    return pytest.importorskip("CoolProp.CoolProp")
+
+
 def saturated(T):
-    return coolprop.PropsSI("P", "T", T, "Q", 1, "Water")
+    return coolprop().PropsSI("P", "T", T, "Q", 1, "Water")
 
 
 def latent(T):
@@ -80,7 +84,7 @@ def test_water_of_the_inlet_leaves_as_condensate_and_saturated_air(which, reques
 @pytest.mark.parametrize("which", ["shipped", "cold"])
 def test_electrical_power_is_heat_and_enthalpy_of_air_vapour_and_condensate(which, request):
     found = request.getfixturevalue(which).performance
-    c_p = 3.5 * R_A, coolprop.PropsSI("CP0MASS", "T", T_1, "P", 1e3, "Water")
+    c_p = 3.5 * R_A, coolprop().PropsSI("CP0MASS", "T", T_1, "P", 1e3, "Water")
     T, T_2 = found.separator_temperature, found.package_discharge_temperature
     dry = found.gas_mass_flow / (1.0 + found.humidity_ratio)
     air = dry * c_p[0] * (T_2 - T_1)
@@ -101,7 +105,7 @@ def test_heat_is_in_balance_with_a_real_gas_and_unloaded(changes):
     assert found.condensate_flow > 0.0
     assert any("below the pressure dew point" in each for each in result.warnings)
     if "gas.model=real" in changes:
-        left = coolprop.HAPropsSI("W", "T", T_1 + 10.0, "P", P_2, "R", 1.0)
+        left = coolprop().HAPropsSI("W", "T", T_1 + 10.0, "P", P_2, "R", 1.0)
         dry = found.gas_mass_flow / (1.0 + found.humidity_ratio)
         assert found.package_vapour_flow == pytest.approx(dry * left, rel=0.01)
     else:

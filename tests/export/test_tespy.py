@@ -10,12 +10,6 @@ from screwsim.export.tespy import tespy_document
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    components = pytest.importorskip("tespy.components")
-    from tespy.connections import Connection
-    from tespy.networks import Network
-
 SCENE = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 T_E, T_C = -2.5, 42.0  # [°C] between the nodes
 
@@ -27,6 +21,11 @@ def exported(swept_map):
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_heat_pump_is_at_our_point(exported, swept_map):
+    with warnings.catch_warnings():  # here, as it takes seconds to import
+        warnings.simplefilter("ignore")
+        components = pytest.importorskip("tespy.components")
+        from tespy.connections import Connection
+        from tespy.networks import Network
     (one,) = exported["maps"]
     heat_pump = Network(iterinfo=False)
     heat_pump.units.set_defaults(pressure="bar", temperature="degC", temperature_difference="delta_degC")

