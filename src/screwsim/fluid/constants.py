@@ -29,7 +29,7 @@ from screwsim.numerics.store import append_line, read_lines
 
 _FULL = 250_000  # [byte] of the file; it is read at every start
 _MOST = 5000  # answers in memory
-_LEFT = 200  # answers of a process that go into the file: what its scenes ask at their start
+_LEFT = 1000  # answers of a process that go into the file: what its scenes ask at their start
 _alone = threading.RLock()  # a state of CoolProp is set and then read
 
 
