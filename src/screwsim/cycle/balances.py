@@ -10,14 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
-from screwsim.effects.base import FlowPath
 from screwsim.model.composition import Composition
 from screwsim.model.slots import BETWEEN, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 LEAST = 1e-300  # of what something is divided by
-NEARLY = 1e-6  # rad
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 
 
@@ -61,26 +59,13 @@ def mass_in(c: Composition, q: Array) -> float:
 
 def met_across(problem: Problem) -> bool:
     """Tell whether the net gas flow is taken where it crosses an angle (`crossed`), not at the port."""
-    return bool(problem.composition.offsets) and not problem.parts.geometry.expands and _parted(problem) is not None
+    return bool(problem.composition.offsets) and not problem.parts.geometry.expands and problem.parted is not None
 
 
 def left_late(problem: Problem) -> bool:
     """Tell whether chambers leave the suction line later than at the injection angle: by a slide's slot, by a bore."""
-    at = _parted(problem)
+    at = problem.parted
     return at is None or at > problem.parts.geometry.injection_angle
-
-
-def _parted(problem: Problem) -> float | None:
-    """Return the angle [rad] beyond which no wide opening leads to the suction line; None where one does to the end.
-
-    It is the injection angle, or where what else is open to that line has closed: the slot of a slide, a bore.
-    """
-    parts, at, opens = problem.parts, problem.parts.geometry.injection_angle, problem.parts.geometry.discharge_opens
-    wide = [path for _, path in parts.all(FlowPath) if path.to == "suction" and not path.narrow]
-    closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
-    if closed <= at + NEARLY:
-        return at
-    return closed if opens is None or closed < opens else None
 
 
 def crossed(problem: Problem, life: Trajectory) -> float:
@@ -92,7 +77,7 @@ def crossed(problem: Problem, life: Trajectory) -> float:
     """
     if not met_across(problem):
         return 0.0
-    c, at, pitch, gained = problem.composition, _parted(problem) or 0.0, problem.parts.geometry.pitch, 0.0
+    c, at, pitch, gained = problem.composition, problem.parted or 0.0, problem.parts.geometry.pitch, 0.0
     for i, offset in enumerate(c.offsets):
         ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
         gained += life.sum_until(at, ahead) + life.sum_until(at + offset * pitch, behind)

@@ -15,7 +15,7 @@ from screwsim.build import Stock, Temperatures, completed, parts_of
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
-from screwsim.effects.base import Made, PressureLosses
+from screwsim.effects.base import FlowPath, Made, PressureLosses
 from screwsim.figures import called_for
 from screwsim.model.composition import Composition
 from screwsim.model.exchange import station
@@ -30,6 +30,7 @@ from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_ent
 from screwsim.scene.types import Scene
 
 Array = np.ndarray
+NEARLY = 1e-6  # rad: angles so near to each other are one
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 
 
@@ -57,6 +58,19 @@ class Problem:
     entries: Entries
     parameters: Array
     wanted: Wanted
+
+    @once
+    def parted(self) -> float | None:
+        """The angle [rad] beyond which no wide opening leads to the suction line; None where one does to the end.
+
+        It is the injection angle, or where what else is open to that line has closed: the slot of a slide, a bore.
+        """
+        at, opens = self.parts.geometry.injection_angle, self.parts.geometry.discharge_opens
+        wide = [path for _, path in self.parts.all(FlowPath) if path.to == "suction" and not path.narrow]
+        closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
+        if closed <= at + NEARLY:
+            return at
+        return closed if opens is None or closed < opens else None
 
     @once
     def rate(self) -> float:
