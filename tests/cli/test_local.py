@@ -4,8 +4,10 @@ import json
 
 import pytest
 
+import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
+from screwsim.results.write import save
 
 
 def test_local_sensitivities_are_one_document_with_the_method_of_each_number(folder, command):
@@ -121,3 +123,13 @@ def test_a_sample_that_cannot_be_is_refused_in_one_line(folder, command, rest, t
     answer = command("sensitivity", "oiled.yaml", *rest)
     assert answer.code == 2
     assert told in answer.err
+
+
+def test_a_file_tells_how_each_derivative_was_found(folder):
+    found = {}
+    for fine in (True, False):
+        scene, file = screwsim.load(str(folder / "oiled.yaml")), folder / f"{fine}.h5"
+        slopes = screwsim.sensitivities(scene, ["operation.speed"], fine=fine)
+        save(file, scene, slopes.result, derivatives=slopes)
+        found[slopes.method["operation.speed"]] = int(open_results(file).derivatives["number_exact"][0])
+    assert found == {"exact": 1, "quick": 2}

@@ -12,6 +12,7 @@ from screwsim.outputs.display import si_unit
 from screwsim.outputs.figures import Figures, shown
 
 EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"  # methods
+STORED = {DIFFERENCES: 0, EXACT: 1, ROUGH: 2}  # as files tell them
 SHOWN = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # those of them there are
 MOST = 15  # numbers in a text, those that count most first
 

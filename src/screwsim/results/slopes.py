@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.outputs import Figures, Variable, shown
-from screwsim.outputs.derivatives import DIFFERENCES, Slopes
+from screwsim.outputs.derivatives import STORED, Slopes
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes
 from screwsim.results.table import EXACT, VALUE
 
 DERIVATIVES, NUMBER = "derivatives", "number"  # the group, the dimension
 UNITS = "number_units"
-IS_EXACT = {"units": "1", "long_name": "1: exact derivatives; 0: differences of closed cycles"}
+IS_EXACT = {"units": "1", "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, good to 1e-3 mostly"}
 
 
 def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
@@ -24,7 +24,7 @@ def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
     data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
     data[...] = [words.index(found.units[path]) for path in paths]
     layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), about_value())
-    exact = np.array([found.method[path] != DIFFERENCES for path in paths], np.int8)
+    exact = np.array([STORED[found.method[path]] for path in paths], np.int8)
     layout.variable(group, EXACT, exact, (NUMBER,), IS_EXACT)
     units = {each.name: each.units for each in shown(performance)}
     for figure, slopes in found.derivatives.items():

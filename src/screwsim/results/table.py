@@ -12,13 +12,13 @@ import numpy as np
 from screwsim.figures import declared, known, known_traces, merged
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
-from screwsim.outputs.derivatives import DIFFERENCES
+from screwsim.outputs.derivatives import STORED
 
 GROUPS = ("performance", "balance", "error", "numerics")
 Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
 TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # the status of a case without a result
-VALUE, EXACT = "number_value", "number_exact"  # beside derivatives: of the number itself, 1 where they are exact
+VALUE, EXACT = "number_value", "number_exact"  # beside derivatives: of the number itself, how they were found
 
 
 @lru_cache(maxsize=64)
@@ -46,7 +46,7 @@ class Table:
     `inputs` the names of those with a tolerance, `changes` {figure: float64 (cases, inputs)} what one standard
     uncertainty of each changes, NaN for a case without figures and for an input without a derivative;
     `numbers` {path: SI unit} of those that figures have derivatives by, `slopes` {figure: float64 (cases, numbers)}
-    these, NaN where there is none, beside the numbers themselves (`VALUE`) and whether they are exact (`EXACT`).
+    these, NaN where there is none, beside the numbers themselves (`VALUE`) and how they were found (`EXACT`).
     """
 
     status: np.ndarray
@@ -251,7 +251,7 @@ def _slopes(results: Sequence[Result]) -> dict[str, Any]:
     numbers = {path: unit for found in told.values() for path, unit in found.units.items()}
     slopes: dict[str, np.ndarray] = {}
     for row, found in told.items():
-        about = {VALUE: found.values, EXACT: {path: float(way != DIFFERENCES) for path, way in found.method.items()}}
+        about = {VALUE: found.values, EXACT: {path: float(STORED[way]) for path, way in found.method.items()}}
         for name, by_path in {**about, **found.derivatives}.items():
             there = slopes.setdefault(name, np.full((len(results), len(numbers)), np.nan))
             there[row] = [by_path.get(path, np.nan) for path in numbers]
