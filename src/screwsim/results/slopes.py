@@ -11,7 +11,10 @@ from screwsim.results.table import EXACT, VALUE
 
 DERIVATIVES, NUMBER = "derivatives", "number"  # the group, the dimension
 UNITS = "number_units"
-IS_EXACT = {"units": "1", "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, good to 1e-3 mostly"}
+IS_EXACT = {
+    "units": "1",
+    "long_name": "0: differences of closed cycles; 1: exact derivatives; 2: quick ones, good to 1e-3 mostly",
+}
 
 
 def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
