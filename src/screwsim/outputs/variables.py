@@ -25,7 +25,11 @@ NUMERICS = {
     "rtol": Variable("1", "relative tolerance of a step"),
     "turns": Variable("1", "chamber lives integrated until closed (coupled chambers: pitches over chambers alive)"),
     "steps": Variable("1", "accepted integration steps"),
-    "rhs_evaluations": Variable("1", "evaluations of the right-hand side of one chamber, those for Jacobians included"),
+    "rhs_evaluations": Variable(
+        "1",
+        "evaluations of the right-hand side of one chamber until the cycle closed, those for Jacobians included "
+        "(the error estimate's are not)",
+    ),
     "jacobians": Variable("1", "Jacobians of one chamber"),
     "wall_time": Variable("s", "time of the solution alone, compiled and warm"),
     "estimating_time": Variable("s", "time of estimating the errors, on top of the solution"),
