@@ -46,3 +46,20 @@ def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
 )
 def test_what_cools_is_of_what_the_machine_has(scene, remedy):
     assert {REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.HOT, Limit.PRESSED)} == {remedy}
+
+
+@pytest.mark.parametrize(
+    ("scene", "remedy"),
+    [
+        (
+            "paper/point.yaml",
+            "use a wider discharge port, a larger machine.volume.min, a lower discharge pressure or warmer oil",
+        ),
+        (
+            "slider_crank/air.yaml",
+            "use a wider discharge port, a larger machine.clearance, a lower discharge pressure or warmer suction gas",
+        ),
+    ],
+)
+def test_what_keeps_from_the_critical_point_is_of_what_the_machine_has(scene, remedy):
+    assert REMEDIES[Limit.CRITICAL](outside(scene, Limit.CRITICAL, "")) == remedy

@@ -13,6 +13,7 @@ OUTCOME = Path(__file__).parent / "fuzz_outcome.json"
 OF_FLUIDS = Path(__file__).parent / "fuzz_fluids_outcome.json"
 OF_EFFECTS = Path(__file__).parent / "fuzz_effects_outcome.json"
 OF_COURSES = Path(__file__).parent / "fuzz_courses_outcome.json"
+OF_LAWS = Path(__file__).parent / "metamorphic_outcome.json"
 RADAU = Path(__file__).parent / "against_radau.json"
 OF_STEPS = 1e-3  # tolerance of a step over the wanted accuracy
 COLD = "guess"  # from where Radau begins as the case does
@@ -142,6 +143,21 @@ the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_cou
 {rows}
 """
 
+LAWS = """
+## Laws over random scenes
+
+`tests/tools/{command}` needs no second solver: it states drawn scenes of those kinds of machines in two ways
+that mean the same (other units, a course backwards, a file of one point, chambers closed coupled), and asks what holds
+for any machine (a wider gap delivers no more, nothing takes entropy out of the world, machines of one shape work
+alike). What is off is over what the wanted accuracy allows, where 1 is the bound; a scene
+that is not ok, warns, or that a law says nothing of is not asked. Beyond it: {beyond}.
+`tests/hard/metamorphic_outcome.json` keeps them.
+
+| law | drawn | asked | worst, over what is allowed |
+|---|---|---|---|
+{rows}
+"""
+
 
 def _with_effects() -> str:
     """Return what random scenes with all effects made, in words."""
@@ -186,6 +202,23 @@ def _courses() -> str:
         rows="\n".join(
             _row(name, sum(row["ok"] for row in found), max(row["worst"] for row in found))
             for name, found in kinds.items()
+        ),
+    )
+
+
+def _laws() -> str:
+    """Return what laws over random scenes made, in words."""
+    made = json.loads(OF_LAWS.read_text(encoding="utf-8"))
+    laws = made["laws"]
+    return LAWS.format(
+        command=made["command"],
+        beyond=", ".join(
+            f"{each['kind']} {each['seed']}, {each['in']}" for found in laws.values() for each in found["beyond"]
+        )
+        or "none",
+        rows="\n".join(
+            _row(name.replace("_", " "), found["drawn"], found["asked"], f"{found['worst']:.2g}")
+            for name, found in laws.items()
         ),
     )
 
@@ -283,5 +316,5 @@ def page() -> str:
         f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"
         for case in CASES
     ]
-    searched = _random(OUTCOME, RANDOM) + _random(OF_FLUIDS, FLUIDS) + _with_effects() + _courses()
+    searched = _random(OUTCOME, RANDOM) + _random(OF_FLUIDS, FLUIDS) + _with_effects() + _courses() + _laws()
     return HEAD + "\n".join(rows) + "\n" + _tight() + searched

@@ -27,8 +27,8 @@ REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equat
     Limit.COLD: lambda _: "use warmer suction gas or oil, or a wider suction port",
     Limit.WET: lambda _: "use warmer oil or gas, or gas.two_phase: equilibrium",
     Limit.GLIDING: lambda _: "use warmer oil or gas",
-    Limit.CRITICAL: lambda _: (
-        "use a wider discharge port, a larger machine.volume.min, a lower discharge pressure or warmer oil"
+    Limit.CRITICAL: lambda problem: (
+        f"use a wider discharge port{_larger(problem)}, a lower discharge pressure or warmer {_warming(problem)}"
     ),
 }
 
@@ -58,9 +58,18 @@ def _cooler(problem: Problem) -> str:
     oil = "more or cooler oil" if problem.parts.oil is not None else "cooler gas in the suction line"
     if problem.parts.geometry.expands:
         return f"use {oil}, or a lower pressure there"
+    return f"use {oil}, a wider discharge port{_larger(problem)} or smaller leaks"
+
+
+def _larger(problem: Problem) -> str:
+    """Return the path of what is left of a chamber, as a remedy in a row; empty where a table holds it."""
     dead, _ = find_machine(problem.scene.machine.kind).dead_volume(problem.scene.machine)
-    larger = f", a larger {dead}" if dead else ""
-    return f"use {oil}, a wider discharge port{larger} or smaller leaks"
+    return f", a larger {dead}" if dead else ""
+
+
+def _warming(problem: Problem) -> str:
+    """Return what brings warmth to the gas, of what the machine has."""
+    return "oil" if problem.parts.oil is not None else "suction gas"
 
 
 def beyond_its_mean(problem: Problem, life: Trajectory) -> str:

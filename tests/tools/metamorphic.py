@@ -1,0 +1,263 @@
+"""Solve random scenes twice, stated in two ways that mean the same, and ask laws of them that no solver is needed for.
+
+Run: metamorphic.py [LAW …] [--seeds 8] [--outcome FILE]. Each law draws a scene of fuzz_courses.KINDS by
+its seed and returns how far it is from being met, over what the wanted accuracy allows: at most 1 where it is met. A
+scene that is not ok, or that warns, says nothing of a law and is counted as not asked. Prints a line a draw.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fuzz_courses import KINDS, ROOT, course
+
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
+from true_error import warns  # noqa: E402
+
+from screwsim.evaluate.ledger.book import NOT_CONSERVED  # noqa: E402
+from screwsim.figures.errors import relative_errors, worst  # noqa: E402
+from screwsim.outputs import Result  # noqa: E402
+from screwsim.results import open_results  # noqa: E402
+from screwsim.scene import Scene, load, with_values  # noqa: E402
+from screwsim.simulate import simulate, simulate_many  # noqa: E402
+from screwsim.study.sweep import run_sweep  # noqa: E402
+
+BOTH_ERR = 2.0  # two results that are each within the wanted accuracy differ by at most twice as much
+LEAST = 0.1  # volumetric efficiency below which the flow passes through zero: its share of a filling is judged
+WIDER = 1.25  # a gap, over another one
+GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
+UNITS = {  # of a path: what a number in SI is in another unit
+    "operation.discharge.pressure": lambda p: f"{p / 6894.757293168361!r} psi",
+    "operation.condensing_temperature": lambda T: f"{T * 1.8 - 459.67!r} degF",
+    "operation.evaporating_temperature": lambda T: f"{T - 273.15!r} degC",
+    "operation.speed": lambda w: f"{w * 30.0 / np.pi!r} rpm",
+    "effects.tip_leakage.gap": lambda x: f"{x / 0.0254!r} inch",
+}
+SIZES = {  # of configs/paper: the power of the size with which each input goes in machines that are alike
+    "machine.rotor_diameter": 1,
+    "machine.rotor_length": 1,
+    "machine.volume.max": 3,
+    "machine.suction_port.area": 2,
+    "machine.discharge_port.area": 2,
+    "effects.tip_leakage.gap": 1,
+    "effects.interlobe_leakage.gap": 1,
+    "effects.interlobe_leakage.length": 1,
+    "effects.blow_hole.area": 2,
+    "effects.end_face_leakage.gap": 1,
+    "effects.end_face_leakage.length": 1,
+    "effects.oil_heat.heat_transfer_coefficient": -1,  # h A t goes as the mass, its surface too where droplets stay
+    "operation.speed": -1,
+}
+BALANCES = ("mass", "energy", "oil_mass", "entropy")
+OF_LEDGER = "exergy_destroyed_"
+LAWLESS = f"{OF_LEDGER}{NOT_CONSERVED}"  # by `oil.transport: paper` oil leaves with another energy than it has
+WARMING = ("separator", "hydromechanical", "mechanical", "oil_pump", "oil_drag", "bearings", "oil_lift")
+ALIKE = ("volumetric_efficiency", "isothermal_efficiency", "discharge_temperature", "peak_pressure", "specific_power")
+
+
+class NotAsked(Exception):
+    """The scene says nothing of the law."""
+
+
+def drawn(kind: str, seed: int) -> Scene:
+    """Return the first scene of a course."""
+    return course(KINDS[kind], seed, 1)[0]
+
+
+def solved(scene: Scene, trace: bool = False) -> Result:
+    """Return the result of a scene that is ok and warns of nothing."""
+    return believed(simulate(scene, trace=trace), scene)
+
+
+def believed(found: Result, scene: Scene) -> Result:
+    """Return a result that claims its accuracy."""
+    if found.status != "ok" or warns(found, scene.numerics.accuracy):
+        raise NotAsked(found.status)
+    return found
+
+
+def apart(one: Result, other: Result, accuracy: float) -> tuple[float, str]:
+    """Return by how much two results of one machine differ at most, over what their errors allow, and in what."""
+    name, most = worst(relative_errors(one.performance, other.performance))
+    return most / (BOTH_ERR * accuracy), name
+
+
+def same(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, str]:
+    """Return infinity and a figure that is not the same to the bit, or none."""
+    names = [name for name in {**one, **other} if not _equal(one.get(name), other.get(name))]
+    return (float("inf"), names[0]) if names else (0.0, "")
+
+
+def _equal(one: Any, other: Any) -> bool:
+    missing = [value is None or value != value for value in (one, other)]
+    return all(missing) or (not any(missing) and float(one) == float(other))
+
+
+def other_units(kind: str, seed: int) -> tuple[float, str]:
+    """A scene in psi, degF, rpm and inch is that in SI."""
+    scene = drawn(kind, seed)
+    values = {path: _value(scene, path) for path in UNITS}
+    changes = [f"{path}={UNITS[path](value)}" for path, value in values.items() if value is not None]
+    stated = replace(load(ROOT / "configs" / f"{KINDS[kind].file}.yaml", [*KINDS[kind].changes, *changes]), sweep={})
+    ratio = _value(scene, "oil_supply.ratio")
+    others = {path: _value(scene, path) for path in {**KINDS[kind].drawn, **KINDS[kind].evenly} if path not in UNITS}
+    stated = with_values(stated, others | ({} if ratio is None else {"oil_supply.ratio": ratio}))
+    return apart(solved(scene), solved(stated), scene.numerics.accuracy)
+
+
+def sweep_in_another_order(kind: str, seed: int) -> tuple[float, str]:
+    """The points of a course that runs backwards are those of the course."""
+    scenes = course(KINDS[kind], seed, 5)
+    forth = list(simulate_many(scenes, trace=False))
+    back = list(simulate_many(scenes[::-1], trace=False))[::-1]
+    found = []
+    for scene, one, other in zip(scenes, forth, back, strict=True):
+        if one.status == other.status == "ok" and not any(warns(r, scene.numerics.accuracy) for r in (one, other)):
+            found.append(apart(one, other, scene.numerics.accuracy))
+    if not found:
+        raise NotAsked("none of a course")
+    return max(found)
+
+
+def file_of_one_point(kind: str, seed: int) -> tuple[float, str]:
+    """A sweep of one point, read from its file, is the run, to the bit."""
+    scene = drawn(kind, seed)
+    alone = solved(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "one.h5"
+        run_sweep(replace(scene, sweep={"operation.speed": (scene.operation.speed,)}), path, jobs=1)
+        stored = open_results(path).performance
+        found = {name: np.ravel(np.asarray(stored[name]))[0] for name in alone.performance}
+        return same(found, alone.performance)
+
+
+def closed_otherwise(kind: str, seed: int) -> tuple[float, str]:
+    """The way in which a cycle is closed does not show."""
+    scene = drawn(kind, seed)
+    coupled = replace(scene, numerics=replace(scene.numerics, closing="coupled"))
+    return apart(solved(scene), solved(coupled), scene.numerics.accuracy)
+
+
+def wider_gap(kind: str, seed: int) -> tuple[float, str]:
+    """A wider gap does not raise the flow."""
+    scene = drawn(kind, seed)
+    there = [f"effects.{name}.gap" for name in GAPS]
+    values = {path: _value(scene, path) for path in there}
+    wider = {path: WIDER * value for path, value in values.items() if isinstance(value, float)}
+    if not wider:
+        raise NotAsked("no gap that is a number")
+    narrow, wide = (solved(each).performance["volumetric_efficiency"] for each in (scene, with_values(scene, wider)))
+    if narrow is None or wide is None:
+        raise NotAsked("nothing is delivered")
+    gain = (wide - narrow) / max(abs(narrow), LEAST)
+    return max(0.0, gain) / (BOTH_ERR * scene.numerics.accuracy), "volumetric_efficiency"
+
+
+def nothing_destroys_entropy(kind: str, seed: int) -> tuple[float, str]:
+    """No effect of a machine takes entropy out of the world, and all of its balances close."""
+    scene = drawn(kind, seed)
+    found = solved(scene, trace=True)
+    bound = scene.numerics.accuracy
+    laws = {name: abs(value or 0.0) / bound for name, value in found.balance.items() if name in BALANCES}
+    ledger = {name: value for name, value in found.ledger.items() if name.startswith(OF_LEDGER) and name != LAWLESS}
+    if "suction_line" not in scene.effects:  # then it may be a sink of cold that costs nothing (M54)
+        ledger.pop(f"{OF_LEDGER}suction_line", None)
+    if f"{OF_LEDGER}separator" in ledger:  # losses have booked the heat that it gets from them as dissipated (M286)
+        ledger["separator and losses"] = sum(ledger.pop(f"{OF_LEDGER}{name}", None) or 0.0 for name in WARMING)
+    size = abs(found.performance["shaft_power"] or 0.0) + sum(abs(value or 0.0) for value in ledger.values())
+    laws |= {name: max(0.0, -(value or 0.0)) / (bound * size) for name, value in ledger.items()}
+    name = max(laws, key=lambda each: laws[each])
+    return laws[name], name
+
+
+def of_another_size(kind: str, seed: int) -> tuple[float, str]:
+    """Machines of one shape at one tip speed work alike: those of configs/paper, whose laws know no viscosity."""
+    if kind != "paper":
+        raise NotAsked("its laws know viscosity")
+    scene, size = drawn(kind, seed), float(np.exp(np.random.default_rng(seed).uniform(np.log(0.5), np.log(2.0))))
+    values = {path: _value(scene, path) * size**power for path, power in SIZES.items()}
+    one, other = solved(scene), solved(with_values(scene, values))
+    errors = relative_errors(one.performance, other.performance)
+    name, most = worst({name: errors[name] for name in ALIKE})
+    return most / (BOTH_ERR * scene.numerics.accuracy), name
+
+
+def _value(scene: Scene, path: str) -> Any:
+    found: Any = scene
+    for name in path.split("."):
+        found = found.get(name) if isinstance(found, dict) else getattr(found, name, None)
+        found = getattr(found, "parameters", found)  # of an effect
+    return found
+
+
+LAWS: dict[str, Callable[[str, int], tuple[float, str]]] = {
+    law.__name__: law
+    for law in (
+        other_units,
+        sweep_in_another_order,
+        file_of_one_point,
+        closed_otherwise,
+        wider_gap,
+        nothing_destroys_entropy,
+        of_another_size,
+    )
+}
+
+
+def asked(law: str, kind: str, seed: int) -> dict[str, Any]:
+    """Return what became of a draw: how far it is from the law, in what, or why it says nothing of it."""
+    row: dict[str, Any] = {"law": law, "kind": kind, "seed": seed}
+    try:
+        off, name = LAWS[law](kind, seed)
+    except NotAsked as why:
+        return row | {"not_asked": str(why)}
+    return row | {"off": float(off), "in": name}
+
+
+def outcome(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return of each law how many draws met it, and those that did not."""
+    found: dict[str, Any] = {}
+    for law in dict.fromkeys(row["law"] for row in rows):
+        of_law = [row for row in rows if row["law"] == law]
+        met = [row for row in of_law if "off" in row]
+        found[law] = {
+            "drawn": len(of_law),
+            "asked": len(met),
+            "worst": max((min(row["off"], 1e9) for row in met), default=None),
+            "beyond": [row for row in met if row["off"] > 1.0],
+        }
+    return found
+
+
+def main() -> None:
+    """Draw scenes for each law and print what became of them."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("laws", nargs="*", help=f"of {', '.join(LAWS)}; all where none is named")
+    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--outcome", type=Path, help="file of the summary")
+    options = parser.parse_args()
+    if unknown := set(options.laws) - set(LAWS):
+        parser.error(f"no such law: {', '.join(sorted(unknown))}; known: {', '.join(LAWS)}")
+    rows = []
+    for seed in range(1, options.seeds + 1):
+        for kind in KINDS:
+            for law in options.laws or LAWS:
+                rows.append(asked(law, kind, seed))
+                print(json.dumps(rows[-1]), flush=True)
+    found = outcome(rows)
+    print(json.dumps(found, indent=1))
+    if options.outcome:
+        command = " ".join(["metamorphic.py", *options.laws, f"--seeds {options.seeds}"])
+        options.outcome.write_text(json.dumps({"command": command, "laws": found}, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
