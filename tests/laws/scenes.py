@@ -127,7 +127,7 @@ def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
 
 def make(changes: dict[str, Any] | None = None) -> Scene:
     """Return the scene of `scene_dict` (JSON is YAML)."""
-    return loads(json.dumps(scene_dict(changes)))
+    return _read(json.dumps(scene_dict(changes)))
 
 
 def closed(scene: Scene) -> tuple[Problem, Machinery, CycleSolution]:
@@ -144,4 +144,7 @@ def run(changes: dict[str, Any] | None = None) -> Result:
 
 @cache
 def _run(text: str) -> Result:
-    return simulate(loads(text))
+    return simulate(_read(text))
+
+
+_read = cache(loads)  # scenes are never written to

@@ -59,6 +59,7 @@ SIZES = {  # of configs/paper: the power of the size with which each input goes 
 BALANCES = ("mass", "energy", "oil_mass", "entropy")
 OF_LEDGER = "exergy_destroyed_"
 LAWLESS = f"{OF_LEDGER}{NOT_CONSERVED}"  # by `oil.transport: paper` oil leaves with another energy than it has
+WALLS = ("wall_heat", "cylinder_heat")
 WARMING = ("separator", "hydromechanical", "mechanical", "oil_pump", "oil_drag", "bearings", "oil_lift")
 ALIKE = ("volumetric_efficiency", "isothermal_efficiency", "discharge_temperature", "peak_pressure", "specific_power")
 
@@ -168,14 +169,25 @@ def nothing_destroys_entropy(kind: str, seed: int) -> tuple[float, str]:
     bound = scene.numerics.accuracy
     laws = {name: abs(value or 0.0) / bound for name, value in found.balance.items() if name in BALANCES}
     ledger = {name: value for name, value in found.ledger.items() if name.startswith(OF_LEDGER) and name != LAWLESS}
-    if "suction_line" not in scene.effects:  # then it may be a sink of cold that costs nothing (M54)
-        ledger.pop(f"{OF_LEDGER}suction_line", None)
+    ledger = {name: value for name, value in ledger.items() if not _given(scene, found, name)}
     if f"{OF_LEDGER}separator" in ledger:  # losses have booked the heat that it gets from them as dissipated (M286)
         ledger["separator and losses"] = sum(ledger.pop(f"{OF_LEDGER}{name}", None) or 0.0 for name in WARMING)
     size = abs(found.performance["shaft_power"] or 0.0) + sum(abs(value or 0.0) for value in ledger.values())
     laws |= {name: max(0.0, -(value or 0.0)) / (bound * size) for name, value in ledger.items()}
     name = max(laws, key=lambda each: laws[each])
     return laws[name], name
+
+
+def _given(scene: Scene, found: Result, entry: str) -> bool:
+    """Tell whether an entry has exergy that lines, plenums or walls held at their state take or give: it may be negative.
+
+    To a line or plenum goes that of heat, below T_0 a sink of cold that costs nothing, and of oil, counted from
+    injected oil at the pressure of its source (M54); walls give that of the heat by which they warm the gas (M171).
+    """
+    name = entry.removeprefix(OF_LEDGER)
+    if name in WALLS and (found.ledger[f"energy_moved_{name}"] or 0.0) > 0.0:
+        return True
+    return name.endswith("_plenum") or (name == "suction_line" and name not in scene.effects)
 
 
 def of_another_size(kind: str, seed: int) -> tuple[float, str]:
