@@ -25,7 +25,8 @@ Array = np.ndarray
 STALL = 3  # pitches without progress of the states
 MAX_PITCHES = 160
 FARTHEST = 0.3  # change of a pitch above which a linear correction tells nothing
-MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which a cycle that does not close is given up
+MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which a cycle that does not close is given up,
+OF_A_CHECK = 20  # so many times that under a check: its pitch may take a million
 
 
 def close_together(
@@ -48,7 +49,7 @@ def close_together(
     gaps: list[float] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
-    budget = int(machinery.counts[2]) + most
+    budget = int(machinery.counts[2]) + (OF_A_CHECK * most if wanted.check else most)
 
     def ended(status: str, y: Array, pitch: int, angle: float = 0.0) -> CycleSolution:
         if status != "failed":
