@@ -179,7 +179,7 @@ def nothing_destroys_entropy(kind: str, seed: int) -> tuple[float, str]:
 
 
 def _given(scene: Scene, found: Result, entry: str) -> bool:
-    """Tell whether an entry may be negative: it has exergy that lines, plenums or walls held at their state take or give.
+    """Tell whether an entry may be negative, as what lines, plenums or walls held at their state take or give.
 
     To a line or plenum goes that of heat, below T_0 a sink of cold that costs nothing, and of oil, counted from
     injected oil at the pressure of its source (M54); walls give that of the heat by which they warm the gas (M171).
