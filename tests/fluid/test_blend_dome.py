@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from test_blends import R, coolprop, reference, teqp_model
+from blend_references import R, coolprop, reference, teqp_model
 
 from screwsim.fluid import constants
 from screwsim.fluid.blend_dome import blend_equilibrium_kernels, surface_kernel

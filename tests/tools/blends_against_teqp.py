@@ -18,7 +18,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests" / "fluid" / "blends_teqp.json"
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("fluid",)]
-from test_blends import R, phases, teqp_model, traced  # noqa: E402
+from blend_references import R, phases, teqp_model, traced  # noqa: E402
 
 from screwsim.fluid import constants  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402
