@@ -19,9 +19,12 @@ from typing import Any, TypeVar
 
 from greenlet import GreenletExit, getcurrent, greenlet
 
+from screwsim.batch.driver import device
+from screwsim.batch.on_device import OnDevice
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.problem import sharing
+from screwsim.inputs.faults import UsageError
 from screwsim.model import compiled, side_by_side
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
@@ -58,7 +61,7 @@ def together(
 
     `in_flight` tasks run at a time. What a task raises is raised here, once all have ended: those that wait for a turn
     end by GreenletExit. `during` surrounds waiting and calls, for who takes times, and `handed_on` is told when one
-    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core;
+    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.on_device`), else the lanes of this core;
     without `lanes` turns are integrated one after the other, with the bits of single points.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
@@ -255,15 +258,17 @@ def _one_by_one(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 
-_on_gpu: dict[str, Any] = {}  # by the name of a module
+_on_device: dict[str, OnDevice] = {}  # by the name of a module
 
 
 def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     """Return turns of one structure, integrated on a GPU."""
-    from screwsim.batch.cuda import Cuda
-
     machinery = asked[0].machinery
     name = machinery.module.__name__
-    if name not in _on_gpu:
-        _on_gpu[name] = Cuda(machinery)
-    return _on_gpu[name].turns(asked)
+    if name not in _on_device:
+        with compiled.first(machinery.module, "device"):
+            try:
+                _on_device[name] = OnDevice(machinery, device())
+            except CannotCompile as why:
+                raise UsageError(f"this scene's turns do not run on a GPU: {why}; leave it to the processor") from None
+    return _on_device[name].turns(asked)
