@@ -23,6 +23,7 @@ from typing import Any
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.batch.driver import THREADS, Driver
 from screwsim.batch.on_device import OnDevice
+from screwsim.cycle.problem import sharing
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate_many
@@ -49,8 +50,8 @@ def courses_of(name: str, count: int, length: int, seed: int = 1) -> Courses:
 
 
 def _course(first: Scene, length: int) -> list[Scene]:
-    speed = first.operation.speed
-    return [first, *(first.with_({"operation.speed": speed * (1 + NEXT * k)}) for k in range(1, length))]
+    speeds = [f"{first.operation.speed * (1 + NEXT * k)} rad/s" for k in range(1, length)]
+    return [first, *(first.with_({"operation.speed": speed}) for speed in speeds)]
 
 
 def seconds(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -95,10 +96,10 @@ class Clocked:
         return f"{self.count} calls of {self.turns / max(1, self.count):.0f} turns, {each}: {shares}"
 
 
-def apart(found: Sequence[Result], wanted: Sequence[Result]) -> str:
+def apart(pairs: Sequence[tuple[Result, Result]]) -> str:
     """Tell by how much results differ, in parts of the larger of the stated errors and the accuracy asked for."""
     shares, statuses, counts = [], 0, []
-    for one, other in zip(found, wanted, strict=True):
+    for one, other in pairs:
         statuses += one.status != other.status
         counts.append(one.numerics.rhs_evaluations / other.numerics.rhs_evaluations)
         for name, value in other.performance.items():
@@ -108,7 +109,7 @@ def apart(found: Sequence[Result], wanted: Sequence[Result]) -> str:
                 shares.append((abs(given - value) / error, name))
     most, name = max(shares)
     return (
-        f"{len(found)} points held against the processor's: {statuses} of another status; figures differ by "
+        f"{len(pairs)} points held against the processor's: {statuses} of another status; figures differ by "
         f"{most:.1e} of the error stated for them at most ({name}), evaluations by {statistics.median(counts) - 1:+.1%}"
     )
 
@@ -121,11 +122,11 @@ def measure(name: str, points: int, length: int, clock: Clocked) -> None:
     first, _ = seconds(lambda: simulate_courses(courses_of(name, THREADS, 1, 99), gpu=True))
     print(f"{name}: compiled for the device, and {THREADS} points: {first:.1f} s", flush=True)
     few = points // CHECKED
-    for courses in (courses_of(name, 8, length, 98),):  # what is compiled for the processor
-        list(simulate_many(courses[0], trace=False))
-        simulate_courses(courses)
+    courses = courses_of(name, 8, length, 98)  # what is compiled for the processor
+    one_by_one(courses[:1])
+    simulate_courses(courses)
     slow, quick = courses_of(name, few, length, 1), courses_of(name, few, length, 2)
-    alone, _ = seconds(lambda: [list(simulate_many(course, trace=False)) for course in slow])
+    alone, _ = seconds(lambda: one_by_one(slow))
     lanes, _ = seconds(lambda: simulate_courses(quick))
     count = few * length
     print(f"  one core: {_rate(count, alone)} one by one, {_rate(count, lanes)} in its lanes", flush=True)
@@ -133,10 +134,15 @@ def measure(name: str, points: int, length: int, clock: Clocked) -> None:
     clock.clear()
     took, found = seconds(lambda: on_the_gpu(courses))
     print(f"  the device and one core: {_rate(points * length, took)}; {clock.told(took)}", flush=True)
-    held = list(range(0, points, CHECKED))
-    one = [result for k in held for result in found[k]]
-    other = [result for k in held for result in simulate_many(courses[k], trace=False)]
-    print(f"  {apart(one, other)}", flush=True)
+    both = zip(found[::CHECKED], one_by_one(courses[::CHECKED]), strict=True)
+    pairs = [pair for ours, theirs in both for pair in zip(ours, theirs, strict=True)]
+    print(f"  {apart(pairs)}", flush=True)
+
+
+def one_by_one(courses: Courses) -> list[list[Result]]:
+    """Solve courses as a sweep does."""
+    with sharing():
+        return [list(simulate_many(course, trace=False)) for course in courses]
 
 
 def on_the_gpu(courses: Courses) -> list[list[Result]]:

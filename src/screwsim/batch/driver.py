@@ -12,7 +12,6 @@ import numpy as np
 
 from screwsim.codegen.device_library import TURNS
 from screwsim.codegen.kinds import Kind
-from screwsim.codegen.modules import Module
 from screwsim.inputs.faults import UsageError
 
 Array = np.ndarray
@@ -24,7 +23,7 @@ NO_DEVICE = "points on a GPU need one that NVIDIA's driver finds ({}); leave the
 class Device(Protocol):
     """What integrates turns elsewhere: has memory, addressed by whole numbers, and runs a thread for each turn."""
 
-    def turns(self, module: Module, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
+    def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
         """Return a function of a module as it runs here; `numbers` are arguments that are the same in every run."""
         ...
 
@@ -75,7 +74,7 @@ class Driver:
             raise RuntimeError(f"{name}: {code.name}")
         return found[0] if found else None
 
-    def turns(self, module: Module, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
+    def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
         """Return a kernel: PTX that the driver translates for its device, once, and keeps itself."""
         self._do("cuCtxSetCurrent", self._context)
         loaded = self._do("cuModuleLoadData", module.of_device(name, kinds, numbers) + b"\0")

@@ -103,7 +103,9 @@ class _Call:
         self.asked, self.count, self.steps = asked, len(asked), steps
         like = asked[0].machinery
         first = _own(asked[0], np.zeros(like.nq))
-        self.columns = dict(zip(OWN, accumulate((len(first[name]) for name in OWN), initial=0), strict=False))
+        self.columns: dict[str, int] = dict(
+            zip(OWN, accumulate((len(first[name]) for name in OWN), initial=0), strict=False)
+        )
         self.own_size = sum(map(len, first.values()))
         self.old = [each.machinery.last() for each in asked]
         self.most_old = max(1, *(steps for *_, steps in self.old))
