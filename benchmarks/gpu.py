@@ -23,6 +23,7 @@ from typing import Any
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.batch.driver import THREADS, Driver
 from screwsim.batch.on_device import OnDevice
+from screwsim.codegen.modules import for_speed
 from screwsim.cycle.problem import sharing
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, load
@@ -155,6 +156,7 @@ def _rate(points: int, took: float) -> str:
     return f"{60 * points / took:.0f} points/min ({1e3 * took / points:.2f} ms)"
 
 
+@for_speed()
 def _worker(name: str, points: int, length: int, seed: int, ready: Any, out: Any) -> None:
     simulate_courses(courses_of(name, THREADS, 1, 99), gpu=True)
     courses = courses_of(name, points, length, seed)
@@ -179,6 +181,7 @@ def shared(name: str, points: int, length: int, workers: int) -> None:
     print(f"  the device and {workers} processes: {_rate(count, took)}; {fine} of {count} points ok")
 
 
+@for_speed()
 def main() -> None:
     """Measure both machines on the first device."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
