@@ -94,6 +94,15 @@ def test_what_a_device_lacks_is_told(simulation, monkeypatch):
         simulate_courses([[scene] for scene in _scenes(POINT)], gpu=True)
 
 
+def test_a_device_without_room_is_told_with_how_many_points_to_ask_for(simulation, monkeypatch):
+    def full(_words):
+        raise MemoryError
+
+    monkeypatch.setattr(simulation, "room", full)
+    with pytest.raises(UsageError, match=r"no room for 3 points at once; ask for fewer \(.* in_flight=1\)"):
+        simulate_courses([[scene] for scene in _scenes(POINT)], gpu=True)
+
+
 def _function(name, *kinds):
     text = f"def f({', '.join('xy'[: len(kinds)])}):\n    return math.{name}({', '.join('xy'[: len(kinds)])})\n"
     symbol = f"of_a_device.{name}"

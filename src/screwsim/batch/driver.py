@@ -5,6 +5,8 @@ Needs the package cuda-bindings (`pip install 'screwsim[gpu]'`) and the driver t
 
 from __future__ import annotations
 
+import ctypes
+import os
 from functools import cache
 from typing import Any, Protocol
 
@@ -18,6 +20,10 @@ Array = np.ndarray
 THREADS = 32  # of a block: points go ways of their own, and one warp a multiprocessor is soonest done
 NEEDS = "points on a GPU need the package cuda-bindings (pip install 'screwsim[gpu]')"
 NO_DEVICE = "points on a GPU need one that NVIDIA's driver finds ({}); leave them to the processor's lanes"
+
+
+class DeviceError(RuntimeError):
+    """A call of the driver failed."""
 
 
 class Device(Protocol):
@@ -60,34 +66,40 @@ class Driver:
         try:
             self._do("cuInit", 0)
             device = self._do("cuDeviceGet", 0)
-        except RuntimeError as error:
+        except RuntimeError as error:  # the package's too, where there is no driver
             raise UsageError(NO_DEVICE.format(str(error).strip().splitlines()[-1])) from None
         self.name: str = self._do("cuDeviceGetName", 256, device).split(b"\0")[0].decode()
         self._context = self._do("cuDevicePrimaryCtxRetain", device)
 
     def _do(self, name: str, *arguments: Any) -> Any:
-        """Call the driver; raise RuntimeError where it says that something failed, MemoryError where it has no room."""
+        """Call the driver; raise DeviceError where it says that something failed, MemoryError where it has no room."""
         code, *found = getattr(self._driver, name)(*arguments)
         if code == self._driver.CUresult.CUDA_ERROR_OUT_OF_MEMORY:
             raise MemoryError
         if code != self._driver.CUresult.CUDA_SUCCESS:
-            raise RuntimeError(f"{name}: {code.name}")
+            raise DeviceError(f"{name}: {code.name}")
         return found[0] if found else None
+
+    def _here(self) -> None:
+        """Let this thread speak to the device."""
+        self._do("cuCtxSetCurrent", self._context)
 
     def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
         """Return a kernel: PTX that the driver translates for its device, once, and keeps itself."""
-        self._do("cuCtxSetCurrent", self._context)
+        self._here()
         loaded = self._do("cuModuleLoadData", module.of_device(name, kinds, numbers) + b"\0")
         return self._do("cuModuleGetFunction", loaded, TURNS.encode())
 
     def room(self, words: int) -> int:
-        self._do("cuCtxSetCurrent", self._context)
+        self._here()
         return int(self._do("cuMemAlloc", 8 * words))
 
     def free(self, address: int) -> None:
+        self._here()
         self._do("cuMemFree", address)
 
     def up(self, address: int, table: Array) -> None:
+        self._here()
         self._do("cuMemcpyHtoD", address, table.ctypes.data, table.nbytes)
 
     def down(self, table: Array, address: int, pitch: int) -> None:
@@ -104,17 +116,19 @@ class Driver:
         self._do("cuMemcpy2D", copy)
 
     def run(self, turns: Any, words: int, results: int, count: int) -> None:
-        import ctypes
-
         address = ctypes.c_uint64
         given = (words, results, count), (address, address, ctypes.c_int64)
         blocks = -(-count // THREADS)
-        self._do("cuCtxSetCurrent", self._context)
+        self._here()
         self._do("cuLaunchKernel", turns, blocks, 1, 1, THREADS, 1, 1, 0, 0, given, 0)
         self._do("cuCtxSynchronize")
 
 
-@cache
 def device() -> Device:
     """Return the device of this process; raise UsageError where there is none, or not what speaks to it."""
+    return _device_of(os.getpid())  # one that a parent had opened is of no use after a fork
+
+
+@cache
+def _device_of(_process: int) -> Device:
     return Driver()

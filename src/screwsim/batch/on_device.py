@@ -25,7 +25,7 @@ from screwsim.numerics.rodas import TOO_MANY_STEPS
 Array = np.ndarray
 STEPS = 512  # of a turn that find room on the device, at first
 MOST_STEPS = 8192  # and at most
-NO_ROOM = "the GPU has no room for {} points at once; ask for fewer, e.g. in_flight={}"
+NO_ROOM = "the GPU has no room for {} points at once; ask for fewer (screwsim.batch.together with in_flight={})"
 AXES = {"d_old": 3, "d_new": 3}
 CONTEXT = Kind(
     "c",

@@ -8,6 +8,7 @@ result depends on which points ran beside it.
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
@@ -19,7 +20,7 @@ from typing import Any, TypeVar
 
 from greenlet import GreenletExit, getcurrent, greenlet
 
-from screwsim.batch.driver import device
+from screwsim.batch.driver import DeviceError, device
 from screwsim.batch.on_device import OnDevice
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
@@ -258,17 +259,17 @@ def _one_by_one(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 
-_on_device: dict[str, OnDevice] = {}  # by the name of a module
+_on_device: dict[tuple[int, str], OnDevice] = {}  # by process and name of a module
 
 
 def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     """Return turns of one structure, integrated on a GPU."""
     machinery = asked[0].machinery
-    name = machinery.module.__name__
-    if name not in _on_device:
+    key = os.getpid(), machinery.module.__name__
+    if key not in _on_device:
         with compiled.first(machinery.module, "device"):
             try:
-                _on_device[name] = OnDevice(machinery, device())
-            except CannotCompile as why:
+                _on_device[key] = OnDevice(machinery, device())
+            except (CannotCompile, DeviceError) as why:
                 raise UsageError(f"this scene's turns do not run on a GPU: {why}; leave it to the processor") from None
-    return _on_device[name].turns(asked)
+    return _on_device[key].turns(asked)
