@@ -19,24 +19,31 @@ from screwsim.model.contexts import ChamberContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import TURN, Answer, Asked
 from screwsim.numerics.kernel import constant_text, nodes, unparsed
+from screwsim.numerics.rodas import TOO_MANY_STEPS
 
 Array = np.ndarray
-THREADS = 64  # of a block
-MOST_STEPS = 4000  # of a turn: each takes room on the device
+THREADS = 32  # of a block: points go ways of their own, and one warp a multiprocessor is soonest done
+STEPS = 512  # of a turn that find room on the device, at first
+MOST_STEPS = 8192  # and at most
 NEEDS = "points on a GPU need numba-cuda (pip install 'screwsim[gpu]')"
 HEADER = "import math\nimport numpy as np\nfrom numba import cuda\n"
-GIVEN = ("breakpoints", "n_breakpoints", "y", "q", "rtol", "h", "counts", "quads", *ChamberContext._fields, "out")
+MOST_CONSTANTS = (
+    32  # numbers of an array in a device's memory for constants: small, and each function that uses one has its own
+)
+SMALL = ("y", "q", "counts", "P", "R", "kept", "hints", "state", "own")  # go there and come back: a column a point
+HISTORIES = ("t_old", "d_old", "t_new", "d_new", "quads")  # a row a step, in it an entry a point
+GIVEN = ("breakpoints", "numbers", "whole", "tables", *SMALL, *HISTORIES, "out")
 KERNEL = """
 def turns({given}):
     i = cuda.grid(1)
-    if i < y.shape[0]:
+    if i < out.shape[1]:
         context = ChamberContext({context})
         status, phi, step = {turn}(
-            breakpoints[i], n_breakpoints[i], y[i], q[i], context, rtol[i], h[i], {n_E},
-            t_new[i], d_new[i], quads[i], kept[i], counts[i])
-        out[i, 0] = status
-        out[i, 1] = phi
-        out[i, 2] = step
+            breakpoints[:, i], whole[0, i], y[:, i], q[:, i], context, numbers[0, i], numbers[1, i], {n_E},
+            t_new[:, i], d_new[:, i], quads[:, i], kept[:, i], counts[:, i])
+        out[0, i] = status
+        out[1, i] = phi
+        out[2, i] = step
 """
 
 
@@ -47,25 +54,32 @@ def text_of(text: str, n_E: int) -> str:
     """
     program = read(text)
     reached = _reached(program, TURN)
-    constants = [f"{name} = {constant_text(value)}" for name, value in program.constants.items()]
+    constants = [f"{name} = {_constant(value)}" for name, value in program.constants.items() if name in reached]
     functions = []
     for name in program.functions:
         if name in reached:
             node = _with_local_memory(program, program.functions[name], {"n_e": n_E})
             functions.append(f"@cuda.jit(device=True)\n{unparsed(node)}")
-    context = ", ".join(f"{name}[i]" for name in ChamberContext._fields)
+    context = ", ".join("tables[whole[1, i]]" if name == "TAB" else f"{name}[:, i]" for name in ChamberContext._fields)
     kernel = KERNEL.format(given=", ".join(GIVEN), context=context, turn=TURN, n_E=n_E)
     return "\n\n".join([HEADER, *constants, *functions, f"@cuda.jit{kernel}"])
 
 
+def _constant(value: Any) -> str | None:
+    text = constant_text(value)
+    return f"cuda.to_device({text})" if np.size(value) > MOST_CONSTANTS else text
+
+
 def _reached(program: Program, first: str) -> set[str]:
+    """Return the names of the functions and constants that one function uses."""
     found, left = set(), [first]
     while left:
         name = left.pop()
         if name not in found:
             found.add(name)
-            used = {node.id for node in nodes(program.functions[name]) if isinstance(node, ast.Name)}
-            left += used & program.functions.keys()
+            if name in program.functions:
+                used = {node.id for node in nodes(program.functions[name]) if isinstance(node, ast.Name)}
+                left += used & (program.functions.keys() | program.constants.keys())
     return found
 
 
@@ -112,70 +126,96 @@ def kernel_of(text: str, n_E: int) -> Any:
 class Cuda:
     """Turns of one structure on a GPU, as many as are asked for at once."""
 
-    def __init__(self, like: Machinery, most_steps: int = MOST_STEPS) -> None:
-        self.most_steps = most_steps
+    def __init__(self, like: Machinery) -> None:
+        self.steps = STEPS  # of a turn: as much room as it finds on the device
         self._kernel = kernel_of(like.composition.text, like.composition.n_E)
 
     def turns(self, asked: Sequence[Asked]) -> list[Answer]:
-        """Integrate a life of each; what a turn leaves behind is put where `Machinery.turn` leaves it."""
+        """Integrate a life of each; what a turn leaves behind is put where `Machinery.turn` leaves it.
+
+        A turn of more steps than there is room for is integrated by the processor; the next call makes more room.
+        """
+        found = self._on_device(asked)
+        answers = []
+        for i, each in enumerate(asked):
+            status, phi, h = (float(number) for number in found["out"][:, i])
+            if int(status) == TOO_MANY_STEPS and self.steps < each.machinery.max_steps:
+                answers.append(each.machinery.own_turn(each.y, each.rtol, each.h))
+            else:
+                answers.append((int(status), phi, h, self._put(each, found, i)))
+        most = max(int(each.machinery.kept[0]) for each in asked)
+        if most > self.steps:
+            self.steps = min(MOST_STEPS, 2 * most)
+        return answers
+
+    def _on_device(self, asked: Sequence[Asked]) -> dict[str, Array]:
+        """Return what the device makes of turns: arrays whose last axis, or second one of histories, is the points."""
+        sizes = _new(asked[0].machinery, self.steps)
+        on_device = self._integrate(self._given(asked), sizes)
+        found = {name: on_device[name].copy_to_host() for name in (*SMALL, "out")}
+        most = int(found["kept"][0].max())
+        for name in sizes:
+            found[name] = on_device[name][: most + (name == "t_new")].copy_to_host()
+        return found
+
+    def _integrate(self, given: dict[str, Array], sizes: dict[str, tuple[int, ...]]) -> dict[str, Any]:
+        """Return all arrays of a call on the device, once it has ended."""
         from numba import cuda  # pyright: ignore[reportMissingImports] - an extra
 
-        rows = [self._rows(each) for each in asked]
-        held = {name: _stacked([row[name] for row in rows]) for name in GIVEN if name != "out"}
-        held["out"] = np.zeros((len(asked), 3))
-        on_device = [cuda.to_device(held[name]) for name in GIVEN]
-        blocks = -(-len(asked) // THREADS)
-        self._kernel[blocks, min(THREADS, len(asked))](*on_device)
-        found = dict(zip(GIVEN, (each.copy_to_host() for each in on_device), strict=True))
-        return [self._put(each, {name: table[i] for name, table in found.items()}) for i, each in enumerate(asked)]
+        n = given["y"].shape[-1]
+        on_device = {name: cuda.to_device(table) for name, table in given.items()}
+        for name, (steps, *others) in sizes.items():
+            on_device[name] = cuda.device_array((steps, n, *others))
+        on_device["out"] = cuda.device_array((3, n))
+        self._kernel[-(-n // THREADS), THREADS](*(on_device[name] for name in GIVEN))
+        cuda.synchronize()
+        return on_device
 
-    def _rows(self, each: Asked) -> dict[str, Any]:
-        machinery = each.machinery
-        c, (old, new), (state, own) = machinery.composition, machinery.histories, machinery.spaces
-        steps = min(self.most_steps, machinery.max_steps)
-        return {
-            "breakpoints": c.breakpoints,
-            "n_breakpoints": np.int64(len(c.breakpoints)),
-            "y": each.y,
-            "q": np.zeros(machinery.nq),
-            "rtol": np.float64(each.rtol),
-            "h": np.float64(each.h),
-            "counts": machinery.counts,
-            "quads": new[2][:steps],
-            "P": c.P,
-            "TAB": c.TAB,
-            "R": machinery.R,
-            "t_old": old[0][: steps + 1],
-            "d_old": old[1][:steps],
-            "t_new": new[0][: steps + 1],
-            "d_new": new[1][:steps],
-            "kept": machinery.kept,
-            "hints": machinery.hints,
-            "state": state,
-            "own": own,
-        }
+    def _given(self, asked: Sequence[Asked]) -> dict[str, Array]:
+        small = [_small(each) for each in asked]
+        given = {name: np.stack([columns[name] for columns in small], axis=-1) for name in SMALL}
+        breakpoints = [each.machinery.composition.breakpoints for each in asked]
+        tables = {id(each.machinery.composition.TAB): each.machinery.composition.TAB for each in asked}
+        rows = {key: row for row, key in enumerate(tables)}
+        which = [rows[id(each.machinery.composition.TAB)] for each in asked]
+        given["breakpoints"] = _rows(breakpoints).T.copy()
+        given["tables"] = _rows(list(tables.values()))
+        given["whole"] = np.array([[len(angles) for angles in breakpoints], which])
+        given["numbers"] = np.array([[each.rtol for each in asked], [each.h for each in asked]])
+        old = [each.machinery.last() for each in asked]
+        most = max(1, *(steps for *_, steps in old))
+        given["t_old"] = np.zeros((most + 1, len(asked)))
+        given["d_old"] = np.zeros((most, len(asked), *old[0][1].shape[1:]))
+        for i, (times, dense, _, steps) in enumerate(old):
+            given["t_old"][: steps + 1, i], given["d_old"][:steps, i] = times[: steps + 1], dense[:steps]
+        return given
 
-    def _put(self, each: Asked, found: dict[str, Any]) -> Answer:
-        machinery, steps = each.machinery, int(found["kept"][0])
-        _, new = machinery.histories
-        new[0][: steps + 1], new[1][:steps], new[2][:steps] = (
-            *(found["t_new"][: steps + 1], found["d_new"][:steps]),
-            found["quads"][:steps],
-        )
-        each.y[:], machinery.R[:], machinery.counts[:] = found["y"], found["R"], found["counts"]
-        machinery.composition.P[:], machinery.kept[:], machinery.hints[:] = found["P"], found["kept"], found["hints"]
-        for space, name in zip(machinery.spaces, ("state", "own"), strict=True):
-            space[:] = found[name]
-        status, phi, h = found["out"]
-        return int(status), float(phi), float(h), found["q"].copy()
+    def _put(self, each: Asked, found: dict[str, Array], i: int) -> Array:
+        """Put a point's numbers and history where its machinery has them; return its quadratures."""
+        columns, steps = _small(each), int(found["kept"][0, i])
+        for name, column in columns.items():
+            column[:] = found[name][:, i]
+        times, dense, quads = each.machinery.histories[1]
+        times[: steps + 1], dense[:steps] = found["t_new"][: steps + 1, i], found["d_new"][:steps, i]
+        quads[:steps] = found["quads"][:steps, i]
+        return columns["q"]
 
 
-def _stacked(tables: Sequence[Any]) -> Any:
-    """Return tables of all points in one array; those that are shorter are filled up."""
-    shapes = {np.shape(table) for table in tables}
-    if len(shapes) == 1:
-        return np.ascontiguousarray(np.stack(tables))
-    found: Any = np.zeros((len(tables), *(max(sizes) for sizes in zip(*shapes, strict=True))), tables[0].dtype)
+def _small(each: Asked) -> dict[str, Array]:
+    machinery = each.machinery
+    columns = (np.zeros(machinery.nq), machinery.counts, machinery.composition.P, machinery.R, machinery.kept)
+    return dict(zip(SMALL, (each.y, *columns, machinery.hints, *machinery.spaces), strict=True))
+
+
+def _rows(tables: Sequence[Array]) -> Array:
+    """Return tables of numbers as rows; those that are shorter are filled up."""
+    found = np.zeros((len(tables), max(map(len, tables))))
     for row, table in zip(found, tables, strict=True):
-        row[tuple(slice(size) for size in table.shape)] = table
+        row[: len(table)] = table
     return found
+
+
+def _new(like: Machinery, steps: int) -> dict[str, tuple[int, ...]]:
+    """Return the sizes of a history that is written, of one point."""
+    _, dense, quads = like.histories[1]
+    return {"t_new": (steps + 1,), "d_new": (steps, *dense.shape[1:]), "quads": (steps, *quads.shape[1:])}

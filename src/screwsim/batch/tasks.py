@@ -139,9 +139,15 @@ class _Together:
         return bool(self._ready or self._waiting or self._left)
 
     def _begin(self, number: int, work: Callable[[], Any]) -> None:
-        run = greenlet(work, self._own)
+        run = greenlet(partial(self._after_begin, work), self._own)
         run.gr_context = copy_context()
+        run.switch()
         self._ready.append(_Task(number, run))
+
+    def _after_begin(self, work: Callable[[], Any]) -> Any:
+        """Go on when somebody lets this task run: its calls lie on those of who began it, not of the station before."""
+        self._own.switch()
+        return work()
 
     def _run(self, task: _Task) -> None:
         """Let a task run, and others from its stations on, until one asks for a turn or ends; raise what it raises."""
@@ -195,7 +201,8 @@ class _Together:
         alike.sort(key=lambda task: _distance(task.asked, first))
         chosen = alike[: self._most]
         self._answer(chosen)
-        self._waiting = [task for task in self._waiting if task not in chosen]
+        answered = set(chosen)
+        self._waiting = [task for task in self._waiting if task not in answered]
         self._ready.extend(chosen)
 
     def _answer(self, chosen: Sequence[_Task]) -> None:
