@@ -1,12 +1,12 @@
 """Points on a GPU: in a simulation on this processor, as text for a device, and on one where there is one."""
 
-import importlib.util
 import math
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+import simulated_device
 
 from screwsim.batch import driver, on_device, simulate_courses, tasks
 from screwsim.codegen import machine
@@ -26,15 +26,10 @@ REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 EVERYTHING = ROOT / "configs" / "everything.yaml"
 WITHIN = 1e-3  # of their errors figures on a device differ from those of the processor
 
-_spec = importlib.util.spec_from_file_location("simulated_device", Path(__file__).with_name("simulated.py"))
-assert _spec is not None and _spec.loader is not None
-simulated = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(simulated)
-
 
 @pytest.fixture
 def simulation(monkeypatch):
-    found = simulated.Simulated()
+    found = simulated_device.Simulated()
     monkeypatch.setattr(tasks, "device", lambda: found)
     monkeypatch.setattr(tasks, "_on_device", {})
     return found

@@ -6,7 +6,9 @@ Needs the package cuda-bindings (`pip install 'screwsim[gpu]'`) and the driver t
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import os
+import sys
 from functools import cache
 from typing import Any, Protocol
 
@@ -122,6 +124,17 @@ class Driver:
         self._here()
         self._do("cuLaunchKernel", turns, blocks, 1, 1, THREADS, 1, 1, 0, 0, given, 0)
         self._do("cuCtxSynchronize")
+
+
+def look_for_driver() -> None:
+    """Raise UsageError without what speaks to a device; opens none, so that this process may still be forked."""
+    if importlib.util.find_spec("cuda") is None or importlib.util.find_spec("cuda.bindings") is None:
+        raise UsageError(NEEDS)
+    name = "nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1"
+    try:
+        ctypes.CDLL(name)
+    except OSError as error:
+        raise UsageError(NO_DEVICE.format(error)) from None
 
 
 def device() -> Device:

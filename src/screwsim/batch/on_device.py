@@ -58,7 +58,7 @@ class OnDevice:
 
     def __init__(self, like: Machinery, device: Device) -> None:
         self.device, self.steps = device, STEPS  # of a turn: as many as find room
-        self._turns = device.turns(like.module, TURN, KINDS, {N_E: like.composition.n_E})
+        self._turns = device.turns(*asked_of(like))
         self._room, self._size = 0, 0  # on the device: where, and words
         self._alone = threading.Lock()
 
@@ -94,6 +94,17 @@ class OnDevice:
         except MemoryError:
             raise UsageError(NO_ROOM.format(call.count, max(1, call.count // 2))) from None
         self._size = call.size
+
+
+def asked_of(like: Machinery) -> tuple[Any, str, tuple[Kind, ...], dict[int, int]]:
+    """Return what `Device.turns` is asked: the module, the function, kinds of arguments, those that are known."""
+    return like.module, TURN, KINDS, {N_E: like.composition.n_E}
+
+
+def code_of(like: Machinery) -> bytes:
+    """Return the PTX of a structure's turns, compiled or as it was kept; no device is looked for."""
+    module, *asked = asked_of(like)
+    return module.of_device(*asked)
 
 
 class _Call:

@@ -11,8 +11,8 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import copy_context
 from dataclasses import dataclass
 from functools import partial
@@ -20,11 +20,12 @@ from typing import Any, TypeVar
 
 from greenlet import GreenletExit, getcurrent, greenlet
 
-from screwsim.batch.driver import DeviceError, device
-from screwsim.batch.on_device import OnDevice
+from screwsim.batch.driver import DeviceError, device, look_for_driver
+from screwsim.batch.on_device import OnDevice, code_of
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
-from screwsim.cycle.problem import sharing
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import problem_of, sharing
 from screwsim.inputs.faults import UsageError
 from screwsim.model import compiled, side_by_side
 from screwsim.model.exchange import here
@@ -87,6 +88,26 @@ def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:
 def warm_up(scene: Scene) -> None:
     """Compile or load what a scene needs to run side by side with others."""
     together([partial(simulate, scene, scene.output.keep == "cycle")])
+
+
+def prepare_for_gpu(scene: Scene) -> None:
+    """Compile what a scene needs on a GPU, without opening one: a process that did may not be forked.
+
+    Raise UsageError without what speaks to a GPU, or where the scene calls what a GPU does not have.
+    """
+    look_for_driver()
+    problem = problem_of(scene)
+    machinery = leased(problem)
+    with compiled.first(machinery.module, "device"), _told_of_device():
+        code_of(machinery)
+
+
+@contextmanager
+def _told_of_device() -> Iterator[None]:
+    try:
+        yield
+    except (CannotCompile, DeviceError) as why:
+        raise UsageError(f"this scene's turns do not run on a GPU: {why}; leave it to the processor") from None
 
 
 _nothing = nullcontext()
@@ -267,9 +288,6 @@ def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     machinery = asked[0].machinery
     key = os.getpid(), machinery.module.__name__
     if key not in _on_device:
-        with compiled.first(machinery.module, "device"):
-            try:
-                _on_device[key] = OnDevice(machinery, device())
-            except (CannotCompile, DeviceError) as why:
-                raise UsageError(f"this scene's turns do not run on a GPU: {why}; leave it to the processor") from None
+        with compiled.first(machinery.module, "device"), _told_of_device():
+            _on_device[key] = OnDevice(machinery, device())
     return _on_device[key].turns(asked)
