@@ -55,6 +55,7 @@ FALLING = 0.5  # residual over that of the turn before, below which it is the tu
 PASSING = 3.0  # tolerances that the next turn would move the states by, above which the last may have met one by chance
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
 LITTLE = 2e-3  # ... and below this
+SHOWS = 5.0  # tolerances that a correction has to foretell, for the turn after it to show what it missed
 
 
 def dear(rtol: float) -> float:
@@ -123,6 +124,7 @@ class _Turns:
         self.open: Residuals | None = None  # what a turn of the finest steps left open
         self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
+        self.missed = 1.0  # share of what a correction foretold that the turn after it did not follow, as seen last
 
     def vector(self, values: Array) -> Array:
         """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
@@ -149,6 +151,8 @@ class _Turns:
         self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
             self.gap = self.first_gap = max(self.gap, self.moved)
+        if self.led and self.left >= SHOWS * self.wanted.tolerance:
+            self.missed = self.gap / self.left
         self.expected, self.residual_before = [now], self.residual
         self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
         self.residual = np.inf if self.open is None else self.open.largest
@@ -312,6 +316,7 @@ class _Turns:
             open=self.open if ok and not self.corrected else None,
             made=self.made if ok and not self.corrected else None,
             left=self.left if ok and self.gap > self.wanted.tolerance and self.corrections.begun else 0.0,
+            missed=self.missed,
         )
 
 
