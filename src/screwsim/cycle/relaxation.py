@@ -92,7 +92,7 @@ def relax(
             return turns.ended("ok")
         if machinery.evaluations_of(machinery.counts) > most:
             return None
-        turns.refine()
+        turns.refine(correction)
         turns.go_on(correction)
     return turns.ended("not_closed") if last else None
 
@@ -258,8 +258,18 @@ class _Turns:
         ratio = self.gap / self.before[0]
         return ratio / (1.0 - ratio) if ratio < LASTING else 0.0
 
-    def refine(self) -> None:
-        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise."""
+    def refine(self, correction: Correction | None) -> None:
+        """Refine the steps where their error is all that is left.
+
+        It is where the cycle stands, its balances are open and stay so by what the correction tells; and where
+        corrected turns near the end make no progress: what they correct is their noise.
+        """
+        if correction is not None and self.gap <= self.wanted.tolerance and self.residual < np.inf:
+            foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
+            stays = min(foretold, self.residual)
+            if stays > ENOUGH * self.wanted.bound:
+                self.finest = finer(self.finest, stays / self.wanted.bound)
+                return
         if self.corrections.begun and self.near and self.rtol <= self.finest:
             progress = self.gap < PROGRESS * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
