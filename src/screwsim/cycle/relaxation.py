@@ -264,13 +264,15 @@ class _Turns:
         It is where the cycle stands, its balances are open and stay so by what the correction tells; and where
         corrected turns near the end make no progress: what they correct is their noise.
         """
-        if correction is not None and self.gap <= self.wanted.tolerance and self.residual < np.inf:
+        if self.rtol > self.finest:  # they are already
+            return
+        if correction is not None and self.gap <= self.wanted.tolerance:
             foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
             stays = min(foretold, self.residual)
             if stays > ENOUGH * self.wanted.bound:
                 self.finest = finer(self.finest, stays / self.wanted.bound)
                 return
-        if self.corrections.begun and self.near and self.rtol <= self.finest:
+        if self.corrections.begun and self.near:
             progress = self.gap < PROGRESS * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
             if self.stalled > STALL:
