@@ -217,7 +217,7 @@ def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: Cy
 
 
 def _foretold(of: Evaluation, cycle: CycleSolution) -> bool:
-    """Tell whether what a correction makes of a life is as good as another life: so the corrections that closed were."""
+    """Tell whether what a correction makes of a life is as good as another life, as those that closed were."""
     problem = of.problem
     plain = met_across(problem) and not _keeps(problem) and not problem.composition.pulsating
     return plain and problem.scene.numerics.accuracy > MUCH and cycle.missed < FAITHFUL
