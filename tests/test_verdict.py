@@ -63,3 +63,16 @@ def test_what_cools_is_of_what_the_machine_has(scene, remedy):
 )
 def test_what_keeps_from_the_critical_point_is_of_what_the_machine_has(scene, remedy):
     assert REMEDIES[Limit.CRITICAL](outside(scene, Limit.CRITICAL, "")) == remedy
+
+
+@pytest.mark.parametrize(
+    ("scene", "wet", "cold"),
+    [
+        ("paper/point.yaml", "warmer oil or gas", "warmer suction gas or oil"),
+        ("slider_crank/air.yaml", "warmer gas in the suction line", "warmer suction gas"),
+    ],
+)
+def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, wet, cold):
+    told = {limit: REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.WET, Limit.GLIDING, Limit.COLD)}
+    assert told[Limit.WET] == f"use {wet}, or gas.two_phase: equilibrium"
+    assert told[Limit.GLIDING] == f"use {wet}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"

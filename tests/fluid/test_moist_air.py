@@ -8,7 +8,7 @@ import pytest
 
 from screwsim.fluid import constants, water
 from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.fluid.moist_air import MoistAir, moist_air, saturated_ratio
+from screwsim.fluid.moist_air import DRIEST, MoistAir, moist_air, saturated_ratio
 from screwsim.fluid.real_gas import RealGas
 from screwsim.inputs.faults import UsageError
 
@@ -106,6 +106,13 @@ def test_states_about_the_bend_where_water_begins_to_condense_are_found():
         for T in (dew - 60.0, dew - 1e-3, dew, dew + 1e-3, dew + 60.0):
             assert gas.temperature(p, gas.enthalpy(p, T)) == pytest.approx(T, rel=1e-10)
             assert gas.isentropic_work_of_enthalpy(p, p, gas.enthalpy(p, T)) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", GASES)
+def test_air_as_good_as_dry_has_no_dew_point(name):
+    dry = GASES[name].dry
+    ratios = [moist_air(dry, 1e5, 298.15, humidity).dew_point(9e5) for humidity in (1e-3, 1e-6, 1e-9, 1e-12, 1e-300)]
+    assert ratios[0] > ratios[1] > ratios[2] > DRIEST and ratios[3:] == [None, None]
 
 
 def test_where_water_boils_there_is_no_relative_humidity():

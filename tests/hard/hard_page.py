@@ -149,7 +149,8 @@ LAWS = """
 `tests/tools/{command}` needs no second solver: it states drawn scenes of those kinds of machines in two ways
 that mean the same (other units, a course backwards, a file of one point, chambers closed coupled), and asks what holds
 for any machine (a wider gap delivers no more, nothing takes entropy out of the world, machines of one shape work
-alike). What is off is over what the wanted accuracy allows, where 1 is the bound; a scene
+alike, two of them in a row share the pressure ratio equally, air with next to no water is dry air).
+What is off is over what the wanted accuracy allows, where 1 is the bound; a scene
 that is not ok, warns, or that a law says nothing of is not asked. Beyond it: {beyond}.
 `tests/hard/metamorphic_outcome.json` keeps them.
 

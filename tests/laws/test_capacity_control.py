@@ -22,6 +22,7 @@ SLIDE = {
     "radial_opens_moved": "650 deg",
 }
 MOVED = {"effects.slide_valve": {**SLIDE, "position": 1}}
+NAMES = {"throttle": "suction_throttle", "bypass": "bypass"}
 WAYS = {"throttle": THROTTLED, "bypass": RETURNED, "both": {**THROTTLED, **RETURNED}, "slide valve": MOVED}
 
 
@@ -109,6 +110,17 @@ def test_every_entry_of_the_intake_destroys():
     entries = ledger_entries(run({**THROTTLED, **RETURNED}).ledger)
     assert entries["bypass"]["exergy_destroyed"] > 0.0
     assert entries["suction_throttle"]["exergy_destroyed"] > 0.0
+
+
+@pytest.mark.parametrize("way", ["throttle", "bypass"])
+def test_flow_against_a_throttle_or_bypass_is_warned_of(way):
+    told = "gas flows back to the suction line, which no throttle, filter or bypass"
+    leaky = {"operation.speed": "60 rpm"}
+    found = run({**WAYS[way], **leaky})
+    assert found.performance.gas_mass_flow < 0.0 > found.ledger[f"exergy_destroyed_{NAMES[way]}"]
+    assert any(each.startswith(told) for each in found.warnings)
+    for fine in (run(WAYS[way]), run(leaky)):
+        assert not any(each.startswith(told) for each in fine.warnings)
 
 
 def test_a_sweep_over_the_share_finds_what_each_point_finds_alone():

@@ -54,6 +54,11 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
             ("operation.discharge.pressure=120 bar",),
             "gas.relative_humidity: is followed up to 100 bar, not at 120 bar (remove it, or lower the pressure)",
         ),
+        (
+            ("gas.relative_humidity=1", "operation.suction.temperature=95degC", "operation.discharge.pressure=60 bar"),
+            "gas.relative_humidity: brings so much water that it condenses above 500 K at 60 bar, where it is not "
+            "followed (drier or colder air, or a lower pressure)",
+        ),
     ],
 )
 def test_what_cannot_be_is_told_in_one_line(overrides, what):

@@ -7,6 +7,7 @@ from result_fakes import GRID, SCENE, fake_simulate
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
+from screwsim.printing.compare import comparison_document, print_comparison
 from screwsim.results import open_results, save
 from screwsim.scene import loads
 from screwsim.study.compare import compare
@@ -54,6 +55,23 @@ def test_a_file_equals_itself(grid):
     assert found.scene == {} and found.status_changes == 0
     power = figure(found, "shaft_power")
     assert (power.points, power.beyond, power.change) == (24, 0, 0.0)  # 3 of 30 failed, 3 did not close
+
+
+def test_points_that_failed_in_both_are_not_equal(tmp_path, capsys):
+    failed = [run(tmp_path / f"{name}.h5", ["oil_supply.ratio=5"]) for name in "ab"]
+    found = compare(*failed)
+    assert (found.common, found.compared, found.equal, found.figures) == (1, 0, False, ())
+    print_comparison(*failed, found)
+    told = capsys.readouterr().out
+    assert "none of them is ok in both files: no figure is compared" in told and "equal" not in told
+    assert comparison_document(*failed, found)["points"]["compared"] == 0
+
+
+def test_what_is_compared_is_told_where_some_points_failed(grid, capsys):
+    found = compare(grid, grid)
+    assert found.compared == 24  # 3 of 30 failed, 3 did not close
+    print_comparison(grid, grid, found)
+    assert "ok in both files are 24: figures of the others are not compared" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("share", "beyond"), [(3.9, 0), (4.1, 24)])

@@ -20,6 +20,7 @@ from screwsim.study.stages.solve import ChainResult
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4
 HIGH = {"operation.speed": "1300 rpm"}
 COOLER = {"kind": "cooler", "outlet_temperature": "290 K"}
@@ -189,12 +190,45 @@ def test_no_pressure_is_a_status(chain, speed, words):
     assert words in found.message
 
 
+LOW, HIGH_STAGE = (CONFIGS / "two_stage" / name for name in ("low", "high"))
+COLD_COOLER = {"kind": "cooler", "outlet_temperature": "-7 degC"}  # liquid at the first guess, gas where flows match
+
+
+@pytest.mark.parametrize(
+    ("between", "changes"),
+    [
+        (COLD_COOLER, ()),
+        ({"kind": "economizer"}, ("second.operation.speed=500 rpm",)),  # too hot at the first guess
+    ],
+)
+def test_pressures_at_which_a_stage_has_no_result_are_gone_round(tmp_path, between, changes):
+    path = tmp_path / "chain.yaml"
+    path.write_text(json.dumps({"stages": [f"{LOW}.yaml", f"{HIGH_STAGE}.yaml"], "intercooler": between}))
+    found = run_stages(read_stages(path, changes))
+    assert found.status == "ok"
+    first, second = (result.performance.gas_mass_flow for result in found.stages)
+    assert second == pytest.approx(first + found.performance.get("vapour_mass_flow", 0.0), rel=ACCURACY)
+
+
+def test_a_cooler_that_leaves_a_liquid_is_told_of_by_its_name(tmp_path):
+    path = tmp_path / "chain.yaml"
+    cold = {"kind": "cooler", "outlet_temperature": "-25 degC"}
+    path.write_text(json.dumps({"stages": [f"{LOW}.yaml", f"{HIGH_STAGE}.yaml"], "intercooler": cold}))
+    found = run_stages(read_stages(path))
+    assert found.status == "failed"
+    assert "the cooler leaves a liquid at 248.15 K and" in found.message
+    assert "(a higher intercooler.outlet_temperature)" in found.message
+
+
 def test_overrides_go_to_their_stage(chain):
     changed = read_stages(chain(), ["second.operation.speed=1500 rpm", "first.oil_supply.ratio=2"])
     assert changed.second.operation.speed == pytest.approx(1500 * 3.141592653589793 / 30)
     assert changed.first.oil_supply.ratio == 2
     with pytest.raises(UsageError, match=r"begins with neither first\. nor second\."):
         read_stages(chain(), ["operation.speed=1500 rpm"])
+    for path in ("intercooler.kind=none", "stages=[]", "title=x"):
+        with pytest.raises(UsageError, match=r"is of the file of both stages \(write it there\)"):
+            read_stages(chain(), [path])
 
 
 @pytest.mark.parametrize(
@@ -304,3 +338,6 @@ def test_faults_of_overrides_are_told_with_their_stage_and_both_stages_at_once(c
         read_stages(chain(), ["second.operation.speed"])
     with pytest.raises(UsageError, match=r"\(write e\.g\. --set first\.operation\.speed=1500 rpm\)$"):
         read_stages(chain(), ["operation.speed=1500 rpm"])
+    for path in ("intercooler.kind=none", "stages=[]", "title=x"):
+        with pytest.raises(UsageError, match=r"is of the file of both stages \(write it there\)"):
+            read_stages(chain(), [path])

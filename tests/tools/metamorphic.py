@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fuzz_courses import KINDS, ROOT, course
+from fuzz_courses import KINDS, ROOT, SPEED, course
 
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 from true_error import warns  # noqa: E402
@@ -28,6 +28,8 @@ from screwsim.outputs import Result  # noqa: E402
 from screwsim.results import open_results  # noqa: E402
 from screwsim.scene import Scene, load, with_values  # noqa: E402
 from screwsim.simulate import simulate, simulate_many  # noqa: E402
+from screwsim.study.stages import run_stages  # noqa: E402
+from screwsim.study.stages.read import Chain, Intercooler  # noqa: E402
 from screwsim.study.sweep import run_sweep  # noqa: E402
 
 BOTH_ERR = 2.0  # two results that are each within the wanted accuracy differ by at most twice as much
@@ -56,6 +58,10 @@ SIZES = {  # of configs/paper: the power of the size with which each input goes 
     "effects.oil_heat.heat_transfer_coefficient": -1,  # h A t goes as the mass, its surface too where droplets stay
     "operation.speed": -1,
 }
+DRY = ("oil=null", "oil_supply=null", *(f"effects.{name}=off" for name in ("oil_heat", "oil_pump", "hydromechanical")))
+OF_STAGES = ("volumetric_efficiency", "isothermal_efficiency", "discharge_temperature", "shaft_power", "gas_mass_flow")
+STAGE = 1.3, 3.0  # pressure ratio of a stage without oil
+NEXT_TO_NONE = 1e-14, 1e-9  # relative humidities of air as good as dry
 BALANCES = ("mass", "energy", "oil_mass", "entropy")
 OF_LEDGER = "exergy_destroyed_"
 LAWLESS = f"{OF_LEDGER}{NOT_CONSERVED}"  # by `oil.transport: paper` oil leaves with another energy than it has
@@ -202,6 +208,44 @@ def of_another_size(kind: str, seed: int) -> tuple[float, str]:
     return most / (BOTH_ERR * scene.numerics.accuracy), name
 
 
+def of_two_equal_stages(kind: str, seed: int) -> tuple[float, str]:
+    """Two machines of one shape without oil, cooled to the suction gas between, share the pressure ratio equally.
+
+    At one tip speed the flow goes as p L²: a second stage smaller by √π takes what the first gives at π p_s.
+    """
+    if kind != "paper":
+        raise NotAsked("its laws know viscosity")
+    random = np.random.default_rng(seed)
+    ratio = float(np.exp(random.uniform(*np.log(STAGE))))
+    base = replace(load(ROOT / "configs" / f"{KINDS[kind].file}.yaml", DRY), sweep={})
+    p_s, T_s = base.operation.suction.pressure, base.operation.suction.temperature
+    first = with_values(base, {SPEED: drawn(kind, seed).operation.speed, "operation.discharge.pressure": ratio * p_s})
+    inputs = {path: power for path, power in SIZES.items() if "oil_heat" not in path}
+    smaller = {path: _value(first, path) * ratio ** (-0.5 * power) for path, power in inputs.items()}
+    ends = {"operation.suction.pressure": ratio * p_s, "operation.discharge.pressure": ratio**2 * p_s}
+    found = run_stages(
+        Chain("", first, with_values(first, smaller | ends), Intercooler(kind="cooler", outlet_temperature=T_s))
+    )
+    if found.status != "ok":
+        raise NotAsked(found.status)
+    one, other = (believed(each, first) for each in found.stages)
+    errors = relative_errors(one.performance, other.performance)
+    off = {name: errors[name] for name in OF_STAGES}
+    off["intermediate_pressure"] = abs(found.performance.intermediate_pressure / (ratio * p_s) - 1.0)
+    name, most = worst(off)
+    return most / (BOTH_ERR * first.numerics.accuracy), name
+
+
+def next_to_no_water(kind: str, seed: int) -> tuple[float, str]:
+    """Air as good as dry is dry air, by the equations of moist air."""
+    if kind not in ("paper", "air"):
+        raise NotAsked("no ideal gas, or one that knows more of its fluid")
+    humidity = float(np.exp(np.random.default_rng(seed).uniform(*np.log(NEXT_TO_NONE))))
+    dry = with_values(drawn(kind, seed), {"gas.fluid": "air"})
+    one, other = (solved(each) for each in (dry, with_values(dry, {"gas.relative_humidity": humidity})))
+    return apart(one, other, dry.numerics.accuracy)
+
+
 def _value(scene: Scene, path: str) -> Any:
     found: Any = scene
     for name in path.split("."):
@@ -220,6 +264,8 @@ LAWS: dict[str, Callable[[str, int], tuple[float, str]]] = {
         wider_gap,
         nothing_destroys_entropy,
         of_another_size,
+        of_two_equal_stages,
+        next_to_no_water,
     )
 }
 

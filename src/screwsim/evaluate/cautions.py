@@ -56,6 +56,11 @@ def warnings(of: Evaluation) -> Iterator[str]:
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
         )
+    if flow is not None and flow < 0.0 and of.problem.suction.changed:
+        yield (
+            "gas flows back to the suction line, which no throttle, filter or bypass before the machine lets: their "
+            "pressures and shares are those of gas that is sucked (smaller leaks, a higher speed, or leave them out)"
+        )
 
 
 def _separated(of: Evaluation) -> Iterator[str]:

@@ -17,7 +17,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.evaluate.performance import NONE_DELIVERED
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
-from screwsim.fluid.moist_air import MoistAir
+from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.scene.units import ZERO_CELSIUS
@@ -29,6 +29,7 @@ HOUR = 3600.0
 AFTERCOOLER = "aftercooler_condensate_flow"
 PACKAGE_VAPOUR, PACKAGE_DEW = "package_vapour_flow", "package_dew_point"
 DRY = "there is no water in dry air"
+NO_DEW = f"water would condense below {DRIEST:g} K or above {water.T_MOST:g} K, where it is not followed"
 BLOWN_OFF = "the package delivers nothing: what the machine moves is blown off"
 NOTHING_OUT = "nothing flows out to the discharge line"
 
@@ -48,7 +49,8 @@ def figures(
         "pressure_dew_point": None if wet is None else wet.dew_point(p_d),
         "chamber_condensate_share": 0.0 if wet is None else chamber_share(problem, wet, life),
     }
-    notes = {"pressure_dew_point": DRY, "lowest_safe_oil_temperature": DRY}
+    why = DRY if wet is None else NO_DEW
+    notes = {"pressure_dew_point": why, "lowest_safe_oil_temperature": why}
     dew = own["pressure_dew_point"]
     margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
     own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
@@ -84,7 +86,9 @@ def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vap
 
 def _undelivered(problem: Problem) -> dict[str, str]:
     package = package_of(problem.scene)
-    return {PACKAGE_DEW: DRY if package is None or package.delivers else BLOWN_OFF}
+    if package is not None and not package.delivers:
+        return {PACKAGE_DEW: BLOWN_OFF}
+    return {PACKAGE_DEW: NO_DEW if isinstance(problem.parts.gas, MoistAir) else DRY}
 
 
 def cooled_to(problem: Problem, T: float) -> float | None:

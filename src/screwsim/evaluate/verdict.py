@@ -24,9 +24,9 @@ ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integrat
 REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equation of state
     Limit.HOT: lambda problem: _cooler(problem),
     Limit.PRESSED: lambda problem: _cooler(problem),
-    Limit.COLD: lambda _: "use warmer suction gas or oil, or a wider suction port",
-    Limit.WET: lambda _: "use warmer oil or gas, or gas.two_phase: equilibrium",
-    Limit.GLIDING: lambda _: "use warmer oil or gas",
+    Limit.COLD: lambda problem: f"use warmer suction gas{_or_oil(problem)}, or a wider suction port",
+    Limit.WET: lambda problem: f"use {_warmer(problem)}, or gas.two_phase: equilibrium",
+    Limit.GLIDING: lambda problem: f"use {_warmer(problem)}",
     Limit.CRITICAL: lambda problem: (
         f"use a wider discharge port{_larger(problem)}, a lower discharge pressure or warmer {_warming(problem)}"
     ),
@@ -70,6 +70,15 @@ def _larger(problem: Problem) -> str:
 def _warming(problem: Problem) -> str:
     """Return what brings warmth to the gas, of what the machine has."""
     return "oil" if problem.parts.oil is not None else "suction gas"
+
+
+def _warmer(problem: Problem) -> str:
+    """Return what keeps gas from condensing, of what the machine has."""
+    return "warmer oil or gas" if problem.parts.oil is not None else "warmer gas in the suction line"
+
+
+def _or_oil(problem: Problem) -> str:
+    return " or oil" if problem.parts.oil is not None else ""
 
 
 def beyond_its_mean(problem: Problem, life: Trajectory) -> str:

@@ -9,7 +9,7 @@ from screwsim.build import open_temperatures, package_of
 from screwsim.explain.rows import parameters_text, row
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.fluid.moist_air import MoistAir
+from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.inputs.declare import KINDS
 from screwsim.model.parts import Parts
 from screwsim.scene.lines import lines
@@ -36,7 +36,9 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
         yield row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
         where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
-        yield row("dew point", f"{gas.dew_point(at.p_d):.5g} K at {where} (M327)")
+        water_dew = gas.dew_point(at.p_d)
+        told = f"below {DRIEST:g} K" if water_dew is None else f"{water_dew:.5g} K"
+        yield row("dew point", f"{told} at {where} (M327)")
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
     dew = _stated(operation.evaporating_temperature, "dew")
     bubble = _stated(operation.condensing_temperature, condensing)

@@ -31,6 +31,7 @@ from screwsim.numerics.roots import brentq
 
 Gas = TypeVar("Gas")
 T_LOW, T_HIGH = 100.0, 2000.0  # [K] between which a state is looked for
+DRIEST = 150.0  # [K] dew point below which none is told
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
@@ -179,13 +180,17 @@ class MoistAir:
         liquid = self.condensed(p, T)
         return 1.0 - liquid, replace(self, share=(self.share - liquid) / (1.0 - liquid)) if liquid > 0.0 else self
 
-    def dew_point(self, p: float) -> float:
-        """Return the temperature [K] below which water condenses at p [Pa]; over supercooled water below 273.16 K."""
+    def dew_point(self, p: float) -> float | None:
+        """Return the temperature [K] below which water condenses at p [Pa]; over supercooled water below 273.16 K.
+
+        None outside `DRIEST` to `water.T_MOST`: of air as good as dry, or of steam beyond what is followed.
+        """
 
         def beyond(T: float) -> float:
             return math.log(saturated_ratio(self, p, T) / self.humidity_ratio)
 
-        return float(brentq(beyond, 150.0, water.T_MOST - 1e-6))
+        ends = DRIEST, water.T_MOST - 1e-6
+        return float(brentq(beyond, *ends)) if beyond(ends[0]) < 0.0 < beyond(ends[1]) else None
 
     # ---- work ------------------------------------------------------------------------------------------------
 

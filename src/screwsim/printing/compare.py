@@ -23,7 +23,12 @@ def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, 
         "b": str(b.path),
         "versions": [each.attributes["screwsim_version"] for each in (a, b)],
         "equal": found.equal,
-        "points": {"common": found.common, "only_a": found.only_a, "only_b": found.only_b},
+        "points": {
+            "common": found.common,
+            "compared": found.compared,
+            "only_a": found.only_a,
+            "only_b": found.only_b,
+        },
         "scene": {path: {"a": one, "b": other} for path, (one, other) in found.scene.items()},
         "status_changes": found.status_changes,
         "first_status_changes": [asdict(each) for each in found.first_status_changes],
@@ -39,6 +44,9 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     for name, count in (("A", found.only_a), ("B", found.only_b)):
         points += f", {count} only in {name}" if count else ""
     say(points)
+    if found.compared < found.common:
+        some = f"ok in both files are {found.compared}: figures of the others are not compared"
+        say(wrapped(some if found.compared else "none of them is ok in both files: no figure is compared"))
     if found.scene:
         say()
         rows = [[path, one or "-", other or "-"] for path, (one, other) in found.scene.items()]
@@ -48,6 +56,8 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         say(f"{found.status_changes} points have another status")
         for each in found.first_status_changes:
             say(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
+    if not found.compared:
+        return
     say()
     _print_figures(a, b, found)
     say()

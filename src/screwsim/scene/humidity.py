@@ -43,6 +43,12 @@ def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
         p, T = (readable_quantity(KINDS[name], x) for name, x in (("pressure", lines.p_s), ("temperature", lines.T_s)))
         what = f"has no meaning at {p} and {T}, where water boils"
         yield Fault(HUMIDITY, f"{what} (a lower operation.suction.temperature, or a higher pressure)")
+        return
+    told = readable_quantity(KINDS["pressure"], max(lines.p_s, lines.p_d))
+    vapour = gas.relative_humidity * water.saturation(lines.T_s)[0] * max(lines.p_d / lines.p_s, 1.0)
+    if vapour >= water.saturation(water.T_MOST)[0]:
+        what = f"brings so much water that it condenses above {water.T_MOST:g} K at {told}, where it is not followed"
+        yield Fault(HUMIDITY, f"{what} (drier or colder air, or a lower pressure)")
     elif max(lines.p_s, lines.p_d) > P_MOST:
-        p = readable_quantity(KINDS["pressure"], max(lines.p_s, lines.p_d))
-        yield Fault(HUMIDITY, f"is followed up to {1e-5 * P_MOST:g} bar, not at {p} (remove it, or lower the pressure)")
+        most = f"{1e-5 * P_MOST:g} bar"
+        yield Fault(HUMIDITY, f"is followed up to {most}, not at {told} (remove it, or lower the pressure)")

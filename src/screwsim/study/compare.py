@@ -56,9 +56,13 @@ class StatusChange:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two files: numbers of points, differences of the scenes {path: (A, B)} as texts, figures, statuses."""
+    """Two files: numbers of points, differences of the scenes {path: (A, B)} as texts, figures, statuses.
+
+    `compared` are those of the common points that are ok in both files: others have no figures that would count.
+    """
 
     common: int
+    compared: int
     only_a: int
     only_b: int
     scene: Mapping[str, tuple[str | None, str | None]]
@@ -68,9 +72,9 @@ class Comparison:
 
     @property
     def equal(self) -> bool:
-        """Whether at every common point statuses are the same and figures agree."""
+        """Whether at every common point statuses are the same and figures agree; not where none has figures."""
         odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
-        return not odd and not self.status_changes
+        return not odd and not self.status_changes and self.compared > 0
 
 
 def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
@@ -99,6 +103,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
     return Comparison(
         len(in_a),
+        int(np.count_nonzero(ok)),
         math.prod(a.shape) - len(in_a),
         math.prod(b.shape) - len(in_b),
         {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},

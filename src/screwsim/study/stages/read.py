@@ -84,6 +84,8 @@ def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {name: [] for name in NAMES}
     for override in overrides:
         head, _, rest = override.partition(".")
+        if head.partition("=")[0] in ("title", KEY, "intercooler"):
+            raise UsageError(f"--set {override}: is of the file of both stages (write it there)")
         if head not in found or not rest:
             what = "begins with neither first. nor second., the stage whose path it is"
             raise UsageError(f"--set {override}: {what} (write e.g. --set first.{override})")

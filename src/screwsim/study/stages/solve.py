@@ -26,6 +26,8 @@ from screwsim.study.stages.read import NAMES, Chain, Intercooler
 GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
 EDGE = 1.02  # least pressure ratio of a stage that is tried
 MOST = 40  # pairs of simulations
+BEGIN = (0.5, 0.25, 0.75, 0.1, 0.9)  # of the way between both ends, in ln p: where the search begins while all fail
+HALVES = 5  # ways back by half from where a stage has no result
 PARTED = ("separator_temperature", "oil_cooler_duty")  # of each stage
 SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
@@ -85,7 +87,7 @@ class _Pair(NamedTuple):
         return float(np.log(max(comes, 1e-12) / max(taken, 1e-12)))
 
 
-def _set_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
+def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
     name, value = state  # of the suction gas beside its pressure
     values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
     values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
@@ -93,7 +95,7 @@ def _set_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -
     changed = with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
     faults = cross_check(changed)
     if faults:
-        raise _Stop("failed", str(faults[0]))
+        raise _Stop("failed", f"the {which} stage, {p_s / 1e5:.4g} to {p_d / 1e5:.4g} bar: {faults[0]}")
     return replace(changed, text=scene_text(changed))
 
 
@@ -125,15 +127,25 @@ class _Chain:
     def pair(self, p: float, trace: bool = False) -> _Pair:
         """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
         self.tried += 1
+        try:
+            return self._pair(p, trace)
+        except UsageError as error:
+            raise _Stop("failed", f"at {p / 1e5:.4g} bar between the stages: {error}") from None
+
+    def _pair(self, p: float, trace: bool) -> _Pair:
         between = self.chain.intercooler
         quality = self.low.quality
         state = ("temperature", self.low.T_s) if quality is None else ("quality", quality)
-        scene = _parted(_set_lines(self.chain.first, self.low.p_s, state, p))
+        scene = _parted(_set_lines(self.chain.first, "first", self.low.p_s, state, p))
         first = self._solved(scene, "first", trace)
         T_d = _given(first)
         self._check_dry(p, T_d, first)
         vapour, T = self._between(p, T_d, between)
-        other = _set_lines(self.chain.second, p - between.pressure_drop, ("temperature", T), self.high.p_d)
+        out = p - between.pressure_drop
+        if between.kind == "cooler" and T == between.outlet_temperature and self._liquid(out, T):
+            what = f"the cooler leaves a liquid at {T:.5g} K and {out / 1e5:.4g} bar"
+            raise _Stop("failed", f"{what} (a higher intercooler.outlet_temperature)", (first,))
+        other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         other, second, unparted = self._second(other, trace, first)
         return _Pair(p, (scene, other), (first, second), vapour, T, unparted)
 
@@ -181,7 +193,11 @@ class _Chain:
             return 0.0, min(throttled, between.outlet_temperature)
         if between.kind == "economizer":
             fluid = self.chain.first.gas.name
-            h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
+            try:
+                h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
+            except UsageError:
+                what = f"a flash tank at {p / 1e5:.4g} bar parts nothing: {fluid} has no saturation there"
+                raise _Stop("failed", f"{what} (kind: cooler, or a larger or faster second stage)") from None
             h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
             if not h_f < h_c < h_g:
                 raise _Stop("failed", f"the condenser's liquid makes no vapour at {p / 1e5:.4g} bar")
@@ -189,6 +205,14 @@ class _Chain:
             h = (self.gas.enthalpy(p, T_d) + y * self.gas.vapour(p, T_e).h) / (1.0 + y)
             return y, self.gas.temperature(out, h)
         return 0.0, self.gas.temperature(out, self.gas.enthalpy(p, T_d))
+
+    def _liquid(self, p: float, T: float) -> bool:
+        """Tell whether a real gas is liquid at p [Pa], T [K]."""
+        gas = self.chain.first.gas
+        try:
+            return gas.model == "real" and T < constants.saturation_temperature(gas.name, p)
+        except UsageError:  # above the critical pressure
+            return False
 
     def liquid(self) -> float:
         """Return the enthalpy [J/kg] of the liquid behind the condenser (M43), or behind the gas cooler (M330)."""
@@ -204,10 +228,9 @@ class _Chain:
         least, most = EDGE * self.low.p_s + drop, self.high.p_d / EDGE
         if not least < most:
             raise _Stop("failed", "the second stage does not discharge at a higher pressure than the first one sucks")
-        guess = float(np.sqrt(least * most))
-        at = self.pair(guess)
-        guess = float(np.clip(guess * np.exp(at.excess), least, most))
-        a, b = self._enclosed(at, self.pair(guess) if guess != at.p else at, least, most)
+        at = self._begun(least, most)
+        guess = float(np.clip(at.p * np.exp(at.excess), least, most))
+        a, b = self._enclosed(at, self._towards(guess, at) if guess != at.p else at, least, most)
         tolerance = 0.5 * max(scene.numerics.accuracy for scene in at.scenes)
         while min(abs(a.excess), abs(b.excess)) > tolerance and self.tried < MOST:
             share = a.excess / (a.excess - b.excess)  # of the way in ln p, kept off the ends
@@ -219,18 +242,43 @@ class _Chain:
         best = min((a, b), key=lambda each: abs(each.excess))
         return self.pair(best.p, trace=True)
 
+    def _begun(self, least: float, most: float) -> _Pair:
+        """Return a pair that has results, at the geometric mean of both ends where that has; raise its `_Stop`."""
+        stops: list[_Stop] = []
+        for share in BEGIN:
+            try:
+                return self.pair(float(np.sqrt(least * most)) if share == 0.5 else least * (most / least) ** share)
+            except _Stop as stop:
+                stops.append(stop)
+        raise stops[0]
+
+    def _towards(self, p: float, here: _Pair) -> _Pair:
+        """Return the pair at p [Pa], or as near to it from `here` as both stages have results; raise `_Stop`."""
+        stops: list[_Stop] = []
+        while len(stops) <= HALVES and self.tried < MOST:
+            try:
+                return self.pair(p)
+            except _Stop as stop:
+                stops.append(stop)
+                p = float(np.sqrt(p * here.p))
+        raise stops[0] if stops else _Stop("failed", self._none_found(here.p), here.results)
+
     def _enclosed(self, one: _Pair, other: _Pair, least: float, most: float) -> tuple[_Pair, _Pair]:
         """Return two pairs, too much gas coming at the lower pressure, too little at the higher one."""
         a, b = (one, other) if one.p <= other.p else (other, one)
         while a.excess < 0.0:
             if a.p <= least * (1.0 + 1e-12):
                 raise _Stop("failed", self._none("takes more", least, "smaller or slower"), a.results)
-            a, b = self.pair(max(a.p / GROWTH, least)), a
+            a, b = self._towards(max(a.p / GROWTH, least), a), a
         while b.excess > 0.0:
             if b.p >= most * (1.0 - 1e-12):
                 raise _Stop("failed", self._none("takes less", most, "larger or faster"), b.results)
-            a, b = b, self.pair(min(b.p * GROWTH, most))
+            a, b = b, self._towards(min(b.p * GROWTH, most), b)
         return a, b
+
+    @staticmethod
+    def _none_found(p: float) -> str:
+        return f"no intermediate pressure is found by {MOST} tries, the last at {p / 1e5:.4g} bar (another stage)"
 
     def _none(self, what: str, p: float, remedy: str) -> str:
         return (

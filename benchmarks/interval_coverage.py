@@ -1,6 +1,7 @@
 """Do 90 % intervals of a posterior hold what is measured? Points of a known machine with a known discrepancy.
 
-    python benchmarks/coverage.py [--fits 10] [--fitted 12] [--held-out 20] [--discrepancy even|speed|none] [-o FILE]
+    python benchmarks/interval_coverage.py [--fits 10] [--fitted 12] [--held-out 20]
+        [--discrepancy even|speed|none] [-o FILE]
 
 The machine is that of configs/calibration/leakage.fit.yaml with its three parameters drawn anew for each fit; each
 point has a speed and a discharge pressure of its own. Measured is what that machine gives, plus a discrepancy, plus
