@@ -18,8 +18,8 @@ SHORT = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n  oil_supply
 
 
 @pytest.fixture(autouse=True)
-def pages_of_pixels(monkeypatch):
-    """Write figures as small PNG, the form that is searched here, and not as PDF too, which takes as long again."""
+def pages_of_pixels(monkeypatch, sketched):
+    """Sketch figures, and those of pages as small PNG, the form that is searched here, and not as PDF too."""
     monkeypatch.setattr(style, "_FORMATS", {"png": style._FORMATS["png"]})
     monkeypatch.setattr(style, "DPI", 30)
 

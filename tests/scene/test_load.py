@@ -161,6 +161,8 @@ EFFECT = Effect("mine", "own", (), "own", Parameters, build)
 @pytest.fixture
 def own_package(tmp_path, monkeypatch):
     """Give a package with an effect in the working folder."""
+    for name in [each for each in sys.modules if each.partition(".")[0] == "own_effects_of_test"]:
+        del sys.modules[name]  # of another test, whose folder is gone
     folder = tmp_path / "own_effects_of_test"
     folder.mkdir()
     (folder / "__init__.py").touch()

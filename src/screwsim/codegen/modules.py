@@ -13,7 +13,7 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -182,6 +182,19 @@ class Function:
         key = tuple(kinds)
         variant = self._variants.get(key)
         return (variant or self._made(key))(words)
+
+    def bound(self, numbers: int, *rest: Any) -> Callable[..., Any]:
+        """Return the function of so many first numbers alone, all float: where the rest stands is looked at once."""
+        kinds, words = [0] * numbers, list[float]()
+        for each in rest:
+            take(each, kinds, words)
+        key, variants = tuple(kinds), self._variants
+
+        def call(*first: float, held: Any = rest) -> Any:  # arrays live as long as what knows where they stand
+            variant = variants.get(key)
+            return (variant or self._made(key))((*first, *words))
+
+        return call
 
     def _made(self, key: tuple[int, ...]) -> _Calls:
         with self._alone:

@@ -6,6 +6,7 @@ Source: docs/explanation/numerics.md, "Independent check".
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from screwsim.model.run import Machinery
 
 Array = np.ndarray
+WATCHED = 16  # evaluations from one look at what may end the work to the next; the clock takes as long as one
 
 
 def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
@@ -72,21 +74,27 @@ def _slopes(
 ) -> tuple[Slopes, Slopes]:
     """Return rates and Jacobian of n states, and of the quadratures behind them; `held` is what no step holds here."""
     surroundings, fill_rates, fill_jacobian = kernels
-    E, E_next, f, g, f_phi, g_phi = (np.empty(size) for size in (n_E, n_E, n, nq, n, nq))
-    J, Jq = np.empty((n, n)), np.empty((nq, n))
+    E, E_next, state, both, f_phi, g_phi = (np.empty(size) for size in (n_E, n_E, n, n + nq, n, nq))
+    J, Jq, f, g = np.empty((n, n)), np.empty((nq, n)), both[:n], both[n:]
+    surround, surround_next = (surroundings.bound(2, context, each) for each in (E, E_next))
+    fill = fill_rates.bound(0, state, E, context, f, g)
+    calls = count()
 
-    def rates(phi: float, middle: float, state: Array) -> Array:
-        machinery.watch()
-        surroundings(phi, middle, context, E)
+    def rates(phi: float, middle: float, at: Array) -> Array:
+        if next(calls) % WATCHED == 0:
+            machinery.watch()
+        state[:] = at
+        surround(phi, middle)
         for phase in held:
             phase[:] = FREE
-        fill_rates(np.ascontiguousarray(state), E, context, f, g)
-        return np.concatenate([f, g[: machinery.nq]])
+        fill()
+        return both[: n + machinery.nq].copy()
 
-    def jacobian(phi: float, middle: float, state: Array) -> Array:
-        surroundings(phi, middle, context, E)
-        surroundings(phi + 1e-6, middle, context, E_next)
-        fill_jacobian(np.ascontiguousarray(state), E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+    def jacobian(phi: float, middle: float, at: Array) -> Array:
+        state[:] = at
+        surround(phi, middle)
+        surround_next(phi + 1e-6, middle)
+        fill_jacobian(state, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
         return np.vstack([J, Jq[: machinery.nq]])
 
     return rates, jacobian

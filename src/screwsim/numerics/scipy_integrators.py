@@ -6,7 +6,9 @@ with an absolute tolerance from their scale.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -74,8 +76,7 @@ def integrate(
 
     n = len(y)
     z = np.concatenate([y, np.zeros(len(q_scale))])
-    path = Path()
-    held = np.empty(n)  # one array for all calls: compiled code finds it where it was
+    path, method = Path(), _method(check.method)
     for start, end in pairwise(breakpoints):
         middle = 0.5 * (start + end)
         of_states = 1e-3 * rtol * np.abs(z[:n])
@@ -84,13 +85,11 @@ def integrate(
         atol = np.concatenate([of_states, rtol * np.maximum(q_scale, 1e-300)])
 
         def slopes_at(t: float, state: Array, middle: float = middle) -> Array:
-            held[:] = state[:n]
-            return rates(t, middle, held)
+            return rates(t, middle, state[:n])
 
         def derivatives_at(t: float, state: Array, middle: float = middle) -> Array:
             full = np.zeros((len(state), len(state)))
-            held[:] = state[:n]
-            full[:, :n] = jacobian(t, middle, held)
+            full[:, :n] = jacobian(t, middle, state[:n])
             return full
 
         extra: dict[str, Any] = {"jac": derivatives_at} if check.implicit else {}
@@ -98,7 +97,7 @@ def integrate(
         while going and at < end:
             if events is not None:
                 extra["events"] = events.watched(at, z[:n])
-            found = solve_ivp(slopes_at, (at, end), z, check.method, rtol=rtol, atol=atol, **extra)
+            found = solve_ivp(slopes_at, (at, end), z, method, rtol=rtol, atol=atol, **extra)
             path.calls += found.nfev
             path.jacobians += found.njev
             slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])
@@ -115,3 +114,49 @@ def integrate(
         if path.message:
             break
     return z[:n], z[n:], path
+
+
+@cache
+def _method(method: Any) -> Any:
+    """Return the method for `solve_ivp`, by name or its class; for scipy's own implicit ones LAPACK is called as it is.
+
+    What scipy calls it by looks at each matrix and right side again and again, which takes several times as long.
+    """
+    from scipy.integrate import BDF, Radau
+
+    scipys: Any = {"Radau": Radau, "BDF": BDF}.get(method)
+    if scipys is None:
+        return method
+
+    def __init__(self: Any, *arguments: Any, **options: Any) -> None:
+        scipys.__init__(self, *arguments, **options)
+
+        def factored(A: Array) -> tuple[Array, Array]:
+            self.nlu += 1
+            return _factored(A)
+
+        self.lu, self.solve_lu = factored, _solved
+
+    return type(method, (scipys,), {"__init__": __init__})
+
+
+def _factored(A: Array) -> tuple[Array, Array]:
+    from scipy.linalg import LinAlgWarning, lapack
+
+    factor: Any = getattr(lapack, "zgetrf" if A.dtype.kind == "c" else "dgetrf")
+    if not np.isfinite(A).all():
+        raise ValueError("derivatives are not finite")
+    lu, pivots, info = factor(A, overwrite_a=True)
+    if info > 0:
+        warnings.warn("the equations of a step are singular", LinAlgWarning, stacklevel=2)  # as scipy says it
+    return lu, pivots
+
+
+def _solved(factors: tuple[Array, Array], b: Array) -> Array:
+    from scipy.linalg import lapack
+
+    if not np.isfinite(b).all():
+        raise ValueError("slopes are not finite")
+    lu, pivots = factors
+    solve: Any = getattr(lapack, "zgetrs" if lu.dtype.kind == "c" else "dgetrs")
+    return solve(lu, pivots, b, overwrite_b=True)[0]

@@ -14,6 +14,7 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
+from ruamel.yaml.scanner import Scanner
 
 from screwsim.inputs.faults import SceneError
 from screwsim.scene.syntax import not_yaml
@@ -116,8 +117,18 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
 def _tree(text: str) -> Any:
     """Return ruamel's tree of a text, not to be written to."""
     yaml = YAML(typ="safe", pure=True)
+    yaml.Scanner = _Scanner
     yaml.composer.warn_double_anchors = False  # the later one holds from there on, as in YAML
     return yaml.compose(text)
+
+
+class _Scanner(Scanner):
+    """End where more brackets are open than a text may have levels: ruamel's time goes with their number squared."""
+
+    def fetch_flow_collection_start(self, TokenClass: Any, to_push: str) -> None:
+        if len(self.flow_context) >= MOST_LEVELS:
+            raise RecursionError
+        super().fetch_flow_collection_start(TokenClass, to_push)
 
 
 _TOO_DEEP = f"is nested deeper than {MOST_LEVELS} levels (a scene has about five)"
