@@ -1,7 +1,7 @@
 """Print how many points a minute a GPU integrates, beside this machine's processor, and how far its figures are off.
 
 Run: python benchmarks/gpu.py [--points N] [--workers N] [--course N]. Of the paper's machine and one with R134a: points
-of a sample, errors estimated, in one call on the GPU, and a quarter of them one by one and in the lanes of one core.
+of a sample, errors estimated, in one call on the GPU, and an eighth as many one by one and in the lanes of one core.
 Figures are held against those of the processor, in parts of their stated errors. Double precision throughout. Wall
 times, since a processor that waits for a device spends none. What compiling takes is told apart.
 
@@ -20,8 +20,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.batch import cuda as on_gpu
 from screwsim.batch import simulate_courses, tasks, together
+from screwsim.batch.driver import THREADS, Driver
+from screwsim.batch.on_device import OnDevice
+from screwsim.codegen.modules import for_speed
+from screwsim.cycle.problem import sharing
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate_many
@@ -36,7 +39,7 @@ MACHINES = {
     ),
 }
 NEXT = 0.01  # by so much of itself the speed rises from a point of a course to the next
-CHECKED = 4  # of so many points one is held against the processor's
+CHECKED = 8  # of so many points one is held against the processor's; the processor is given as few
 Courses = list[list[Scene]]
 
 
@@ -48,8 +51,8 @@ def courses_of(name: str, count: int, length: int, seed: int = 1) -> Courses:
 
 
 def _course(first: Scene, length: int) -> list[Scene]:
-    speed = first.operation.speed
-    return [first, *(first.with_({"operation.speed": speed * (1 + NEXT * k)}) for k in range(1, length))]
+    speeds = [f"{first.operation.speed * (1 + NEXT * k)} rad/s" for k in range(1, length)]
+    return [first, *(first.with_({"operation.speed": speed}) for speed in speeds)]
 
 
 def seconds(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -63,44 +66,41 @@ class Clocked:
     """Wall time [s] of the parts of calls of the GPU, their number and that of their turns."""
 
     def __init__(self) -> None:
-        self.spent, self.calls, self.turns = dict.fromkeys(("whole", "given", "kernel"), 0.0), 0, 0
-        self._timed(on_gpu.Cuda, "turns", "whole")
-        self._timed(on_gpu.Cuda, "_given", "given")
-        self._timed(on_gpu.Cuda, "_integrate", "kernel")
+        self.spent: dict[str, float] = {}
+        self.clear()
+        parts = {"calls": (OnDevice, "turns"), "kernels": (Driver, "run")}
+        parts |= {"up": (Driver, "up"), "down": (Driver, "down")}
+        for part, (owner, name) in parts.items():
+            setattr(owner, name, self._timed(part, getattr(owner, name)))
 
-    def _timed(self, owner: Any, name: str, part: str) -> None:
-        work = getattr(owner, name)
-
+    def _timed(self, part: str, work: Callable[..., Any]) -> Callable[..., Any]:
         def timed(*asked: Any) -> Any:
             took, found = seconds(partial(work, *asked))
             self.spent[part] += took
-            if part == "whole":
-                self.calls, self.turns = self.calls + 1, self.turns + len(asked[1])
+            if part == "calls":
+                self.count, self.turns = self.count + 1, self.turns + len(asked[1])
             return found
 
-        setattr(owner, name, timed)
+        return timed
 
     def clear(self) -> None:
         """Begin anew."""
-        self.spent, self.calls, self.turns = dict.fromkeys(self.spent, 0.0), 0, 0
+        self.spent.update(calls=0.0, kernels=0.0, up=0.0, down=0.0)
+        self.count = self.turns = 0
 
     def told(self, took: float) -> str:
-        """Return where the time of a call went."""
-        whole, given, kernel = self.spent.values()
-        parts = {
-            "kernels": kernel,
-            "gathering": given,
-            "bringing back": whole - given - kernel,
-            "between": took - whole,
-        }
+        """Return where the time went."""
+        calls, kernels, up, down = self.spent.values()
+        parts = {"kernels": kernels, "copies": up + down, "rows": calls - kernels - up - down, "between": took - calls}
         shares = ", ".join(f"{part} {100 * share / took:.0f} %" for part, share in parts.items())
-        return f"{self.calls} calls of {self.turns / max(1, self.calls):.0f} turns: {shares}"
+        each = f"{1e3 * kernels / max(1, self.count):.0f} ms a kernel"
+        return f"{self.count} calls of {self.turns / max(1, self.count):.0f} turns, {each}: {shares}"
 
 
-def apart(found: Sequence[Result], wanted: Sequence[Result]) -> str:
+def apart(pairs: Sequence[tuple[Result, Result]]) -> str:
     """Tell by how much results differ, in parts of the larger of the stated errors and the accuracy asked for."""
     shares, statuses, counts = [], 0, []
-    for one, other in zip(found, wanted, strict=True):
+    for one, other in pairs:
         statuses += one.status != other.status
         counts.append(one.numerics.rhs_evaluations / other.numerics.rhs_evaluations)
         for name, value in other.performance.items():
@@ -110,7 +110,7 @@ def apart(found: Sequence[Result], wanted: Sequence[Result]) -> str:
                 shares.append((abs(given - value) / error, name))
     most, name = max(shares)
     return (
-        f"{len(found)} points held against the processor's: {statuses} of another status; figures differ by "
+        f"{len(pairs)} points held against the processor's: {statuses} of another status; figures differ by "
         f"{most:.1e} of the error stated for them at most ({name}), evaluations by {statistics.median(counts) - 1:+.1%}"
     )
 
@@ -119,23 +119,31 @@ ACCURACY = 3e-4  # `numerics.accuracy`, its default
 
 
 def measure(name: str, points: int, length: int, clock: Clocked) -> None:
-    """Measure one machine."""
-    courses = courses_of(name, points, length)
-    first, _ = seconds(lambda: simulate_courses(courses_of(name, on_gpu.THREADS, 1, 2), gpu=True))
-    print(f"{name}: compiled for the device, and {on_gpu.THREADS} points: {first:.0f} s")
-    few = courses[::CHECKED]
-    count = sum(map(len, few))
-    one_by_one = [list(simulate_many(few[0], trace=False))]  # and compiled here
-    simulate_courses(few[:8])
-    alone, one_by_one = seconds(lambda: [list(simulate_many(course, trace=False)) for course in few])
-    lanes, _ = seconds(lambda: simulate_courses(few))
+    """Measure one machine; each way has points of its own, so that none finds properties that another asked for."""
+    first, _ = seconds(lambda: simulate_courses(courses_of(name, THREADS, 1, 99), gpu=True))
+    print(f"{name}: compiled for the device, and {THREADS} points: {first:.1f} s", flush=True)
+    few = points // CHECKED
+    courses = courses_of(name, 8, length, 98)  # what is compiled for the processor
+    one_by_one(courses[:1])
+    simulate_courses(courses)
+    slow, quick = courses_of(name, few, length, 1), courses_of(name, few, length, 2)
+    alone, _ = seconds(lambda: one_by_one(slow))
+    lanes, _ = seconds(lambda: simulate_courses(quick))
+    count = few * length
+    print(f"  one core: {_rate(count, alone)} one by one, {_rate(count, lanes)} in its lanes", flush=True)
+    courses = courses_of(name, points, length, 3)
     clock.clear()
     took, found = seconds(lambda: on_the_gpu(courses))
-    print(f"  one core: {_rate(count, alone)} one by one, {_rate(count, lanes)} in its lanes")
-    print(f"  the device and one core: {_rate(points * length, took)}; {clock.told(took)}")
-    both = zip(found[::CHECKED], one_by_one, strict=True)
-    one, other = zip(*((a, b) for left, right in both for a, b in zip(left, right, strict=True)), strict=True)
-    print(f"  {apart(one, other)}")
+    print(f"  the device and one core: {_rate(points * length, took)}; {clock.told(took)}", flush=True)
+    both = zip(found[::CHECKED], one_by_one(courses[::CHECKED]), strict=True)
+    pairs = [pair for ours, theirs in both for pair in zip(ours, theirs, strict=True)]
+    print(f"  {apart(pairs)}", flush=True)
+
+
+def one_by_one(courses: Courses) -> list[list[Result]]:
+    """Solve courses as a sweep does."""
+    with sharing():
+        return [list(simulate_many(course, trace=False)) for course in courses]
 
 
 def on_the_gpu(courses: Courses) -> list[list[Result]]:
@@ -148,8 +156,9 @@ def _rate(points: int, took: float) -> str:
     return f"{60 * points / took:.0f} points/min ({1e3 * took / points:.2f} ms)"
 
 
+@for_speed()
 def _worker(name: str, points: int, length: int, seed: int, ready: Any, out: Any) -> None:
-    simulate_courses(courses_of(name, on_gpu.THREADS, 1, 99), gpu=True)
+    simulate_courses(courses_of(name, THREADS, 1, 99), gpu=True)
     courses = courses_of(name, points, length, seed)
     ready.wait()
     found = on_the_gpu(courses)
@@ -172,19 +181,17 @@ def shared(name: str, points: int, length: int, workers: int) -> None:
     print(f"  the device and {workers} processes: {_rate(count, took)}; {fine} of {count} points ok")
 
 
+@for_speed()
 def main() -> None:
     """Measure both machines on the first device."""
-    from numba import cuda  # pyright: ignore[reportMissingImports] - an extra
-
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--points", type=int, default=tasks.ON_GPU)
     parser.add_argument("--course", type=int, default=1)
     parser.add_argument("--workers", type=int, default=0)
     parser.add_argument("--machine", choices=MACHINES, action="append")
     given = parser.parse_args()
-    name = cuda.get_current_device().name
-    print(f"{name.decode() if isinstance(name, bytes) else name}, {given.points} points at once")
     clock = Clocked()
+    print(f"{Driver().name}, {given.points} points at once")
     for machine in given.machine or MACHINES:
         measure(machine, given.points, given.course, clock)
         if given.workers:

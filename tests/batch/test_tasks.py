@@ -1,5 +1,6 @@
 """Points side by side: what each comes to is what it comes to alone, and does not depend on the others."""
 
+import sys
 import threading
 import time
 from contextvars import ContextVar
@@ -79,6 +80,15 @@ def test_no_bit_depends_on_the_grouping(size, sample, many):
 def test_more_courses_than_run_at_a_time_are_taken_in_turn(sample, many):
     found = together([partial(simulate, scene, False) for scene in sample], in_flight=3)
     assert list(map(told, found)) == list(map(told, many))
+
+
+def test_as_many_run_at_a_time_as_one_likes_however_deep_calls_may_be():
+    def work(k):
+        station()
+        return k
+
+    count = 2 * sys.getrecursionlimit()
+    assert together([partial(work, k) for k in range(count)], in_flight=count) == list(range(count))
 
 
 def test_a_course_begins_each_point_from_those_before_it():

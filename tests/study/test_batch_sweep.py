@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import simulated_device
 from sweep_fakes import StopAfter
 
+from screwsim.batch import driver, tasks
 from screwsim.cli import exit_code
+from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.limit import running
@@ -74,6 +77,38 @@ def test_the_command_has_the_option(tmp_path, capsys):
     asked = ["sweep", POINT, "--set", "sweep.operation.speed=[2900 rpm, 3000 rpm]", "--batch", "--jobs", "1"]
     assert exit_code([*asked, "-o", str(tmp_path / "out.h5")]) == 0
     assert "2 cases: 2 ok" in capsys.readouterr().out
+
+
+def test_a_sweep_on_a_gpu_has_the_cases_of_one_in_lanes(scene, batch, tmp_path, monkeypatch):
+    monkeypatch.setattr(tasks, "look_for_driver", lambda: None)
+    monkeypatch.setattr(tasks, "device", simulated_device.Simulated)
+    monkeypatch.setattr(tasks, "_on_device", {})
+    run_sweep(scene, tmp_path / "gpu.h5", jobs=1, gpu=True)
+    assert tasks._on_device
+    one, many = open_results(batch), open_results(tmp_path / "gpu.h5")
+    np.testing.assert_array_equal(one.status, many.status)
+    assert one.messages.tolist() == many.messages.tolist()
+    for name in ("shaft_power", "gas_mass_flow", "isothermal_efficiency", "discharge_temperature"):
+        np.testing.assert_allclose(one.performance[name], many.performance[name], rtol=1e-9)
+
+
+def test_a_sweep_on_a_gpu_that_is_not_there_is_told_before_a_case_is_solved(scene, tmp_path, capsys):
+    try:
+        driver.look_for_driver()
+    except UsageError:
+        asked = ["sweep", POINT, "--set", "sweep.operation.speed=[2900 rpm, 3000 rpm]", "--gpu"]
+        assert exit_code([*asked, "-o", str(tmp_path / "out.h5")]) == 2
+        told = capsys.readouterr().err.strip().splitlines()
+        assert len(told) == 1 and "GPU" in told[0]
+        assert not (tmp_path / "out.h5").exists()
+        return
+    pytest.skip("there is a GPU")
+
+
+def test_lanes_and_a_gpu_are_two_ways(tmp_path, capsys):
+    asked = ["sweep", POINT, "--set", "sweep.operation.speed=[2900 rpm, 3000 rpm]", "--gpu", "--batch"]
+    assert exit_code([*asked, "-o", str(tmp_path / "out.h5")]) == 2
+    assert "choose one of the two" in capsys.readouterr().err
 
 
 def test_chunks_have_as_many_blocks_as_there_are_lanes_where_all_workers_have_some():

@@ -8,10 +8,11 @@ result depends on which points ran beside it.
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import copy_context
 from dataclasses import dataclass
 from functools import partial
@@ -19,9 +20,13 @@ from typing import Any, TypeVar
 
 from greenlet import GreenletExit, getcurrent, greenlet
 
+from screwsim.batch.driver import DeviceError, device, look_for_driver
+from screwsim.batch.on_device import OnDevice, code_of
 from screwsim.codegen.kinds import LANES
 from screwsim.codegen.program import CannotCompile
-from screwsim.cycle.problem import sharing
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import problem_of, sharing
+from screwsim.inputs.faults import UsageError
 from screwsim.model import compiled, side_by_side
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
@@ -58,7 +63,7 @@ def together(
 
     `in_flight` tasks run at a time. What a task raises is raised here, once all have ended: those that wait for a turn
     end by GreenletExit. `during` surrounds waiting and calls, for who takes times, and `handed_on` is told when one
-    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core;
+    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.on_device`), else the lanes of this core;
     without `lanes` turns are integrated one after the other, with the bits of single points.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
@@ -83,6 +88,26 @@ def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:
 def warm_up(scene: Scene) -> None:
     """Compile or load what a scene needs to run side by side with others."""
     together([partial(simulate, scene, scene.output.keep == "cycle")])
+
+
+def prepare_for_gpu(scene: Scene) -> None:
+    """Compile what a scene needs on a GPU, without opening one: a process that did may not be forked.
+
+    Raise UsageError without what speaks to a GPU, or where the scene calls what a GPU does not have.
+    """
+    look_for_driver()
+    problem = problem_of(scene)
+    machinery = leased(problem)
+    with compiled.first(machinery.module, "device"), _told_of_device():
+        code_of(machinery)
+
+
+@contextmanager
+def _told_of_device() -> Iterator[None]:
+    try:
+        yield
+    except (CannotCompile, DeviceError) as why:
+        raise UsageError(f"this scene's turns do not run on a GPU: {why}; leave it to the processor") from None
 
 
 _nothing = nullcontext()
@@ -255,15 +280,14 @@ def _one_by_one(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
 
 
-_on_gpu: dict[str, Any] = {}  # by the name of a module
+_on_device: dict[tuple[int, str], OnDevice] = {}  # by process and name of a module
 
 
 def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     """Return turns of one structure, integrated on a GPU."""
-    from screwsim.batch.cuda import Cuda
-
     machinery = asked[0].machinery
-    name = machinery.module.__name__
-    if name not in _on_gpu:
-        _on_gpu[name] = Cuda(machinery)
-    return _on_gpu[name].turns(asked)
+    key = os.getpid(), machinery.module.__name__
+    if key not in _on_device:
+        with compiled.first(machinery.module, "device"), _told_of_device():
+            _on_device[key] = OnDevice(machinery, device())
+    return _on_device[key].turns(asked)

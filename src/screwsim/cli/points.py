@@ -112,6 +112,9 @@ def sweep(
     batch: Annotated[
         bool, typer.Option("--batch", help="Solve points side by side, in the lanes of each core: for many points.")
     ] = False,
+    gpu: Annotated[
+        bool, typer.Option("--gpu", help="The same on an NVIDIA GPU that all workers share: for thousands of points.")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate the grid of a scene, or resume it."""
@@ -130,7 +133,7 @@ def sweep(
     if output is not None:
         options.check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
-    where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch}
+    where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch, "gpu": gpu}
     summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
     document = sweep_document(scene, summary)
     (print_json if as_json else print_sweep)(document)

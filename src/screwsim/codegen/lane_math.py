@@ -113,9 +113,12 @@ def power_of_lanes(x, y):
     return exp_of_lanes(y * log_of_lanes(x))
 
 
-def texts() -> str:
-    """Return the functions as a text, under the names that the compiler calls them by."""
-    kernels: tuple[Kernel, ...] = (less_one, exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes)
+KERNELS: tuple[Kernel, ...] = (less_one, exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes)
+
+
+def texts(*more: Kernel) -> str:
+    """Return the functions, and more that use them, as a text, under the names that the compiler calls them by."""
+    kernels = (*KERNELS, *more)
     text = "\n\n".join(flatten(kernels, {"bits_of": "bits_of", "of_bits": "of_bits"}).values())
     for each in kernels:
         text = text.replace(each.flat_name, each.__name__)

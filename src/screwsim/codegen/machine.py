@@ -9,6 +9,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
+DEVICE_PASSES = 2
 PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
 SOON = 0  # level of code that is to be there soon: written in a fifth of the time, two to three times as slow
 _alone = threading.RLock()
@@ -74,3 +75,21 @@ def loaded(code: bytes, symbol: str) -> Any:
         tracker = library.link(_linker(), f"{symbol} {len(_kept)}")  # a name of its own
         _kept.append(tracker)
     return CALL(tracker[symbol])
+
+
+DEVICE, FEATURES = "sm_75", "+ptx78"  # the least that is written for: a driver translates it for what it has
+
+
+def for_device(text: str) -> str:
+    """Return the PTX of a text; joined products and sums are not in it."""
+    with _alone:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple("nvptx64-nvidia-cuda")
+    machine = target.create_target_machine(cpu=DEVICE, features=FEATURES, opt=CODE)
+    module = llvm.parse_assembly(text, llvm.create_context())
+    module.triple = "nvptx64-nvidia-cuda"
+    module.data_layout = str(machine.target_data)
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=DEVICE_PASSES))
+    builder.getModulePassManager().run(module, builder)
+    return machine.emit_assembly(module)

@@ -102,6 +102,19 @@ class Module(ModuleType):
         _, code, symbol, _ = self._code(name, kinds, True)
         return machine.loaded(code, symbol)
 
+    def of_device(self, name: str, kinds: tuple[Kind, ...], numbers: Mapping[int, int]) -> bytes:
+        """Return the PTX of a kernel, a thread a point (`codegen.device_library`); kept as machine code is."""
+        from screwsim.codegen import device_library, machine, program
+
+        symbol = f"{self._symbol(name, kinds)}.{'.'.join(f'{k}_{number}' for k, number in numbers.items())}.ptx"
+        kept = store.read(symbol)
+        if kept is None:
+            compiling.begins()
+            text = device_library.DeviceLibrary(program.read(self.text)).of_threads(name, kinds, numbers)
+            kept = machine.for_device(text).encode()
+            store.keep(symbol, kept)
+        return kept
+
     def _symbol(self, name: str, kinds: tuple[Kind, ...]) -> str:
         of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
         return f"{self.__name__}.{name}.{of}"

@@ -32,6 +32,7 @@ LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is 
 LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing there
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
+NEXT = 1e-9  # of a pitch, from whose end on a place is that of the chamber behind
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -44,12 +45,17 @@ class Correction(NamedTuple):
     unknowns: Array
     share: float  # of the linear one: less than 1 where that were too large
     mass: float  # of the trapped gas, relative
-    work: float  # of a life [J]
+    sums: Array  # of a life's quadratures (q,)
+
+    @property
+    def work(self) -> float:
+        """The change of the work of a life [J]."""
+        return float(self.sums[0])
 
     def times(self, factor: float) -> Correction:
         """Return the same correction, longer or shorter."""
-        start, along, unknowns = (factor * each for each in (self.start, self.along, self.unknowns))
-        return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, factor * self.work)
+        start, along, unknowns, sums = (factor * each for each in (self.start, self.along, self.unknowns, self.sums))
+        return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, sums)
 
 
 class Residual(NamedTuple):
@@ -95,8 +101,8 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     if share < LEAST_SHARE:
         return None
     of_states, along, of_unknowns = (share * each for each in found)
-    mass, work = _trapped(c, of_states), share * float(given[:, 0].sum(axis=0) @ weights)
-    return Correction(tangents.edges, of_states, along, of_unknowns, share, mass, work)
+    sums = share * (given.sum(axis=0) @ weights)
+    return Correction(tangents.edges, of_states, along, of_unknowns, share, _trapped(c, of_states), sums)
 
 
 def _trapped(c: Composition, start: Array) -> float:
@@ -226,16 +232,17 @@ def _move(machinery: Machinery, by: Correction) -> None:
     t, states = times[: steps + 1].copy(), dense[:steps, :, :n].copy()
     changes = by.along.reshape(-1, c.chambers, n).transpose(1, 0, 2).reshape(-1, n)
     inside = by.edges.copy()
-    inside[-1] *= 1.0 - 1e-9  # the next chamber's place begins there
+    inside[-1] *= 1.0 - NEXT  # the next chamber's place begins there
     angles = angles_of(inside, c)
-    moved = np.column_stack([np.interp(t, angles, change) for change in changes.T])
+    ends = t[1:] - NEXT * by.edges[-1]  # that of a step before oil is injected has not met it
+    began, ended = (np.column_stack([np.interp(at, angles, change) for change in changes.T]) for at in (t[:-1], ends))
     signed = list(c.signed)
-    factors = np.exp(moved)
-    factors[:, signed] = 1.0
-    states[:, 0] *= factors[:-1]
-    states[:, 1] *= factors[1:]
-    states[:, 2:] *= (0.5 * (factors[:-1] + factors[1:]))[:, None]
+    at_start, at_end = np.exp(began), np.exp(ended)
+    at_start[:, signed] = at_end[:, signed] = 1.0
+    states[:, 0] *= at_start
+    states[:, 1] *= at_end
+    states[:, 2:] *= (0.5 * (at_start + at_end))[:, None]
     if signed:
-        states[:, 0, signed] += moved[:-1, signed]
-        states[:, 1, signed] += moved[1:, signed]
+        states[:, 0, signed] += began[:, signed]
+        states[:, 1, signed] += ended[:, signed]
     machinery.install(t, states, quads[:steps].copy())

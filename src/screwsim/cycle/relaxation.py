@@ -55,6 +55,7 @@ FALLING = 0.5  # residual over that of the turn before, below which it is the tu
 PASSING = 3.0  # tolerances that the next turn would move the states by, above which the last may have met one by chance
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
 LITTLE = 2e-3  # ... and below this
+SHOWS = 5.0  # tolerances that a correction has to foretell, for the turn after it to show what it missed
 
 
 def dear(rtol: float) -> float:
@@ -91,7 +92,7 @@ def relax(
             return turns.ended("ok")
         if machinery.evaluations_of(machinery.counts) > most:
             return None
-        turns.refine()
+        turns.refine(correction)
         turns.go_on(correction)
     return turns.ended("not_closed") if last else None
 
@@ -123,6 +124,7 @@ class _Turns:
         self.open: Residuals | None = None  # what a turn of the finest steps left open
         self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
+        self.missed = 1.0  # share of what a correction foretold that the turn after it did not follow, as seen last
 
     def vector(self, values: Array) -> Array:
         """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
@@ -149,6 +151,8 @@ class _Turns:
         self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
             self.gap = self.first_gap = max(self.gap, self.moved)
+        if self.led and self.left >= SHOWS * self.wanted.tolerance:
+            self.missed = self.gap / self.left
         self.expected, self.residual_before = [now], self.residual
         self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
         self.residual = np.inf if self.open is None else self.open.largest
@@ -254,9 +258,21 @@ class _Turns:
         ratio = self.gap / self.before[0]
         return ratio / (1.0 - ratio) if ratio < LASTING else 0.0
 
-    def refine(self) -> None:
-        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise."""
-        if self.corrections.begun and self.near and self.rtol <= self.finest:
+    def refine(self, correction: Correction | None) -> None:
+        """Refine the steps where their error is all that is left.
+
+        It is where the cycle stands, its balances are open and stay so by what the correction tells; and where
+        corrected turns near the end make no progress: what they correct is their noise.
+        """
+        if self.rtol > self.finest:  # they are already
+            return
+        if correction is not None and self.gap <= self.wanted.tolerance:
+            foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
+            stays = min(foretold, self.residual)
+            if stays > ENOUGH * self.wanted.bound:
+                self.finest = finer(self.finest, stays / self.wanted.bound)
+                return
+        if self.corrections.begun and self.near:
             progress = self.gap < PROGRESS * self.least_gap
             self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
             if self.stalled > STALL:
@@ -312,6 +328,7 @@ class _Turns:
             open=self.open if ok and not self.corrected else None,
             made=self.made if ok and not self.corrected else None,
             left=self.left if ok and self.gap > self.wanted.tolerance and self.corrections.begun else 0.0,
+            missed=self.missed,
         )
 
 

@@ -39,6 +39,7 @@ class CycleSolution:
     open: Residuals | None = None  # what the last turn left open, where that is known and nothing corrected it
     made: Array | None = None  # the same of what it made of the feedback unknowns
     left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
+    missed: float = 1.0  # share of what corrections foretold by which the turn after them went elsewhere; 1: not known
 
     @property
     def seen(self) -> tuple[float, float]:

@@ -15,6 +15,7 @@ COMPILED = {  # what each driver is, and about how long its compilation takes
     "all": ("coupled chambers of this combination", "a second or two"),
     "tangents": ("derivatives of coupled chambers of this combination", "a second"),
     "lanes": ("points of this combination side by side", "some seconds"),
+    "device": ("points of this combination for a GPU", "some seconds"),
     "numbers": ("derivatives by numbers of this combination", "some seconds"),
     "ledger": ("the ledger of this combination", "a second"),
 }

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.balances import left_late, mass_in, met_across, residuals
+from screwsim.cycle.balances import left_late, mass_in, met_across, residuals, streams_of
 from screwsim.cycle.close import again
 from screwsim.cycle.coordinates import NEAR
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.newton import Corrections, led
+from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along, relax
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
@@ -28,7 +28,8 @@ from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
-from screwsim.model.slots import R_TRAPPED
+from screwsim.model.slices import INSIDE
+from screwsim.model.slots import P_INJECTION, P_PITCH, R_TRAPPED
 from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
@@ -43,14 +44,20 @@ EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all th
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
+FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
+LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
 
 
 class Finer(NamedTuple):
-    """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second."""
+    """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second.
+
+    The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow.
+    """
 
     lives: Sequence[Figures]
     left: float | None = None
+    flow: float = 0.0
 
 
 NOTHING = Finer(())
@@ -73,7 +80,8 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     left = cycle.left if len(finer.lives) == 1 else 0.0  # more than one life shows it
     for name, size in errors.items():
         errors[name] = whole * size + left if size is not None else None
-    for by, lost in _left_open(of, cycle.q).items():
+    lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
+    for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
         for name, size in flow_errors(found, lost, by).items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     return errors
@@ -102,7 +110,7 @@ def _shown(found: Figures, finer: Finer, least: tuple[float, float]) -> Figures:
     others, each as much smaller as that one was than the life's before it. A corrected life is where all would lead,
     but for what its correction left; what lies before it is on the way there.
     """
-    lives, left = finer
+    lives, left = finer.lives, finer.left
     errors = relative_errors(found, lives[-1], *least)
     for each in lives[:-1] if left is None else ():
         for name, size in relative_errors(found, each, *least).items():
@@ -130,10 +138,13 @@ def _fed_back(of: Evaluation) -> bool:
     beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell,
     or that goes from chamber to chamber as films.
     """
-    parts, c = of.problem.parts, of.problem.composition
-    if of.problem.scene.numerics.accuracy <= MUCH or _filling(of.figures) < TIGHT or parts.made:
-        return True
-    if parts.suction_line or any(parts.films):
+    return of.problem.scene.numerics.accuracy <= MUCH or _filling(of.figures) < TIGHT or _keeps(of.problem)
+
+
+def _keeps(problem: Problem) -> bool:
+    """Tell whether a life begins with what the one before left in more than the states of gas and its oil."""
+    parts, c = problem.parts, problem.composition
+    if parts.made or parts.suction_line or any(parts.films):
         return True
     displaced = c.carried and parts.oil is not None and "ratio" not in parts.oil.supply
     kept = c.chambers == 1 or bool(c.own_states)
@@ -194,6 +205,8 @@ def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: Cy
     if not lives.next():
         return NOTHING
     corrected = cycle.tangents is not None and lives.correct()
+    if lives.correction is not None and _foretold(of, cycle):
+        return lives.foretold(lives.correction, max(LINEAR, cycle.missed))
     if not lives.next():
         return NOTHING
     if not corrected and lives.repeated() > SLOW and lives.correct():
@@ -201,6 +214,13 @@ def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: Cy
         if not corrected:
             return NOTHING
     return Finer(lives.figures, lives.left() if corrected else None)
+
+
+def _foretold(of: Evaluation, cycle: CycleSolution) -> bool:
+    """Tell whether what a correction makes of a life is as good as another life, as those that closed were."""
+    problem = of.problem
+    plain = met_across(problem) and not _keeps(problem) and not problem.composition.pulsating
+    return plain and problem.scene.numerics.accuracy > MUCH and cycle.missed < FAITHFUL
 
 
 def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
@@ -223,6 +243,7 @@ class _Lives:
         self.corrections = Corrections(of.problem, machinery, cycle.tangents)
         self.met = self.made = unknowns(of.problem, machinery)
         self.figures: list[Figures] = []
+        self.correction: Correction | None = None  # of the last life
         self.changes: list[float] = []  # of the states and unknowns that each life met
 
     def next(self) -> bool:
@@ -253,8 +274,27 @@ class _Lives:
         found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
         if found is None:
             return False
-        self.made = led(self.of.problem, found, self.end[:n], self.y, self.made)
+        self.made, self.correction = led(self.of.problem, found, self.end[:n], self.y, self.made), found
         return True
+
+    def foretold(self, by: Correction, wrong: float) -> Finer:
+        """Return the lives and what the last correction makes of them, read from the history that it moved.
+
+        But for the net flow: what a port gives and what crosses an angle change by far more than their sum.
+        """
+        problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
+        sums = by.sums.copy()
+        streams = streams_of(c, sums)
+        passed = abs(streams[2:4, 0].sum() / max(float(machinery.R[R_TRAPPED]), 1e-300))
+        streams[:2, 0] = 0.0
+        set_unknowns(problem, machinery, self.made)
+        at, n = float(c.P[P_INJECTION]), machinery.n
+        y = np.zeros(c.chambers * n)
+        index = round(at / c.P[P_PITCH])
+        y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
+        machinery.inject(y)
+        life = Evaluation(problem, machinery.trajectory, self.q + sums)
+        return Finer([*self.figures, life.figures], wrong, max(abs(by.mass), passed))
 
     def repeated(self) -> float:
         """Return the share of its change that the last life made once more."""

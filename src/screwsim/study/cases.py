@@ -33,7 +33,8 @@ class Job:
     warm_up: Callable[[Scene], None]
     keep_cycle: bool
     limit: float | None
-    batch: bool = False  # blocks side by side
+    batch: bool = False  # blocks side by side, in the lanes of a core,
+    gpu: bool = False  # or on a GPU
 
 
 @dataclass(frozen=True)
@@ -79,15 +80,16 @@ def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
 
 
 def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
-    """Return the results of each block: in step, and with `batch` their turns side by side in the lanes of a core."""
-    if len(blocks) == 1 and not job.batch:
+    """Return the results of each block: in step, with `batch` or `gpu` their turns side by side."""
+    if len(blocks) == 1 and not (job.batch or job.gpu):
         return [_run(job, blocks[0])]
     from screwsim.batch import together
-    from screwsim.batch.tasks import IN_STEP
+    from screwsim.batch.tasks import IN_STEP, ON_GPU
 
     tasks = [partial(_run, job, block) for block in blocks]
     during, passed = (running, handed_on) if job.limit else (None, None)
-    return together(tasks, IN_STEP, during, handed_on=passed, lanes=job.batch)
+    in_flight = ON_GPU if job.gpu else IN_STEP
+    return together(tasks, in_flight, during, gpu=job.gpu, handed_on=passed, lanes=job.batch)
 
 
 def _run(job: Job, block: Block) -> list[Result]:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,10 +37,26 @@ from screwsim.version import release
 CHUNK_CASES = 1024  # at most in one chunk,
 CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
 BESIDE = 8  # blocks at least in one chunk where they are simulated side by side: as many as there are lanes
+BESIDE_ON_GPU, CASES_ON_GPU = 256, 8192  # blocks at least on a GPU, unless they are long: bounds the memory
 FEW_BLOCKS = 512  # up to which the last chunks decide how long a sweep takes
 SPEED, FLUID = "operation.speed", grid.FLUID
 Simulate = Callable[[Scene], Result]
 WarmUp = Callable[[Scene], None]
+
+
+class _Beside(NamedTuple):
+    """Where blocks are solved side by side, if they are."""
+
+    batch: bool  # in the lanes of a core
+    gpu: bool
+
+    def blocks(self, size: int) -> int:
+        """Return how many blocks of so many cases a chunk has at least."""
+        return min(BESIDE_ON_GPU, max(1, CASES_ON_GPU // size)) if self.gpu else BESIDE if self.batch else 1
+
+    def warming(self, warm_up: WarmUp) -> WarmUp:
+        """Return what compiles all that is needed, before workers are forked."""
+        return partial(_warm_for_gpu if self.gpu else _warm_for_lanes, warm_up) if any(self) else warm_up
 
 
 @dataclass(frozen=True)
@@ -65,6 +81,7 @@ def run_sweep(
     case_limit: float | None = None,
     restart: bool = False,
     batch: bool = False,
+    gpu: bool = False,
     simulate: Simulate | None = None,
     simulate_many: SimulateMany | None = None,
     warm_up: WarmUp | None = None,
@@ -76,7 +93,8 @@ def run_sweep(
     scheduler file. A case that takes longer than `case_limit` [s] (default: 300, but none in this process) is failed,
     and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
     lies in `output.parts` and is not computed again, unless `restart`. With `batch` the blocks of a worker are
-    simulated side by side, in the lanes of its core (docs/how-to/sweeps.md). What simulates one scene, or consecutive
+    simulated side by side, in the lanes of its core, with `gpu` on a GPU that all workers share (docs/how-to/sweeps.md;
+    raise UsageError where there is none). What simulates one scene, or consecutive
     ones each from the one before it, and what warms up, default to those of `screwsim.simulate`; `progress` is as of
     `sweep`. Raise UsageError when the file or its parts belong to another scene, or cannot be written, or when the
     scheduler cannot be reached.
@@ -85,6 +103,8 @@ def run_sweep(
     check_limit(case_limit)
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs {jobs}: is no number of workers (write 1 or more, or leave it out for all cores)")
+    if batch and gpu:
+        raise UsageError("--batch and --gpu are two ways to solve points side by side (choose one of the two)")
     output = Path(output)
     parts = Parts(output, {"scene_sha256": digest(scene.text), "identity": identity_of(scene)})
     complete = _claim(output, parts, restart)
@@ -95,7 +115,7 @@ def run_sweep(
     try:
         many, warm = _simulator(scene, simulate, simulate_many, warm_up)
         with Draft(output, scene, axes_of(scene), "sweep", parts.folder) as draft:
-            run = _Sweep(scene, parts, shown("sweep", progress), many, warm, draft, batch)
+            run = _Sweep(scene, parts, shown("sweep", progress), many, warm, draft, _Beside(batch, gpu))
             reused = run.run(jobs, scheduler, case_limit)
             draft.complete(parts.all(run.blocks.cases))
         parts.discard()
@@ -151,15 +171,15 @@ class _Sweep:
         many: SimulateMany,
         warm_up: WarmUp,
         draft: Draft,
-        batch: bool,
+        beside: _Beside,
     ) -> None:
         self.scene = scene
         self.blocks = blocks_of(scene)
         self._parts = parts
         self._progress = progress
         self._many = many
-        self._warm_up = partial(_warm_for_lanes, warm_up) if batch else warm_up
-        self._batch = batch
+        self._warm_up = beside.warming(warm_up)
+        self._beside = beside
         self._angle = np.empty(0)  # the grid of the traces: chambers live longer in some cases, which is refused
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
@@ -190,7 +210,7 @@ class _Sweep:
 
         One of them that began last would leave the other workers idle.
         """
-        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or self._batch:
+        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or self._beside.blocks(1) > 1:
             return todo
 
         def speed(block: int) -> float:
@@ -209,10 +229,11 @@ class _Sweep:
         """Compute blocks on a pool, or without a limit in this process."""
         self._warm_up(self.scene)  # before the fork: every worker inherits what is compiled here
         keep = self.scene.output.keep == "cycle"
-        longest = (CHUNK_TRACES if keep else CHUNK_CASES) // len(self.blocks.cases_of(range(1)))
-        self._chunks = Chunks(todo, longest, pool.workers, BESIDE if self._batch else 1)
+        size = len(self.blocks.cases_of(range(1)))
+        longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
+        self._chunks = Chunks(todo, longest, pool.workers, self._beside.blocks(size))
         base = replace(self.scene, sweep={}, joints=(), text="")
-        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, self._batch)
+        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit, *self._beside)
         self._progress.start(self.blocks.cases, reused)
         try:
             if limit is None:
@@ -288,6 +309,14 @@ def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:
 
     warm_up(scene)
     beside(scene)
+
+
+def _warm_for_gpu(warm_up: WarmUp, scene: Scene) -> None:
+    """Warm up what runs alone, and compile what runs on a GPU; each worker opens the device for itself."""
+    from screwsim.batch import prepare_for_gpu
+
+    warm_up(scene)
+    prepare_for_gpu(scene)
 
 
 def nothing(scene: Scene) -> None:

@@ -1,0 +1,242 @@
+"""Turns of many points of one structure on a GPU, each in a thread of its own, in double precision.
+
+The same text as a single point's, compiled for the device by the same compiler (`codegen.device_library`). What a turn
+reads and writes lies there in one piece; what is done between turns stays on the processor, as with lanes
+(`batch.tasks`).
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+
+from screwsim.batch.driver import Device
+from screwsim.codegen.kinds import FLOAT, INTEGER, Kind, array, words_of
+from screwsim.inputs.faults import UsageError
+from screwsim.model.contexts import ChamberContext
+from screwsim.model.run import Machinery
+from screwsim.model.side_by_side import TURN, WHOLE, Answer, Asked
+from screwsim.numerics.rodas import TOO_MANY_STEPS
+
+Array = np.ndarray
+STEPS = 512  # of a turn that find room on the device, at first
+MOST_STEPS = 8192  # and at most
+NO_ROOM = "the GPU has no room for {} points at once; ask for fewer (screwsim.batch.together with in_flight={})"
+AXES = {"d_old": 3, "d_new": 3}
+CONTEXT = Kind(
+    "c",
+    tuple(array(INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1)) for name in ChamberContext._fields),
+    names=ChamberContext._fields,
+)
+GIVEN: dict[str, Kind] = {
+    "breakpoints": array(FLOAT, 1),
+    "n_breakpoints": INTEGER,
+    "y": array(FLOAT, 1),
+    "q": array(FLOAT, 1),
+    "context": CONTEXT,
+    "rtol": FLOAT,
+    "h": FLOAT,
+    "n_E": INTEGER,
+    "times": array(FLOAT, 1),
+    "dense": array(FLOAT, 3),
+    "quads": array(FLOAT, 2),
+    "kept": array(INTEGER, 1),
+    "counts": array(INTEGER, 1),
+}
+KINDS = tuple(GIVEN.values())
+N_E = tuple(GIVEN).index("n_E")
+OWN = ("y", "q", "P", "R", "state", "own", "counts", "kept", "hints")  # of a point: go there and come back, in a row
+NEW = {"t_new": "times", "d_new": "dense", "quads": "quads"}  # as a context and as the integrator calls them
+
+
+class OnDevice:
+    """Turns of one structure on a device, as many as are asked for at once."""
+
+    def __init__(self, like: Machinery, device: Device) -> None:
+        self.device, self.steps = device, STEPS  # of a turn: as many as find room
+        self._turns = device.turns(*asked_of(like))
+        self._room, self._size = 0, 0  # on the device: where, and words
+        self._alone = threading.Lock()
+
+    def turns(self, asked: Sequence[Asked]) -> list[Answer]:
+        """Integrate a life of each; what a turn leaves behind is put where `Machinery.turn` leaves it.
+
+        A turn of more steps than there is room for is integrated by the processor; the next call makes more room.
+        """
+        with self._alone:
+            call = _Call(asked, self.steps)
+            self._make_room(call)
+            results = call.run(self.device, self._turns, self._room)
+            answers = [self._answer(each, call, i, results[i]) for i, each in enumerate(asked)]
+            most = max(int(each.machinery.kept[0]) for each in asked)
+            if most > self.steps:
+                self.steps = min(MOST_STEPS, 2 * most)
+            return answers
+
+    def _answer(self, each: Asked, call: _Call, i: int, result: Array) -> Answer:
+        status = int(result[:1].view(np.int64)[0])
+        if status == TOO_MANY_STEPS and self.steps < each.machinery.max_steps:
+            return each.machinery.own_turn(each.y, each.rtol, each.h)
+        return status, float(result[1]), float(result[2]), call.put(each, i)
+
+    def _make_room(self, call: _Call) -> None:
+        if call.size <= self._size:
+            return
+        if self._size:
+            self.device.free(self._room)
+            self._size = 0
+        try:
+            self._room = self.device.room(call.size)
+        except MemoryError:
+            raise UsageError(NO_ROOM.format(call.count, max(1, call.count // 2))) from None
+        self._size = call.size
+
+
+def asked_of(like: Machinery) -> tuple[Any, str, tuple[Kind, ...], dict[int, int]]:
+    """Return what `Device.turns` is asked: the module, the function, kinds of arguments, those that are known."""
+    return like.module, TURN, KINDS, {N_E: like.composition.n_E}
+
+
+def code_of(like: Machinery) -> bytes:
+    """Return the PTX of a structure's turns, compiled or as it was kept; no device is looked for."""
+    module, *asked = asked_of(like)
+    return module.of_device(*asked)
+
+
+class _Call:
+    """Where everything of a call lies: in blocks of a row a point, each in one piece, words of 8 bytes."""
+
+    def __init__(self, asked: Sequence[Asked], steps: int) -> None:
+        self.asked, self.count, self.steps = asked, len(asked), steps
+        like = asked[0].machinery
+        first = _own(asked[0], np.zeros(like.nq))
+        self.columns: dict[str, int] = dict(
+            zip(OWN, accumulate((len(first[name]) for name in OWN), initial=0), strict=False)
+        )
+        self.own_size = sum(map(len, first.values()))
+        self.old = [each.machinery.last() for each in asked]
+        self.most_old = max(1, *(steps for *_, steps in self.old))
+        tables = {id(each.machinery.composition.TAB): each.machinery.composition.TAB for each in asked}
+        self.tables = list(tables.values())
+        self.which = [list(tables).index(id(each.machinery.composition.TAB)) for each in asked]
+        self.breakpoints = [each.machinery.composition.breakpoints for each in asked]
+        _, dense, quads = like.histories[1]
+        self.shapes: dict[str, tuple[int, ...]] = {  # of a row of each block
+            "own": (self.own_size,),
+            "breakpoints": (max(map(len, self.breakpoints)),),
+            "tables": (max(map(len, self.tables)),),
+            "t_old": (self.most_old + 1,),
+            "d_old": (self.most_old, *dense.shape[1:]),
+            "words": (sum(map(words_of, KINDS)),),
+            "results": (3,),
+            "t_new": (steps + 1,),
+            "d_new": (steps, *dense.shape[1:]),
+            "quads": (steps, quads.shape[1]),
+        }
+        rows = {name: len(self.tables) if name == "tables" else self.count for name in self.shapes}
+        sizes = [rows[name] * int(np.prod(shape)) for name, shape in self.shapes.items()]
+        self.at = dict(zip(self.shapes, accumulate(sizes, initial=0), strict=False))
+        self.size = sum(sizes)
+        self.given = np.zeros(self.at["results"])  # what goes there, as it lies there
+        self.blocks = {
+            name: self.given[self.at[name] : self.at[name] + rows[name] * int(np.prod(shape))].reshape(-1, *shape)
+            for name, shape in self.shapes.items()
+            if self.at[name] < len(self.given)
+        }
+
+    def run(self, device: Device, turns: Any, room: int) -> Array:
+        """Take all there, run the turns, and bring back what they wrote; return a row of results for each."""
+        self._fill()
+        self._write_words(room)
+        device.up(room, self.given)
+        at = {name: room + 8 * first for name, first in self.at.items()}
+        device.run(turns, at["words"], at["results"], self.count)
+        results = np.empty((self.count, 3))
+        device.down(results, at["results"], 3)
+        device.down(self.blocks["own"], at["own"], self.own_size)
+        most = int(self._of("kept")[:, 0].max())
+        self.new = {}
+        for name, (steps, *others) in ((name, self.shapes[name]) for name in NEW):
+            rows = np.empty((self.count, most + (name == "t_new"), *others))
+            if rows.size:
+                device.down(rows, at[name], steps * int(np.prod(others)))
+            self.new[name] = rows
+        return results
+
+    def _of(self, name: str) -> Array:
+        """Return a column of what is of each point."""
+        end = [*self.columns.values(), self.own_size][OWN.index(name) + 1]
+        found = self.blocks["own"][:, self.columns[name] : end]
+        return found.view(np.int64) if name in ("counts", *WHOLE) else found
+
+    def _fill(self) -> None:
+        blocks = self.blocks
+        own = {name: self._of(name) for name in OWN}
+        for i, each in enumerate(self.asked):
+            for name, column in _own(each, 0.0).items():
+                own[name][i] = column
+        for i, (angles, (times, dense, _, steps)) in enumerate(zip(self.breakpoints, self.old, strict=True)):
+            blocks["breakpoints"][i, : len(angles)] = angles
+            blocks["t_old"][i, : steps + 1], blocks["d_old"][i, :steps] = times[: steps + 1], dense[:steps]
+        for row, table in zip(blocks["tables"], self.tables, strict=True):
+            row[: len(table)] = table
+
+    def _write_words(self, room: int) -> None:
+        """Write what each thread is given: addresses and sizes of arrays, and numbers."""
+        words = self.blocks["words"].view(np.int64)
+        rows, column = np.arange(self.count), 0
+
+        def add(*numbers: Any) -> None:
+            nonlocal column
+            for each in numbers:
+                words[:, column] = each
+                column += 1
+
+        def floats(numbers: Sequence[float]) -> None:
+            add(np.array(numbers).view(np.int64))
+
+        def add_array(name: str) -> None:
+            if name in self.columns:
+                first, stride, shape = self.columns[name], self.own_size, (self._of(name).shape[1],)
+                add(room + 8 * (self.at["own"] + first + rows * stride), *shape)
+                return
+            block = "tables" if name == "TAB" else name
+            of = np.array(self.which) if name == "TAB" else rows
+            add(room + 8 * (self.at[block] + of * int(np.prod(self.shapes[block]))), *self.shapes[block])
+
+        new = {other: name for name, other in NEW.items()}
+        for name in GIVEN:
+            match name:
+                case "n_breakpoints":
+                    add([len(angles) for angles in self.breakpoints])
+                case "context":
+                    for field in ChamberContext._fields:
+                        add_array(field)
+                case "rtol" | "h":
+                    floats([getattr(each, name) for each in self.asked])
+                case "n_E":
+                    add(self.asked[0].machinery.composition.n_E)
+                case _:
+                    add_array(new.get(name, name))
+
+    def put(self, each: Asked, i: int) -> Array:
+        """Put a point's numbers and history where its machinery has them; return its quadratures."""
+        q = np.empty(each.machinery.nq)
+        for name, column in _own(each, q).items():
+            column[:] = self._of(name)[i]
+        steps = int(each.machinery.kept[0])
+        times, dense, quads = each.machinery.histories[1]
+        times[: steps + 1] = self.new["t_new"][i, : steps + 1]
+        dense[:steps], quads[:steps] = self.new["d_new"][i, :steps], self.new["quads"][i, :steps]
+        return q
+
+
+def _own(each: Asked, q: Any) -> dict[str, Any]:
+    machinery = each.machinery
+    state, own = machinery.spaces
+    columns = (q, machinery.composition.P, machinery.R, state, own, machinery.counts, machinery.kept, machinery.hints)
+    return dict(zip(OWN, (each.y, *columns), strict=True))
