@@ -152,8 +152,7 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
     sought = [goal.figure for goal in asked.goals]
     for name in sought:
         value = row.size.figure if row.size else row.figures[name]
-        error = row.errors[name] / abs(row.figures[name]) if row.figures[name] else 0.0
-        yield shown_name(name), f"{_text(name, value)}, error {error:.0e}"
+        yield shown_name(name), f"{_text(name, value)}, error {error_text(name, row.figures[name], row.errors[name])}"
     for name in BESIDE:
         if name not in sought and performance.get(name) is not None:
             yield shown_name(name), _text(name, performance[name])
@@ -161,6 +160,11 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
 
 def _text(name: str, value: float) -> str:
     return " ".join(engineering(name, value)).strip()
+
+
+def error_text(name: str, value: float, error: float) -> str:
+    """Return the error of a figure relative to it; in its unit where it is larger than the figure."""
+    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else _text(name, error)
 
 
 def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
