@@ -7,8 +7,8 @@ import sys
 import pytest
 
 from screwsim import load, open_results
+from screwsim.figures.engineering import error_text
 from screwsim.outputs import Figures, Result
-from screwsim.printing.find import error_text
 
 RPM = math.pi / 30.0
 

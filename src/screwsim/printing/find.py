@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, shown_name
+from screwsim.figures.engineering import engineering, error_text, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
@@ -160,11 +160,6 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
 
 def _text(name: str, value: float) -> str:
     return " ".join(engineering(name, value)).strip()
-
-
-def error_text(name: str, value: float, error: float) -> str:
-    """Return the error of a figure relative to it; in its unit where it is larger than the figure."""
-    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else _text(name, error)
 
 
 def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found]) -> None:

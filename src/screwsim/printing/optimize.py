@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, shown_name
-from screwsim.printing.find import error_text
+from screwsim.figures.engineering import engineering, error_text, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
 from screwsim.study.inputs import in_customary, shown_value
