@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from screwsim import load, open_results
+from screwsim.figures.engineering import error_text
 from screwsim.outputs import Figures, Result
 
 RPM = math.pi / 30.0
@@ -59,6 +60,12 @@ def test_find_prints_one_document(sought, command):
     (row,) = document["rows"]
     assert row["values"]["operation.speed"] == pytest.approx(3600.0 * RPM)
     assert (row["status"], document["failed_solutions"]) == ("ok", 0)
+
+
+def test_an_error_beyond_its_figure_is_told_in_its_unit():
+    assert error_text("isothermal_efficiency", 0.5, 1e-5) == "2e-05"
+    assert error_text("isothermal_efficiency", 1e-10, 3e-5) == "0.003 %"  # 3e+05 of it says nothing
+    assert error_text("condensate_flow", 0.0, 2.0 / 3600.0) == "2 kg/h"
 
 
 def test_find_gives_a_sweep_a_row_a_point(sought, command):

@@ -17,7 +17,7 @@ from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
-from screwsim.study.accuracy import QUICK, Study, effects, files, study, words
+from screwsim.study.accuracy import QUICK, NoReference, Study, effects, files, study, truth, words
 from screwsim.study.accuracy.cases import CHECKS, all_cases
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
 
@@ -41,6 +41,9 @@ effects:
 numerics: {accuracy: 0.01}
 """
 EXTENT = replace(QUICK, asked=(1e-2, 1e-4), points=(1, 3), limit=0.15, pairs=1, seconds=1e-3, runs=1)
+
+
+CO2 = Path(__file__).parents[2] / "configs" / "co2" / "transcritical.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -195,6 +198,20 @@ def test_explicit_methods_count_their_evaluations(scene):
 def test_a_real_gas_is_also_asked_of_coolprop(scene):
     real = replace(scene, gas=replace(scene.gas, model="real", isentropic_exponent=None))
     assert {case.back_end for case in all_cases(real, EXTENT)} == {"compiled", "ideal", "coolprop"}
+
+
+def test_nothing_is_measured_of_a_cycle_that_closes_where_its_gas_condenses():
+    wet = ["operation.superheat=0 K", "operation.speed=4000 rpm", "operation.gas_cooler.pressure=200 bar"]
+    scene = load(CO2, wet)
+    assert simulate(scene, trace=False).status == "failed"
+    with pytest.raises(NoReference, match=r"the scene itself has no result: at .* deg CarbonDioxide condenses at"):
+        truth(scene, QUICK, checked=False)
+
+
+def test_a_scene_that_fails_says_why_no_reference_is_found():
+    drowned = load(CO2.parents[1] / "r134a" / "point.yaml", ["oil_supply.ratio=1000"])
+    with pytest.raises(NoReference, match=r"the scene itself has no result: .* highest temperature, 455 K"):
+        truth(drowned, QUICK, checked=False)
 
 
 def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monkeypatch):

@@ -51,3 +51,8 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
     scales = figure_scales(about)
     factor, unit = next(((f, u) for least, f, u in scales if abs(value) >= least), (1.0, about.units))
     return digits(factor * value), unit
+
+
+def error_text(name: str, value: float, error: float) -> str:
+    """Return the error of a figure relative to it; in its unit where it is larger than the figure."""
+    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else " ".join(engineering(name, error)).strip()

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, shown_name
+from screwsim.figures.engineering import engineering, error_text, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
@@ -152,8 +152,7 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
     sought = [goal.figure for goal in asked.goals]
     for name in sought:
         value = row.size.figure if row.size else row.figures[name]
-        error = row.errors[name] / abs(row.figures[name]) if row.figures[name] else 0.0
-        yield shown_name(name), f"{_text(name, value)}, error {error:.0e}"
+        yield shown_name(name), f"{_text(name, value)}, error {error_text(name, row.figures[name], row.errors[name])}"
     for name in BESIDE:
         if name not in sought and performance.get(name) is not None:
             yield shown_name(name), _text(name, performance[name])

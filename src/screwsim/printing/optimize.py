@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, shown_name
+from screwsim.figures.engineering import engineering, error_text, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
 from screwsim.study.inputs import in_customary, shown_value
@@ -107,7 +107,7 @@ def _print_best(found: Optimum) -> None:
     say("\n".join(plain_table(["", "best", "as good"], rows, 1)))
     value, error = found.aims[row, 0], found.errors[row, 0]
     say()
-    say(f"{shown_name(aim.figure)} {_text(aim.figure, value)}, error {error / abs(value) if value else 0.0:.0e}")
+    say(f"{shown_name(aim.figure)} {_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
     if not asked.points.single:
         say()
         say("\n".join(_points(found)))

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.evaluate.traces import traces as traces_of
+from screwsim.evaluate.verdict import refused
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.numerics.integrators import DEFAULT
@@ -111,7 +112,7 @@ def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[
 
 
 def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float]:
-    """Return the finest solution that closes, and its accuracy."""
+    """Return the finest solution that closes, and its accuracy; NoReference where none does, or the scene fails."""
     reasons = []
     for fine in (wanted, 10.0 * wanted, 100.0 * wanted):
         try:
@@ -120,8 +121,13 @@ def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float
             reasons.append(f"the reference (coupled, {fine:g}) {error}")
             continue
         if first.cycle.status == "ok":
+            if outside := refused(first.evaluation.problem, first.evaluation.life):
+                raise NoReference(f"the scene itself has no result: {outside}")
             return first, fine
         reasons.append(f"the reference (coupled, {fine:g}) ended {first.cycle.status.replace('_', ' ')}")
+    found = simulate(scene, trace=False)
+    if found.status != "ok":
+        raise NoReference(f"the scene itself has no result: {found.message}")
     raise NoReference(reasons[0])
 
 
