@@ -38,6 +38,7 @@ MACHINES = {
         "operation.condensing_temperature: {from: 35 degC, to: 60 degC}",
     ),
 }
+ACCURACY = 3e-4  # `numerics.accuracy`, its default
 NEXT = 0.01  # by so much of itself the speed rises from a point of a course to the next
 CHECKED = 8  # of so many points one is held against the processor's; the processor is given as few
 Courses = list[list[Scene]]
@@ -113,9 +114,6 @@ def apart(pairs: Sequence[tuple[Result, Result]]) -> str:
         f"{len(pairs)} points held against the processor's: {statuses} of another status; figures differ by "
         f"{most:.1e} of the error stated for them at most ({name}), evaluations by {statistics.median(counts) - 1:+.1%}"
     )
-
-
-ACCURACY = 3e-4  # `numerics.accuracy`, its default
 
 
 def measure(name: str, points: int, length: int, clock: Clocked) -> None:

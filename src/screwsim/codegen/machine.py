@@ -9,7 +9,6 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-DEVICE_PASSES = 2
 PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
 SOON = 0  # level of code that is to be there soon: written in a fifth of the time, two to three times as slow
 _alone = threading.RLock()
@@ -78,6 +77,7 @@ def loaded(code: bytes, symbol: str) -> Any:
 
 
 DEVICE, FEATURES = "sm_75", "+ptx78"  # the least that is written for: a driver translates it for what it has
+DEVICE_PASSES = 2  # what the driver is given is small then, and its own part of the work short
 
 
 def for_device(text: str) -> str:
