@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,14 @@ Array = np.ndarray
 RESULTS = 3  # of a turn
 
 
+@cache
+def _entry(module: Module, name: str, kinds: tuple[Kind, ...], numbers: tuple[tuple[int, int], ...]) -> Any:
+    """Return the machine code of a thread; a module has the hash of its text for a name, and there is one of it."""
+    symbol = f"simulated.{name}"
+    _, text = DeviceLibrary(read(module.text)).one(name, kinds, dict(numbers), symbol)
+    return machine.loaded(machine.compiled(text, fast=True), symbol)
+
+
 class Simulated:
     """Memory is this process's; what lies there when it is handed out is no number."""
 
@@ -24,9 +33,7 @@ class Simulated:
         self.held: dict[int, Array] = {}
 
     def turns(self, module: Module, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
-        symbol = f"simulated.{name}"
-        _, text = DeviceLibrary(read(module.text)).one(name, kinds, numbers, symbol)
-        return machine.loaded(machine.compiled(text, fast=True), symbol), sum(map(words_of, kinds))
+        return _entry(module, name, kinds, tuple(numbers.items())), sum(map(words_of, kinds))
 
     def room(self, words: int) -> int:
         table = np.full(words, np.nan)
