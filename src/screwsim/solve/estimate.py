@@ -45,6 +45,7 @@ QUICK = 0.7  # share of a life's change that the next one makes, below which two
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
+DELIVERS = 0.1  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
 
@@ -219,8 +220,10 @@ def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: Cy
 def _foretold(of: Evaluation, cycle: CycleSolution) -> bool:
     """Tell whether what a correction makes of a life is as good as another life, as those that closed were."""
     problem = of.problem
+    if problem.scene.numerics.accuracy <= MUCH or _filling(of.figures) <= DELIVERS:
+        return False
     plain = met_across(problem) and not _keeps(problem) and not problem.composition.pulsating
-    return plain and problem.scene.numerics.accuracy > MUCH and cycle.missed < FAITHFUL
+    return plain and cycle.missed < FAITHFUL
 
 
 def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
