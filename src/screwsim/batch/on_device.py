@@ -19,14 +19,13 @@ from screwsim.codegen.kinds import FLOAT, INTEGER, Kind, array, words_of
 from screwsim.inputs.faults import UsageError
 from screwsim.model.contexts import ChamberContext
 from screwsim.model.run import Machinery
-from screwsim.model.side_by_side import TURN, WHOLE, Answer, Asked
+from screwsim.model.side_by_side import AXES, TURN, WHOLE, Answer, Asked, arrays_of
 from screwsim.numerics.rodas import TOO_MANY_STEPS
 
 Array = np.ndarray
 STEPS = 512  # of a turn that find room on the device, at first
 MOST_STEPS = 8192  # and at most
 NO_ROOM = "the GPU has no room for {} points at once; ask for fewer (screwsim.batch.together with in_flight={})"
-AXES = {"d_old": 3, "d_new": 3}
 CONTEXT = Kind(
     "c",
     tuple(array(INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1)) for name in ChamberContext._fields),
@@ -113,11 +112,12 @@ class _Call:
     def __init__(self, asked: Sequence[Asked], steps: int) -> None:
         self.asked, self.count, self.steps = asked, len(asked), steps
         like = asked[0].machinery
-        first = _own(asked[0], np.zeros(like.nq))
+        self.arrays = [arrays_of(each) for each in asked]
+        first = self.arrays[0]
         self.columns: dict[str, int] = dict(
             zip(OWN, accumulate((len(first[name]) for name in OWN), initial=0), strict=False)
         )
-        self.own_size = sum(map(len, first.values()))
+        self.own_size = sum(len(first[name]) for name in OWN)
         self.old = [each.machinery.last() for each in asked]
         self.most_old = max(1, *(steps for *_, steps in self.old))
         tables = {id(each.machinery.composition.TAB): each.machinery.composition.TAB for each in asked}
@@ -147,6 +147,7 @@ class _Call:
             for name, shape in self.shapes.items()
             if self.at[name] < len(self.given)
         }
+        self.own = {name: self._of(name) for name in OWN}
 
     def run(self, device: Device, turns: Any, room: int) -> Array:
         """Take all there, run the turns, and bring back what they wrote; return a row of results for each."""
@@ -158,7 +159,7 @@ class _Call:
         results = np.empty((self.count, 3))
         device.down(results, at["results"], 3)
         device.down(self.blocks["own"], at["own"], self.own_size)
-        most = int(self._of("kept")[:, 0].max())
+        most = int(self.own["kept"][:, 0].max())
         self.new = {}
         for name, (steps, *others) in ((name, self.shapes[name]) for name in NEW):
             rows = np.empty((self.count, most + (name == "t_new"), *others))
@@ -175,10 +176,9 @@ class _Call:
 
     def _fill(self) -> None:
         blocks = self.blocks
-        own = {name: self._of(name) for name in OWN}
-        for i, each in enumerate(self.asked):
-            for name, column in _own(each, 0.0).items():
-                own[name][i] = column
+        for i, arrays in enumerate(self.arrays):
+            for name, column in self.own.items():
+                column[i] = arrays[name]
         for i, (angles, (times, dense, _, steps)) in enumerate(zip(self.breakpoints, self.old, strict=True)):
             blocks["breakpoints"][i, : len(angles)] = angles
             blocks["t_old"][i, : steps + 1], blocks["d_old"][i, :steps] = times[: steps + 1], dense[:steps]
@@ -201,7 +201,7 @@ class _Call:
 
         def add_array(name: str) -> None:
             if name in self.columns:
-                first, stride, shape = self.columns[name], self.own_size, (self._of(name).shape[1],)
+                first, stride, shape = self.columns[name], self.own_size, (self.own[name].shape[1],)
                 add(room + 8 * (self.at["own"] + first + rows * stride), *shape)
                 return
             block = "tables" if name == "TAB" else name
@@ -225,18 +225,10 @@ class _Call:
 
     def put(self, each: Asked, i: int) -> Array:
         """Put a point's numbers and history where its machinery has them; return its quadratures."""
-        q = np.empty(each.machinery.nq)
-        for name, column in _own(each, q).items():
-            column[:] = self._of(name)[i]
+        for name, column in self.own.items():
+            self.arrays[i][name][:] = column[i]
         steps = int(each.machinery.kept[0])
         times, dense, quads = each.machinery.histories[1]
         times[: steps + 1] = self.new["t_new"][i, : steps + 1]
         dense[:steps], quads[:steps] = self.new["d_new"][i, :steps], self.new["quads"][i, :steps]
-        return q
-
-
-def _own(each: Asked, q: Any) -> dict[str, Any]:
-    machinery = each.machinery
-    state, own = machinery.spaces
-    columns = (q, machinery.composition.P, machinery.R, state, own, machinery.counts, machinery.kept, machinery.hints)
-    return dict(zip(OWN, (each.y, *columns), strict=True))
+        return self.arrays[i]["q"]

@@ -26,11 +26,11 @@ def _kind(name: str, of: Kind, axes: int) -> Kind:
     return Kind(name, (of,), axes)
 
 
-_AXES = {"d_old": 3, "d_new": 3}
+AXES = {"d_old": 3, "d_new": 3}
 _CONTEXT = Kind(
     "c",
     tuple(
-        _kind("p" if name in BESIDE else "v", INTEGER if name in WHOLE else FLOAT, _AXES.get(name, 1))
+        _kind("p" if name in BESIDE else "v", INTEGER if name in WHOLE else FLOAT, AXES.get(name, 1))
         for name in ChamberContext._fields
     ),
     names=ChamberContext._fields,
@@ -56,6 +56,31 @@ class Asked(NamedTuple):
 Answer = tuple[int, float, float, Array]  # of `Machinery.turn`
 
 
+def arrays_of(each: Asked) -> dict[str, Array]:
+    """Return all arrays that a turn reads and writes, by name; its quadratures are new ones."""
+    machinery = each.machinery
+    c, (old, new) = machinery.composition, machinery.histories
+    state, own = machinery.spaces
+    return {
+        "y": each.y,
+        "q": np.zeros(machinery.nq),
+        "P": c.P,
+        "R": machinery.R,
+        "counts": machinery.counts,
+        "kept": machinery.kept,
+        "hints": machinery.hints,
+        "state": state,
+        "own": own,
+        "breakpoints": c.breakpoints,
+        "TAB": c.TAB,
+        "t_old": old[0],
+        "d_old": old[1],
+        "t_new": new[0],
+        "d_new": new[1],
+        "quads": new[2],
+    }
+
+
 class Lanes:
     """Turns of one structure side by side."""
 
@@ -77,7 +102,7 @@ class Lanes:
             return self._turns(asked)
 
     def _turns(self, asked: Sequence[Asked]) -> list[Answer]:
-        named = [self._arrays(each) for each in asked]
+        named = [arrays_of(each) for each in asked]
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
                 rows[:, lane] = arrays[name]
@@ -89,29 +114,6 @@ class Lanes:
                 arrays[name][:] = rows[:, lane]
         status, (angles, steps) = self._out[:LANES].view(np.int64), self._out[LANES:].reshape(2, LANES)
         return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(asked))]
-
-    def _arrays(self, each: Asked) -> dict[str, Array]:
-        machinery = each.machinery
-        c, (old, new) = machinery.composition, machinery.histories
-        state, own = machinery.spaces
-        return {
-            "y": each.y,
-            "q": np.zeros(machinery.nq),
-            "P": c.P,
-            "R": machinery.R,
-            "counts": machinery.counts,
-            "kept": machinery.kept,
-            "hints": machinery.hints,
-            "state": state,
-            "own": own,
-            "breakpoints": c.breakpoints,
-            "TAB": c.TAB,
-            "t_old": old[0],
-            "d_old": old[1],
-            "t_new": new[0],
-            "d_new": new[1],
-            "quads": new[2],
-        }
 
     def _words(self, asked: Sequence[Asked], named: Sequence[dict[str, Array]]) -> Array:
         words: list[float | int] = [(1 << len(asked)) - 1]

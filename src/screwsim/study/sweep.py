@@ -210,7 +210,7 @@ class _Sweep:
 
         One of them that began last would leave the other workers idle.
         """
-        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or self._beside.blocks(1) > 1:
+        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or any(self._beside):
             return todo
 
         def speed(block: int) -> float:
