@@ -15,6 +15,7 @@ from screwsim.batch import simulate_courses, tasks, together
 from screwsim.model import leases
 from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
+from screwsim.numerics.compiling import again, clock
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study import limit
@@ -109,6 +110,20 @@ def test_times_of_points_side_by_side_add_up_to_no_more_than_what_they_took(samp
     elapsed = time.perf_counter() - began
     spent = sum(result.numerics.wall_time + result.numerics.estimating_time for results in found for result in results)
     assert 0.0 < spent <= elapsed
+
+
+def test_a_task_that_waits_is_not_charged_twice_for_what_another_compiles_again():
+    """What is compiled again stands on no clock: as time of others it would be taken off once more."""
+
+    def work(seconds):
+        began = clock() - here.elsewhere
+        station()
+        with again():
+            time.sleep(seconds)
+        station()
+        return clock() - here.elsewhere - began
+
+    assert min(together([partial(work, 0.05)] * 3)) > 0.0
 
 
 def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sample, monkeypatch):

@@ -9,7 +9,6 @@ result depends on which points ran beside it.
 from __future__ import annotations
 
 import os
-import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -30,6 +29,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model import compiled, side_by_side
 from screwsim.model.exchange import here
 from screwsim.model.run import Machinery
+from screwsim.numerics.compiling import again, clock
 from screwsim.outputs import Result
 from screwsim.scene.types import Scene
 from screwsim.simulate import simulate, simulate_many
@@ -98,7 +98,7 @@ def prepare_for_gpu(scene: Scene) -> None:
     look_for_driver()
     problem = problem_of(scene)
     machinery = leased(problem)
-    with compiled.first(machinery.module, "device"), _told_of_device():
+    with compiled.first(machinery.module, "device"), _told_of_device(), again():
         code_of(machinery)
 
 
@@ -186,7 +186,7 @@ class _Together:
 
     def _turn(self, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
         """Ask for a turn, let others run, and return it (in the task's own greenlet)."""
-        began, before, task = time.perf_counter(), here.elsewhere, self._now
+        began, before, task = clock(), here.elsewhere, self._now
         assert task is not None
         task.asked = side_by_side.Asked(machinery, y, rtol, h)
         with self._during(()):
@@ -194,21 +194,21 @@ class _Together:
         if isinstance(task.answer, BaseException):  # of the call: it is told in each that was waiting for it
             raise task.answer
         answer, share = task.answer
-        here.elsewhere = before + time.perf_counter() - began - share
+        here.elsewhere = before + clock() - began - share
         return answer
 
     def _station(self) -> None:
         """Let others run until they come as far (in the task's own greenlet): the next one goes on in its place."""
         if not self._ready:
             return
-        began, before, task = time.perf_counter(), here.elsewhere, self._now
+        began, before, task = clock(), here.elsewhere, self._now
         assert task is not None
         other = self._now = self._ready.popleft()
         self._ready.append(task)
         if self._handed_on is not None:
             self._handed_on(task.run, other.run)
         other.run.switch()
-        here.elsewhere = before + time.perf_counter() - began
+        here.elsewhere = before + clock() - began
 
     def _end_all(self) -> None:
         """End tasks that nobody waits for any more: they are told so where they asked for a turn."""
@@ -232,7 +232,7 @@ class _Together:
 
     def _answer(self, chosen: Sequence[_Task]) -> None:
         asked = [task.asked for task in chosen if task.asked is not None]
-        began = time.perf_counter()
+        began = clock()
         try:
             with self._during([task.run for task in chosen]):
                 answers = self._turns(asked)
@@ -240,7 +240,7 @@ class _Together:
             for task in chosen:
                 task.answer = error
             return
-        share = (time.perf_counter() - began) / len(chosen)
+        share = (clock() - began) / len(chosen)
         for task, answer in zip(chosen, answers, strict=True):
             task.answer = answer, share
 
@@ -267,7 +267,7 @@ def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     name = machinery.module.__name__
     if name not in _lanes:
         try:
-            with compiled.first(machinery.module, "lanes"):
+            with compiled.first(machinery.module, "lanes"), again():
                 _lanes[name] = side_by_side.Lanes(machinery)
         except CannotCompile:
             _lanes[name] = None
@@ -288,6 +288,6 @@ def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     machinery = asked[0].machinery
     key = os.getpid(), machinery.module.__name__
     if key not in _on_device:
-        with compiled.first(machinery.module, "device"), _told_of_device():
+        with compiled.first(machinery.module, "device"), _told_of_device(), again():
             _on_device[key] = OnDevice(machinery, device())
     return _on_device[key].turns(asked)

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -22,7 +21,7 @@ from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.exchange import here
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.model.trajectory import Trajectory, with_numbers
-from screwsim.numerics.compiling import seconds_again
+from screwsim.numerics.compiling import clock
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.room import room
 
@@ -114,11 +113,11 @@ class Machinery:
     @contextmanager
     def compiling(self, driver: str) -> Iterator[None]:
         """Announce what is compiled within, unless it is there; none of it counts as solution time or evaluations."""
-        started, counts, R = time.perf_counter() - seconds_again(), self.counts.copy(), self.R.copy()
+        started, counts, R = clock(), self.counts.copy(), self.R.copy()
         with compiled.first(self.module if driver == "one" else self.together, driver):
             yield
         self.counts[:], self.R[:] = counts, R
-        self.compile_time += time.perf_counter() - seconds_again() - started
+        self.compile_time += clock() - started
 
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""

@@ -87,13 +87,18 @@ _own = threading.local()
 @contextmanager
 def again() -> Iterator[None]:
     """Take note that what runs is compiled once more, for speed: within a solution, and none of its time."""
-    started = time.perf_counter()
+    before, started = seconds_again(), time.perf_counter()
     try:
         yield
     finally:
-        _own.seconds = seconds_again() + time.perf_counter() - started
+        _own.seconds = before + time.perf_counter() - started
 
 
 def seconds_again() -> float:
     """Return how long [s] this thread has compiled for speed what it had compiled before."""
     return getattr(_own, "seconds", 0.0)
+
+
+def clock() -> float:
+    """Return the seconds [s] of a clock that stands still while this thread compiles again what it had compiled."""
+    return time.perf_counter() - seconds_again()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,7 +20,7 @@ from screwsim.figures.errors import worst
 from screwsim.model import speed
 from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
-from screwsim.numerics.compiling import seconds_again
+from screwsim.numerics.compiling import clock
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
 from screwsim.solve.estimate import estimated_errors
@@ -187,5 +186,5 @@ class Watch:
 
 
 def _now(machinery: Machinery) -> tuple[float, Array]:
-    now = time.perf_counter() - machinery.compile_time - seconds_again() - here.elsewhere
+    now = clock() - machinery.compile_time - here.elsewhere
     return now, machinery.counts.copy()
