@@ -53,9 +53,8 @@ def close_from(
 def again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
     """Close a closed cycle, on which the machinery stands, once more with what is wanted now."""
     if cycle.how == "histories":
-        found = _close(
-            problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0, 1.0, cycle.contraction), cycle.tangents
-        )
+        hope = Hope(cycle.seen, 0.0, 1.0, cycle.contraction, cycle.missed)
+        found = _close(problem, machinery, wanted, cycle.y, hope, cycle.tangents)
     else:
         found = sought(problem, machinery, wanted, cycle.y.copy()) if cycle.needed == SEARCH else None
         found = found or close_together(problem, machinery, wanted, cycle.y.copy())

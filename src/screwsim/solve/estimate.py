@@ -20,7 +20,7 @@ from screwsim.cycle.fallbacks import MOST_OF_A_TRY
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.relaxation import SLOW, along, relax
+from screwsim.cycle.relaxation import FAITHFUL, SLOW, along, relax
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
@@ -34,6 +34,7 @@ from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
 FINER = 0.25  # tolerance of a step in the turn that estimates the error
+HALF = 0.5  # the same at least, of a cycle whose steps only its balances asked for: theirs err by less than is wanted
 NARROWER = 0.25  # regularisation in that turn
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # the error over what that turn shows of it, where it is the regularisation's root
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
@@ -44,7 +45,6 @@ EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all th
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
-FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
 DELIVERS = 0.1  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
@@ -241,7 +241,8 @@ class _Lives:
     """Lives that follow a closed cycle, one among the other, with finer steps and what else is wanted."""
 
     def __init__(self, of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> None:
-        self.of, self.machinery, self.rtol, self.y = of, machinery, FINER * cycle.rtol, cycle.y.copy()
+        self.of, self.machinery, self.y = of, machinery, cycle.y.copy()
+        self.rtol = max(FINER * cycle.rtol, min(HALF * cycle.rtol, FINER * wanted.of_histories * wanted.rtol))
         machinery.composition.P[machinery.composition.widths] = wanted.widths
         self.corrections = Corrections(of.problem, machinery, cycle.tangents)
         self.met = self.made = unknowns(of.problem, machinery)
