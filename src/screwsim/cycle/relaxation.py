@@ -44,13 +44,11 @@ SLOW = 0.3  # change of a turn over that of the one before, above which Newton c
 SPARED = 6  # turns that a correction has to spare where lines pulsate: so much its tangents cost
 LASTING = 0.9  # the same, above which near the end it is noise of the steps
 FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
-FAR_WITH_OIL = 0.01  # the same where it carries oil, whose heat the next turns carry round, at half as much again a turn
+FAR_WITH_OIL = 0.01  # the same where oil is carried, whose heat comes back, and whose turns are dearer
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
 QUICK = 0.2  # change of a turn over that of the one before, below which what is to come follows from it
 UNSEEN = 0.1  # share of a turn's change that corrections may miss before a second one has shown it
 FORESEEN = 1.5  # tolerances: what a correction may tell to be still to come
-FAITHFUL = 0.15  # share that corrections missed, below which they are believed: ...
-FAITHFULLY = 2.0  # ... so many tolerances may be still to come then
 HEAVIER = 2.0  # weight of what is to come of the unknowns: an energy balance with much oil hangs on its temperature
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
 PROGRESS = 0.5  # of the least gap before, below which a gap is progress
@@ -129,7 +127,7 @@ class _Turns:
         self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
         self.returning = NOTHING  # of the discharge line, where turns are not corrected
-        self.missed = hope.missed  # share of what a correction foretold that the turn after it did not follow, as seen last
+        self.missed = hope.missed  # share of what a correction foretold that the turn after it did not follow
 
     def vector(self, values: Array) -> Array:
         """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
@@ -194,8 +192,7 @@ class _Turns:
 
     def closes(self, corrected: bool) -> bool:
         """Tell whether so little is still to come that no turn need show it, and the balances are closed well."""
-        foreseen = (FAITHFULLY if self.missed < FAITHFUL else FORESEEN) if corrected else 1.0
-        little = self.left <= foreseen * self.wanted.tolerance
+        little = self.left <= (FORESEEN if corrected else 1.0) * self.wanted.tolerance
         return little and self.rtol <= self.finest and self.residual <= self.wanted.ahead * self.wanted.bound
 
     @property

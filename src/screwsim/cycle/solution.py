@@ -61,4 +61,11 @@ class Hope(NamedTuple):
     missed: float = 1.0
 
 
+class Led(NamedTuple):
+    """Where lives and a correction have led from a closed cycle: the state at 0°, trapped mass [kg] and work [J]."""
+
+    y: Array
+    seen: tuple[float, float]
+
+
 NO_HOPE = Hope((0.0, 0.0), 1.0)

@@ -20,9 +20,9 @@ from screwsim.cycle.fallbacks import MOST_OF_A_TRY
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.relaxation import FAITHFUL, SLOW, along, relax
+from screwsim.cycle.relaxation import SLOW, along, relax
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution, Hope
+from screwsim.cycle.solution import CycleSolution, Hope, Led
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import flow_errors, relative_errors, worst
@@ -45,6 +45,7 @@ EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all th
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
+FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
 DELIVERS = 0.1  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
@@ -53,25 +54,32 @@ BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is
 class Finer(NamedTuple):
     """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second.
 
-    The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow.
+    The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow,
+    `led` where the machinery stands then.
     """
 
     lives: Sequence[Figures]
     left: float | None = None
     flow: float = 0.0
+    led: Led | None = None
 
 
 NOTHING = Finer(())
 
 
-def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures:
-    """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands."""
+def estimated_errors(
+    of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution
+) -> tuple[Figures, Led | None]:
+    """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands.
+
+    And where it stands now, if that is where finer lives lead.
+    """
     found = of.figures
     station()
     narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
     finer = _finer(of, machinery, narrower, cycle)
     if not finer.lives:
-        return Figures(dict.fromkeys(found))
+        return Figures(dict.fromkeys(found)), None
     station()
     errors = _shown(found, finer, of.least)
     c = of.problem.composition
@@ -85,7 +93,7 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
         for name, size in flow_errors(found, lost, by).items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
-    return errors
+    return errors, finer.led
 
 
 def _left_open(of: Evaluation, q: Array) -> dict[str, float]:
@@ -174,7 +182,7 @@ def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSol
     if len(finer.lives) == 1 or _tells(of, finer):
         return finer
     closed = _finer_cycle(of.problem, machinery, wanted, cycle)
-    return Finer([closed]) if closed is not None else finer
+    return Finer([closed]) if closed is not None else finer._replace(led=None)
 
 
 def _hidden(of: Evaluation, cycle: CycleSolution) -> bool:
@@ -229,7 +237,7 @@ def _foretold(of: Evaluation, cycle: CycleSolution) -> bool:
 def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
     """Return one life that follows a closed cycle; nothing where it stops."""
     machinery.composition.P[machinery.composition.widths] = wanted.widths
-    status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
+    status, _, _, q = machinery.turn(cycle.y.copy(), _rtol(wanted, cycle), 1e-3)
     if status != 0:
         return NOTHING
     machinery.swap()
@@ -237,12 +245,16 @@ def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: C
     return Finer([Evaluation(problem, machinery.trajectory, q).figures])
 
 
+def _rtol(wanted: Wanted, cycle: CycleSolution) -> float:
+    """Return the tolerance of a step in finer lives: finer than in the cycle, and by more than was wanted at first."""
+    return max(FINER * cycle.rtol, min(HALF * cycle.rtol, FINER * wanted.of_histories * wanted.rtol))
+
+
 class _Lives:
     """Lives that follow a closed cycle, one among the other, with finer steps and what else is wanted."""
 
     def __init__(self, of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> None:
-        self.of, self.machinery, self.y = of, machinery, cycle.y.copy()
-        self.rtol = max(FINER * cycle.rtol, min(HALF * cycle.rtol, FINER * wanted.of_histories * wanted.rtol))
+        self.of, self.machinery, self.rtol, self.y = of, machinery, _rtol(wanted, cycle), cycle.y.copy()
         machinery.composition.P[machinery.composition.widths] = wanted.widths
         self.corrections = Corrections(of.problem, machinery, cycle.tangents)
         self.met = self.made = unknowns(of.problem, machinery)
@@ -298,7 +310,8 @@ class _Lives:
         y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
         machinery.inject(y)
         life = Evaluation(problem, machinery.trajectory, self.q + sums)
-        return Finer([*self.figures, life.figures], wrong, max(abs(by.mass), passed))
+        led = Led(self.y, (float(machinery.R[R_TRAPPED]), float(life.q[0])))
+        return Finer([*self.figures, life.figures], wrong, max(abs(by.mass), passed), led)
 
     def repeated(self) -> float:
         """Return the share of its change that the last life made once more."""
