@@ -34,7 +34,6 @@ from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
 FINER = 0.25  # tolerance of a step in the turn that estimates the error
-HALF = 0.5  # the same at least, of a cycle whose steps only its balances asked for: theirs err by less than is wanted
 NARROWER = 0.25  # regularisation in that turn
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # the error over what that turn shows of it, where it is the regularisation's root
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
@@ -237,7 +236,7 @@ def _foretold(of: Evaluation, cycle: CycleSolution) -> bool:
 def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
     """Return one life that follows a closed cycle; nothing where it stops."""
     machinery.composition.P[machinery.composition.widths] = wanted.widths
-    status, _, _, q = machinery.turn(cycle.y.copy(), _rtol(wanted, cycle), 1e-3)
+    status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
     if status != 0:
         return NOTHING
     machinery.swap()
@@ -245,16 +244,11 @@ def _finer_life(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: C
     return Finer([Evaluation(problem, machinery.trajectory, q).figures])
 
 
-def _rtol(wanted: Wanted, cycle: CycleSolution) -> float:
-    """Return the tolerance of a step in finer lives: finer than in the cycle, and by more than was wanted at first."""
-    return max(FINER * cycle.rtol, min(HALF * cycle.rtol, FINER * wanted.of_histories * wanted.rtol))
-
-
 class _Lives:
     """Lives that follow a closed cycle, one among the other, with finer steps and what else is wanted."""
 
     def __init__(self, of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> None:
-        self.of, self.machinery, self.rtol, self.y = of, machinery, _rtol(wanted, cycle), cycle.y.copy()
+        self.of, self.machinery, self.rtol, self.y = of, machinery, FINER * cycle.rtol, cycle.y.copy()
         machinery.composition.P[machinery.composition.widths] = wanted.widths
         self.corrections = Corrections(of.problem, machinery, cycle.tangents)
         self.met = self.made = unknowns(of.problem, machinery)
