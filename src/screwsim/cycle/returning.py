@@ -19,6 +19,7 @@ from screwsim.cycle.problem import Problem
 
 Array = np.ndarray
 MOST = 0.5  # share of what flows back, up to which it is believed that nothing else takes its heat
+LEAST = 0.1  # of the gas's heat capacity in the oil: of less it is the oil itself that comes back, which turns tell
 FARTHEST = 0.1  # of the oil's temperature, up to which what is to come of it is believed
 
 
@@ -49,10 +50,10 @@ def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
         return NOTHING
     if problem.scene.operation.discharge.temperature is not None:
         return NOTHING
-    _, _, back, out = streams_of(problem.composition, q)[:4, :2].tolist()
+    back, out = streams_of(problem.composition, q)[2:4, [0, 2]].tolist()  # of gas and oil [kg]
     gas, oil = parts.gas.c_p, parts.oil.heat_capacity
     comes, goes = (gas * flow[0] + oil * flow[1] for flow in (back, out))
-    if not 0.0 < comes < -goes:
+    if not 0.0 < comes < -goes or oil * out[1] > LEAST * gas * out[0]:  # both are negative
         return NOTHING
     share = min(comes / -goes, MOST)
     warmer = float(back[0] * (made[0] - met[0]) + back[1] * oil * (made[2] - met[2])) / comes
