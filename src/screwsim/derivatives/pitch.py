@@ -15,7 +15,8 @@ import numpy as np
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.derivatives.slices import INTEGRALS, NODES, SHARES, Slices
+from screwsim.derivatives.slices import INTEGRALS, NODES, Slices
+from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model import compiled
 from screwsim.model.numbers import oil_places
 from screwsim.model.run import Machinery
@@ -178,13 +179,11 @@ class Pitch:
 
         These may have a further axis behind them, which becomes the first.
         """
-        before, end = np.concatenate([y[None], Y[:-1, -1]]), Y[:, -1]
-        bent = [(Y[:, i] - before * (1.0 - x) - x * end) / (x * (1.0 - x)) for i, x in enumerate(SHARES[:-1].tolist())]
-        c4 = (bent[1] - bent[0]) / (SHARES[1] - SHARES[0])
-        dense = np.stack([before, end, bent[0] - SHARES[0] * c4, c4])
-        more, chambers = dense.shape[3:], self.N // self.n
-        parts = dense.reshape(4, self.count, chambers, self.n, -1).transpose(4, 2, 1, 0, 3)
-        return parts.reshape(*more, chambers * self.count, 4, self.n)
+        columns, steps = Y.shape[3:], self.N // self.n * self.count
+        found = np.empty((*(columns or (1,)), steps, 4 * self.n))
+        starts, nodes = (np.ascontiguousarray(each) for each in (y, Y))
+        sweeps().sweeps__lives(starts.reshape(self.N, -1), nodes.reshape(self.count * NODES, self.N, -1), self.n, found)
+        return found.reshape(*columns, steps, 4, self.n)
 
     def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
         """Make the polynomials the last history, from the states y at the start and those at the nodes."""
