@@ -54,11 +54,10 @@ def derivatives(cycle: Closed, values: Mapping[str, float]) -> tuple[dict[str, d
     moves, read = responses(cycle, every, made), []
     if not every:
         return {}, refused
-    own = standing(cycle, made)
-    turn = turn_of(own)
-    here = _read(own, turn, bool(around))
+    turn = turn_of(standing(cycle, made))
+    here = _read(standing(cycle, made, turn), bool(around))
     for j, direction in enumerate(every):
-        there = _read(placed(cycle, direction, moves.by(j), made), turn, bool(around))
+        there = _read(placed(cycle, direction, moves.by(j), made, turn), bool(around))
         figures = differenced(there.figures, here.figures, direction.step)
         read.append(Sides(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
@@ -82,10 +81,10 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
     }
 
 
-def _read(of: Evaluation, turn: tuple[int, float] | None, whole: bool) -> Sides:
-    """Return what is read of an evaluation, its highest pressure at a turn; `whole`: what it asks of around, too."""
+def _read(of: Evaluation, whole: bool) -> Sides:
+    """Return what is read of an evaluation; `whole`: what it asks of around, too."""
     asked = asked_of(of) if whole else None
-    return Sides(figures_of(of, turn), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
+    return Sides(figures_of(of), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
 
 
 def _size(value: float) -> float:

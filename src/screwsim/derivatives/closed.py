@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +15,12 @@ from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.nearby import SMALL, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
+from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import (
     BEFORE,
     EIGENVALUE,
     EMBEDDED,
+    LONGEST,
     Crossing,
     between,
     edges_of,
@@ -25,7 +28,6 @@ from screwsim.derivatives.slices import (
     ringed,
     seams_of,
 )
-from screwsim.effects.base import SuctionHeat
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
@@ -60,6 +62,8 @@ class Fineness(NamedTuple):
     closed: float = 1.0
     ring: float = 1.0
     wider: float = 1.0
+    steps: float = 1.0
+    longest: float = 1.0
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
@@ -109,7 +113,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     seams, tolerance = seams_of(machinery, problem.parts), fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= READ_INSIDE if inside else 1.0
     growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
-    plain = edges_of(machinery, seams, steps)
+    plain = edges_of(machinery, seams, fineness.steps * steps, fineness.longest * LONGEST)
     pitch = Pitch(problem, machinery, between(plain))
     Y, turns, linear, good, closing = np.empty(0), crossings(pitch), None, False, False
     for left in range(ROUNDS, 0, -1):
@@ -190,6 +194,7 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[
     for left in range(MOST, 0, -1):
         off, residual, size, read = open_of(pitch, Y)
         if size < nearly or (size < ENOUGH and left == 1):
+            pitch.install(read[0], Y)
             return Y, linear
         if not np.isfinite(size):
             break
@@ -252,34 +257,29 @@ def _moved(pitch: Pitch, at: Numbers, met: Array, j: int) -> Change:
 
 def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: int) -> Array:
     """Return what columns of a response make of the unknowns; from `first` on each goes with an unknown's unit."""
-    found = np.empty((len(met), response.sums.shape[1]))
-    coordinates, whole = pitch.problem.entries.coordinates(met), reads_states(pitch)
+    found, read = np.empty((len(met), response.sums.shape[1])), False
+    coordinates = pitch.problem.entries.coordinates(met)
+
+    def fill(by: float, j: int) -> None:
+        nonlocal read
+        read = True
+        pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
+
     for j in range(found.shape[1]):
         images = []
-        for sign in (1.0, -1.0):
-            pitch.put(cycle.at.plus(sign * SHIFT, pitch.cells_as_numbers(response.cells[:, j])))
+        for by in (SHIFT, -SHIFT):
+            pitch.put(cycle.at.plus(by, pitch.cells_as_numbers(response.cells[:, j])))
             there = coordinates.copy()
             if j >= first:
-                there[j - first] += sign * SHIFT
+                there[j - first] += by
             pitch.meet(there, met)
-            if whole:
-                by = sign * SHIFT
-                pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
-            images.append(pitch.image(cycle.sums + sign * SHIFT * response.sums[:, j]))
+            life = Placed.of(pitch, partial(fill, by, j))
+            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life))
         found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)
     pitch.put(cycle.at)
-    if whole:
+    if read:
         pitch.install(cycle.start, cycle.nodes)
     return found
-
-
-def reads_states(pitch: Pitch) -> bool:
-    """Tell whether what the cycle makes of its unknowns is read from its states, beside its quadratures.
-
-    The power of the shaft is: heat of it that warms what is sucked follows the pressure where oil enters, bearings.
-    """
-    parts = pitch.problem.parts
-    return bool(parts.made or (parts.suction_line and parts.all(SuctionHeat)))
 
 
 def solved(back: Array, off: Array, given: Array) -> Array:

@@ -14,6 +14,7 @@ import numpy as np
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import INTEGRALS, NODES
 
 Array = np.ndarray
@@ -54,8 +55,9 @@ def closed(pitch: Pitch, Y: Array, bound: float) -> Array | None:
     at, least, first = pitch.numbers, np.inf, Y
     blocks, inject = None, None
     for _ in range(CLOSINGS):
-        off, residual_, size, _ = open_of(pitch, Y)
+        off, residual_, size, (start, _) = open_of(pitch, Y)
         if size < bound:
+            pitch.install(start, Y)
             return Y
         if not size < AGAIN * least:
             break
@@ -83,11 +85,11 @@ class Open(NamedTuple):
 
 
 def open_of(pitch: Pitch, Y: Array) -> Open:
-    """Return what states at the nodes leave open, installed."""
+    """Return what states at the nodes leave open."""
     start, rates = pitch.begin(Y), pitch.rates(Y)
-    pitch.install(start, Y)
     sums = pitch.sums(rates[1])
-    off = pitch.image(sums) - pitch.problem.entries.coordinates(pitch.met)
+    life = Placed.of(pitch, lambda: pitch.install(start, Y))
+    off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.met)
     open_ = residual(pitch, Y, start, rates[0])
     return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
 

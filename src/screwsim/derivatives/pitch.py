@@ -21,6 +21,7 @@ from screwsim.model import compiled
 from screwsim.model.numbers import oil_places
 from screwsim.model.run import Machinery
 from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, R_RATIO, R_SIZE
+from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 INSIDE = 1e-9  # of a pitch: its end, of the chamber that is still there
@@ -197,9 +198,9 @@ class Pitch:
         machinery.install(np.append(begins, c.P[P_LIFE]), life, np.zeros((len(life), machinery.nq)))
         machinery.module.trace__work_along(*machinery.last(), machinery.context)
 
-    def image(self, q: Array) -> Array:
-        """Return what the last history, of these quadratures, makes of the unknowns, in coordinates."""
-        return self.problem.entries.coordinates(image_of(self.problem, self.machinery.trajectory, q))
+    def image(self, q: Array, life: Trajectory | None = None) -> Array:
+        """Return what a life (None: the last history) of these quadratures makes of the unknowns, in coordinates."""
+        return self.problem.entries.coordinates(image_of(self.problem, life or self.machinery.trajectory, q))
 
     @property
     def met(self) -> Array:
