@@ -31,12 +31,12 @@ def cycle(request):
 def test_states_nearby_leave_less_open_than_asked_and_are_near(cycle, bound):
     pitch = cycle.pitch
     pitch.install(cycle.start, cycle.nodes * (1.0 + 1e-4 * np.sin(np.arange(pitch.N))))
-    found = nearby.near(pitch, bound)
+    found = nearby.near(pitch, bound, nearby.Kept())
     assert found is not None
     start, Y = found
     assert nearby.size_of(nearby.residual(pitch, Y, start, pitch.rates(Y)[0]), Y) < bound
     pitch.install(cycle.start, cycle.nodes)
-    assert nearby.near(pitch, 1e-7) is not None
+    assert nearby.near(pitch, 1e-7, nearby.Kept()) is not None
     assert pitch.read() == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
 
 
@@ -77,7 +77,7 @@ def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cyc
     pitch.put(at)
     off = cycle.nodes * (1.0 + 1e-6 * np.sin(np.arange(pitch.N)))
     assert nearby.open_of(pitch, off)[2] > 1e-5
-    found = nearby.closed(pitch, off, 1e-6)
+    found = nearby.closed(pitch, off, 1e-6, nearby.Kept())
     assert found is not None
     assert nearby.open_of(pitch, found)[2] < 1e-6
     assert found == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
@@ -89,6 +89,6 @@ def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle)
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)
     start = pitch.begin(cycle.nodes)
-    assert nearby.closed(pitch, cycle.nodes, 0.0) is None
+    assert nearby.closed(pitch, cycle.nodes, 0.0, nearby.Kept()) is None
     assert (pitch.numbers.P == at.P).all()
     assert pitch.begin(cycle.nodes) == pytest.approx(start, rel=0.0, abs=0.0)

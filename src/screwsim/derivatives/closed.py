@@ -12,7 +12,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.derivatives import nearby
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.nearby import SMALL, near, open_of, stepped, tamed
+from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.placed import Placed
@@ -54,7 +54,8 @@ class Fineness(NamedTuple):
     """How exact derivatives are asked, in multiples of the constants above and of those of slices.
 
     That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
-    leaves open, and of the slices around a turning of a flow: of the first, and of each further one over that before.
+    leaves open, of the slices around a turning of a flow: of the first, and of each further one over that before; of
+    the longest slice, and of how far a turning may lie from where slices end for it.
     """
 
     error: float = 1.0
@@ -62,12 +63,12 @@ class Fineness(NamedTuple):
     closed: float = 1.0
     ring: float = 1.0
     wider: float = 1.0
-    steps: float = 1.0
     longest: float = 1.0
+    stand: float = 1.0
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6)  # 1e-3
+QUICK = Fineness(100.0, 100.0, 100.0, 2.0, 1.6, 2.0, 1000.0)  # 1e-3, in 99 of 100
 
 
 class Closed(NamedTuple):
@@ -113,18 +114,18 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     seams, tolerance = seams_of(machinery, problem.parts), fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= READ_INSIDE if inside else 1.0
     growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
-    plain = edges_of(machinery, seams, fineness.steps * steps, fineness.longest * LONGEST)
+    plain = edges_of(machinery, seams, steps, fineness.longest * LONGEST)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, linear, good, closing = np.empty(0), crossings(pitch), None, False, False
+    Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, Kept()
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, growth, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance)
+        placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance, own)
         if placed is None:
-            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept)
+            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept, own)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_lost(crossings(pitch), turns)
-        if closing and (left == 1 or (good and _stand(turns, before))):
+        if closing and (left == 1 or (good and _stand(turns, before, fineness.stand))):
             break
         if not good:
             errors = errors_of(pitch, start, Y)
@@ -161,12 +162,12 @@ def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
     return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
-def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
-    """Tell whether crossings are where slices end before them."""
+def _stand(turns: list[Crossing], before: list[Crossing], within: float) -> bool:
+    """Tell whether crossings are where slices end before them, within so many times what leaves ends on their side."""
     if len(before) != len(turns):
         return False
     pairs = zip(turns, before, strict=True)
-    return all(abs(one.angle - other.angle) < 0.5 * BEFORE * one.layer for one, other in pairs)
+    return all(abs(one.angle - other.angle) < within * 0.5 * BEFORE * one.layer for one, other in pairs)
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
@@ -181,13 +182,13 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
 
-def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[Array, Linear | None]:
+def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tuple[Array, Linear | None]:
     """Close the cycle up to a relative residual; return the states at the nodes, installed, and the last slopes.
 
     It begins with the slopes of the slices before, where these are as many.
     """
     Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
-    found = nearby.closed(pitch, Y, nearly)
+    found = nearby.closed(pitch, Y, nearly, own)
     if found is not None:
         return found, linear
     last = np.zeros_like(Y)

@@ -7,6 +7,7 @@ as the integrator left them; to close, a chamber's changes follow it through its
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +28,29 @@ SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
 
 
-def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
+@dataclass
+class Kept:
+    """The stage equations of each chamber by itself as they were factored last, of so many slices.
+
+    They are tried for other slices that are as many, which moved a little with where flows turn round.
+    """
+
+    blocks: list[Blocks] | None = None
+    count: int = 0
+
+    def of(self, pitch: Pitch) -> list[Blocks] | None:
+        """Return those that were kept, if they may be good for a pitch."""
+        return self.blocks if pitch.count == self.count else None
+
+    def anew(self, pitch: Pitch, Y: Array) -> list[Blocks]:
+        """Return those of a pitch at states, which are kept."""
+        self.blocks, self.count = _blocks(pitch, Y), pitch.count
+        return self.blocks
+
+
+def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
     """Return states at the start and the nodes that leave less than a relative residual, installed; None for none."""
-    Y, before, blocks = pitch.read(), np.inf, None
+    Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
     start, last = pitch.begin(Y), np.zeros_like(Y)
     for _ in range(MOST):
         open_ = residual(pitch, Y, start, pitch.rates(Y)[0])
@@ -40,29 +61,32 @@ def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
         if not np.isfinite(size):
             break
         if blocks is None or size > KEPT * before:
-            blocks = _blocks(pitch, Y)
+            blocks = kept.anew(pitch, Y)
         before = size
         last = tamed(_followed(blocks, -open_, pitch.n), last)
         Y = stepped(pitch, Y, last)
     return None
 
 
-def closed(pitch: Pitch, Y: Array, bound: float) -> Array | None:
+def closed(pitch: Pitch, Y: Array, bound: float, kept: Kept) -> Array | None:
     """Return states at the nodes that close the cycle up to less than a relative residual, installed; None for none.
 
     Unknowns are met as the cycle makes them; they stand as they stood where there are none.
     """
     at, least, first = pitch.numbers, np.inf, Y
-    blocks, inject = None, None
+    blocks, inject = kept.of(pitch), None
+    lent = blocks is not None
     for _ in range(CLOSINGS):
         off, residual_, size, (start, _) = open_of(pitch, Y)
         if size < bound:
             pitch.install(start, Y)
             return Y
-        if not size < AGAIN * least:
+        worse = not size < AGAIN * least
+        if worse and not (lent and np.isfinite(size)):
             break
-        if blocks is None or inject is None:
-            blocks, inject = _blocks(pitch, Y), injection(pitch, Y)[0]
+        if blocks is None or worse:
+            blocks, lent = kept.anew(pitch, Y), False
+        inject = injection(pitch, Y)[0] if inject is None else inject
         least = min(size, least)
         Y = stepped(pitch, Y, _followed(blocks, -residual_, pitch.n, inject))
         met = pitch.met

@@ -98,6 +98,12 @@ class Pitch:
         self.machinery.inject(y)
         return y
 
+    def injects(self, y: Array, numbers: Numbers) -> tuple[Array, Array]:
+        """Return what `begin` makes of states y at the pitch's start with numbers (which it writes into), and cells."""
+        states, (P, TAB, R) = y.copy(), numbers
+        self.machinery.module.chamber__inject(states, (self.injected or 0) * self.n, P, TAB, R)
+        return states, np.concatenate([R[R_RATIO:R_SIZE], P[self.noted]])
+
     @property
     def injected(self) -> int | None:
         """Which chamber stands at the injection angle at the pitch's start; none where that is no start of one."""

@@ -94,7 +94,10 @@ def seams_of(machinery: Machinery, parts: Parts) -> Array:
 
 
 def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -> Array:
-    """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers."""
+    """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers.
+
+    None is longer than `longest` [rad].
+    """
     c, (times, _, _, count) = machinery.composition, machinery.last()
     ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
     ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers that were integrated together share theirs
