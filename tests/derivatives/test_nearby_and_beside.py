@@ -72,6 +72,19 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
     pitch.put(at)
 
 
+def test_rates_of_parts_of_the_nodes_side_by_side_are_those_one_by_one(cycle):
+    pitch, edges = cycle.pitch, cycle.pitch.slices.edges.copy()
+    pitch.put(cycle.at)
+    edges[1:-1] += 1e-9
+    for moved in (None, edges):
+        rounding = 1e-3 * np.abs(cycle.nodes).max(axis=(0, 1))  # as above
+        many, single = beside.rates(pitch, cycle.nodes, moved), pitch.rates(cycle.nodes, moved)
+        for one, other, least in zip(single, many, (rounding, 0.0), strict=True):
+            assert one.shape == other.shape
+            scale = np.maximum(np.abs(one).max(axis=(0, 1)), least)
+            assert (np.abs(other - one) <= 1e-11 * scale).all()
+
+
 def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cycle):
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)

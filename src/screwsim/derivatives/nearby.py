@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.beside import rates
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import Pitch
@@ -53,7 +54,7 @@ def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
     Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
     start, last = pitch.begin(Y), np.zeros_like(Y)
     for _ in range(MOST):
-        open_ = residual(pitch, Y, start, pitch.rates(Y)[0])
+        open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
         size = size_of(open_, Y)
         if size < bound:
             pitch.install(start, Y)
@@ -110,11 +111,11 @@ class Open(NamedTuple):
 
 def open_of(pitch: Pitch, Y: Array) -> Open:
     """Return what states at the nodes leave open."""
-    start, rates = pitch.begin(Y), pitch.rates(Y)
-    sums = pitch.sums(rates[1])
+    start, (f, g) = pitch.begin(Y), rates(pitch, Y)
+    sums = pitch.sums(g)
     life = Placed.of(pitch, lambda: pitch.install(start, Y))
     off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.met)
-    open_ = residual(pitch, Y, start, rates[0])
+    open_ = residual(pitch, Y, start, f)
     return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
 
 
