@@ -75,10 +75,8 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
     matrix = np.array([each.asked[list(rows)] for each in through]).T
     by = np.linalg.solve(matrix, -own.asked[list(rows)])
     names = [name for name in own.figures if all(name in each.figures for each in through)]
-    return {
-        name: own.figures[name] + sum(b * each.figures[name] for b, each in zip(by.tolist(), through, strict=True))
-        for name in names
-    }
+    slopes = np.array([[each.figures[name] for name in names] for each in (own, *through)])
+    return dict(zip(names, (slopes[0] + by @ slopes[1:]).tolist(), strict=True))
 
 
 def _read(of: Evaluation, whole: bool) -> Sides:
