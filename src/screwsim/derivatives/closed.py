@@ -68,7 +68,7 @@ class Fineness(NamedTuple):
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(100.0, 100.0, 100.0, 2.0, 1.6, 2.0, 1000.0)  # 1e-3, in 99 of 100
+QUICK = Fineness(100.0, 100.0, 100.0, 3.0, 2.0, 3.0, 1000.0)  # 1e-3, in 99 of 100
 
 
 class Closed(NamedTuple):
