@@ -55,7 +55,7 @@ class Fineness(NamedTuple):
 
     That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
     leaves open, of the slices around a turning of a flow: of the first, and of each further one over that before; of
-    the longest slice, and of how far a turning may lie from where slices end for it.
+    the longest slice.
     """
 
     error: float = 1.0
@@ -64,11 +64,10 @@ class Fineness(NamedTuple):
     ring: float = 1.0
     wider: float = 1.0
     longest: float = 1.0
-    stand: float = 1.0
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(100.0, 100.0, 100.0, 3.0, 2.0, 3.0, 1000.0)  # 1e-3, in 99 of 100
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5)  # 1e-3
 
 
 class Closed(NamedTuple):
@@ -125,7 +124,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
             Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept, own)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_lost(crossings(pitch), turns)
-        if closing and (left == 1 or (good and _stand(turns, before, fineness.stand))):
+        if closing and (left == 1 or (good and _stand(turns, before))):
             break
         if not good:
             errors = errors_of(pitch, start, Y)
@@ -162,12 +161,12 @@ def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
     return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
-def _stand(turns: list[Crossing], before: list[Crossing], within: float) -> bool:
-    """Tell whether crossings are where slices end before them, within so many times what leaves ends on their side."""
+def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
+    """Tell whether crossings are where slices end before them."""
     if len(before) != len(turns):
         return False
     pairs = zip(turns, before, strict=True)
-    return all(abs(one.angle - other.angle) < within * 0.5 * BEFORE * one.layer for one, other in pairs)
+    return all(abs(one.angle - other.angle) < 0.5 * BEFORE * one.layer for one, other in pairs)
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
