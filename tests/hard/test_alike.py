@@ -1,13 +1,13 @@
 """Bit for bit: the same scene gives the same numbers, whatever the number of jobs and whatever ran before."""
 
 import json
-import os
 import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from apart import command, command_for_speed, ended
 from scenes import scene_dict
 
 from screwsim.numerics.folder import cache_folder
@@ -55,15 +55,18 @@ def test_the_number_of_jobs_changes_no_bit(jobs, alone, tmp_path):
 def test_a_fresh_process_changes_no_bit(alone, tmp_path):
     (tmp_path / "scene.yaml").write_text(SCENE, encoding="utf-8")
     asked = ["sweep", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out.h5"), "--jobs", "2"]
-    subprocess.run([sys.executable, "-m", "screwsim", *asked], check=True, capture_output=True)
+    assert ended(command, *asked).code == 0
     assert arrays(tmp_path / "out.h5") == alone
+
+
+ORDER = "first", "second"
 
 
 def test_one_run_after_another_changes_no_bit(tmp_path):
     (tmp_path / "scene.yaml").write_text(json.dumps(scene_dict({"operation.speed": "700 rpm"})), encoding="utf-8")
-    for name in ("first.h5", "second.h5"):
-        asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
-        subprocess.run([sys.executable, "-m", "screwsim", *asked], check=True, capture_output=True)
+    first, second = (["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / f"{name}.h5")] for name in ORDER)
+    subprocess.run([sys.executable, "-m", "screwsim", *first], check=True, capture_output=True)
+    assert ended(command, *second).code == 0  # hashes other seeds than the first
     assert arrays(tmp_path / "first.h5") == arrays(tmp_path / "second.h5")
 
 
@@ -73,13 +76,6 @@ REAL = {
     "oil_supply.temperature": "328 K",
     "effects": {"suction_port": {}, "discharge_port": {}, "tip_leakage": {"gap": "50 um", "reading": "interface"}},
 }
-FOR_SPEED = """
-import sys
-from screwsim.codegen.modules import for_speed
-with for_speed():
-    from screwsim.__main__ import main
-    main()
-"""
 
 
 def answered(cache, changes):
@@ -94,18 +90,13 @@ def answered(cache, changes):
 def test_a_module_compiled_now_gives_the_bits_of_one_that_was_loaded(tmp_path):
     """And that which was written soon those of one that was written for speed."""
     (tmp_path / "scene.yaml").write_text(json.dumps(scene_dict(REAL)), encoding="utf-8")
-    place = {**os.environ, "SCREWSIM_CACHE": str(tmp_path / "cache")}
     answered(tmp_path / "cache", REAL)
     found = []
-    for name, how in (
-        ("soon.h5", ["-m", "screwsim"]),
-        ("loaded.h5", ["-m", "screwsim"]),
-        ("fast.h5", ["-c", FOR_SPEED]),
-    ):
+    for name, how in (("soon.h5", command), ("loaded.h5", command), ("fast.h5", command_for_speed)):
         asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
-        done = subprocess.run([sys.executable, *how, *asked], env=place, capture_output=True, text=True)
-        said = [line.partition(" ")[2].partition(",")[0] for line in done.stderr.splitlines() if "once (" in line]
-        found.append((done.returncode, said[:2], arrays(tmp_path / name)))
+        done = ended(how, *asked, SCREWSIM_CACHE=str(tmp_path / "cache"))
+        said = [line.partition(" ")[2].partition(",")[0] for line in done.err.splitlines() if "once (" in line]
+        found.append((done.code, said[:2], arrays(tmp_path / name)))
     told = ["compiling the equation of state of R134a", "compiling this combination of effects"]
     assert [each[:2] for each in found] == [(0, told), (0, []), (0, told)]
     assert found[0][2] == found[1][2] == found[2][2]

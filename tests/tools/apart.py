@@ -36,6 +36,14 @@ def command(*arguments: str) -> int:
     return exit_code(arguments)
 
 
+def command_for_speed(*arguments: str) -> int:
+    """Be `screwsim ARGUMENTS…`, which compiles for speed."""
+    from screwsim.codegen.modules import for_speed
+
+    with for_speed():
+        return command(*arguments)
+
+
 def begun(call: Callable[..., object], *arguments: object, folder: Path, **variables: str) -> BaseProcess:
     """Start a call in a process of its own, which works where this one does; it prints into files of a folder."""
     for name in ("out", "err"):

@@ -39,7 +39,7 @@ class Valve:
     def drop(self, flow: Array, rho: float) -> tuple[Array, Array]:
         """Return the pressure [Pa] that an open valve takes of flows [kg/s], and its slope by the flow (M220)."""
         if self.area is None:
-            return np.full_like(flow, self.pressure), np.zeros_like(flow)
+            return np.full(flow.shape, self.pressure), np.zeros(flow.shape)
         orifice = flow**2 / (2.0 * rho * self.area**2)
         lifted = orifice > self.pressure
         return np.where(lifted, orifice, self.pressure), np.where(lifted, flow / (rho * self.area**2), 0.0)
@@ -71,25 +71,29 @@ def through(valve: Valve, given: Array, behind: Behind) -> Passed:
     beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure where it is shut
     largest = float(np.max(np.abs(w)))
 
-    def residual(z: Array) -> tuple[Array, Array, Array, Array]:
-        u, shut = np.maximum(z, 0.0), z <= 0.0
+    def residual(z: Array) -> tuple[Array, Array, Array, float]:
+        """Return what is left open, the pressure, the valve's slope, and how much is left at most."""
+        u = np.maximum(z, 0.0)
         drop, slope = valve.drop(u, behind.rho)
-        p = drop + behind.impedance * u + np.where(shut, beyond * z, 0.0)
-        return D @ p + u - w, p, np.where(shut, beyond, slope + behind.impedance), np.where(shut, 0.0, 1.0)
+        p = drop + behind.impedance * u + beyond * np.minimum(z, 0.0)
+        left = D @ p + u - w
+        return left, p, slope, float(max(left.max(), -left.min()))
 
     z = np.full(POINTS, mean)
-    left, p, by_p, by_u = residual(z)
+    left, p, slope, size = residual(z)
     for _ in range(MOST_STEPS):
-        size = float(np.max(np.abs(left)))
         if size <= CONVERGED * largest:
             break
-        change, share = np.linalg.solve(D * by_p + np.diag(by_u), -left), 1.0
+        shut = z <= 0.0
+        slopes = D * np.where(shut, beyond, slope + behind.impedance)
+        slopes.flat[:: POINTS + 1] += ~shut
+        change, share = np.linalg.solve(slopes, -left), 1.0
         while True:
             trial = residual(z + share * change)
-            if float(np.max(np.abs(trial[0]))) < size or share < LEAST_SHARE:
+            if trial[3] < size or share < LEAST_SHARE:
                 break
             share *= 0.5
-        z, (left, p, by_p, by_u) = z + share * change, trial
+        z, (left, p, slope, size) = z + share * change, trial
     return Passed(np.maximum(z, 0.0), p - behind.impedance * mean)
 
 

@@ -48,8 +48,8 @@ def frame(results: Results, group: str) -> Any:
         raise UsageError(f"{group}: has more than one value a case (use to_xarray({group!r}))")
     columns = {path: results.along(path).ravel() for path in results.varied}
     joined = {inner.name for axis in results.axis_list for inner in axis.joined}
-    for name in part:
-        values = np.asarray(part[name])
+    for name, found in part.items():
+        values = np.asarray(found)
         if name == "status":
             values = results.status
         if name not in joined and values.ndim in (0, len(results.shape)):
@@ -65,11 +65,11 @@ def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, An
     names = [axis.name for axis in axes]
     joined = {inner.name for axis in axes for inner in axis.joined}
     found = {}
-    for name in part:
+    for name, values in part.items():
         own = OWN.get(part.name)
         if name == own or name in joined:
             continue
-        values, about = part[name], part.about[name]._asdict()
+        about = part.about[name]._asdict()
         dimensions = [*names, own] if own is not None else names[: values.ndim]
         if name == "status":
             words = KNOCK_OUT_STATUSES if part.name == "knock_out" else STATUSES

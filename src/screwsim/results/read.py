@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import ItemsView, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -55,10 +55,24 @@ class Group(Mapping[str, np.ndarray]):
         if name not in self.about:
             has = ", ".join(self.about) or "nothing"
             raise NoVariable(f"{self._path}: {self.name} has no {name!r}; it has {has} ({REMEDY})")
-        if name not in self._read:
-            with opened(self._path) as file:
-                self._read[name] = _values(stored.member(file, self.name, dataset=False), name)
+        self.take((name,))
         return self._read[name]
+
+    def take(self, names: Iterable[str]) -> None:
+        """Read several variables of the group while the file is open once; to open it takes as long as to read one."""
+        missing = [name for name in names if name not in self._read]
+        if missing:
+            with opened(self._path) as file:
+                group = stored.member(file, self.name, dataset=False)
+                self._read |= {name: _values(group, name) for name in missing}
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.about or (isinstance(name, tuple) and super().__contains__(name))
+
+    def items(self) -> ItemsView[str, np.ndarray]:
+        """Return names and values, read together."""
+        self.take(self.about)
+        return super().items()
 
     def _labelled(self, name: str, label: str) -> np.ndarray:
         """Return a variable at one label of the coordinate that the group has of its own: an input's, a number's."""
@@ -168,7 +182,8 @@ class Results(Brief):
     @cached_property
     def figures(self) -> list[str]:
         """Names of the performance figures that any case has a value of."""
-        names = (name for name in self.error if name in self.performance)
+        names = [name for name in self.error if name in self.performance]
+        self.performance.take(names)
         return [name for name in names if np.isfinite(self.performance[name]).any()]
 
     def to_xarray(self, group: str | None = "performance") -> Any:

@@ -4,6 +4,7 @@ Pixels of 20 µm make the rotors about 10 µm too thick: 2 mm² of the 1200 mm²
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,17 +21,22 @@ THICK = 2.2 * MM**2  # what the thickness of the pixels takes off a section
 
 
 @pytest.fixture(scope="module")
-def solids(pairs):
+def pixels_of(pairs):
+    """Return a function that gives a pair as pixels, drawn once."""
+    return cache(lambda name: Solids(pairs[name]))
+
+
+@pytest.fixture(scope="module")
+def solids(pixels_of):
     """Return (b) as pixels."""
-    return Solids(pairs["b"])
+    return pixels_of("b")
 
 
 @pytest.mark.parametrize(
     ("name", "angles"), [("a", (-250, -60, -40)), ("b", (-250, -100, -30)), ("c", (-110, -80, -25))]
 )
-def test_sections_are_the_free_pixels(pairs, name, angles):
-    rotors = pairs[name]
-    pixels = Solids(rotors)
+def test_sections_are_the_free_pixels(pairs, pixels_of, name, angles):
+    rotors, pixels = pairs[name], pixels_of(name)
     for angle in angles:
         counted = pixels.chamber(angle * DEG).sum() * STEP**2
         expected = rotors.sections.area_at(np.array([angle * DEG]))[0]
@@ -65,13 +71,13 @@ def test_the_mesh_is_closed_and_free_of_interference(pairs, name):
 
 
 @pytest.mark.parametrize(("name", "side"), [("a", 1), ("b", 1), ("c", 1), ("b", -1)])
-def test_blow_hole_is_the_open_part_of_its_plane(pairs, name, side):
+def test_blow_hole_is_the_open_part_of_its_plane(pairs, pixels_of, name, side):
     """Points of the plane H–S that lie in no rotor between the departure of one and the arrival of the other.
 
     side −1: suction. Both flanks move past the plane at some 20 µm a pixel's angle: 3 %.
     """
     rotors = pairs[name]
-    pixels, chain = Solids(rotors), rotors.chain if side > 0 else mirrored(rotors.chain)
+    pixels, chain = pixels_of(name), rotors.chain if side > 0 else mirrored(rotors.chain)
     hole, H = opening(rotors.pair, chain), rotors.pair.cusp
     x, y = chain.x[chain.trail], chain.y[chain.trail]
     part, psi = np.linspace(0.002, 0.998, 250), np.linspace(-75, 60, 4001) * DEG

@@ -37,7 +37,8 @@ class EffectCost:
 def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
     """Return what one effect costs and changes: runs with it and without it in turn, medians of both.
 
-    The first two compile what is missing and are not counted; where one of them does not close, there are no more.
+    The first two compile what is missing and count only where no more are wanted; where one of them does not close,
+    there are no more.
     """
     rest = {key: active for key, active in scene.effects.items() if key != name}
     without = replace(scene, effects=rest, text="")
@@ -52,6 +53,7 @@ def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
         bad = less if less.status != "ok" else full
         return EffectCost(name, bad.status, reason=f"without it: {bad.message}")
     pairs = [(simulate(scene, trace=False), simulate(without, trace=False)) for _ in range(extent.pairs)]
+    pairs = pairs or [(full, less)]
     full, less = pairs[-1]
     ratio = statistics.median(_time(full) / _time(less) for full, less in pairs) - 1.0
     evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
