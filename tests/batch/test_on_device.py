@@ -82,7 +82,7 @@ def test_the_text_for_a_device_calls_nothing_that_it_lacks(scene):
 
 def test_what_a_device_lacks_is_told(simulation, monkeypatch):
     program = read("def f(x):\n    return math.tan(x)\n")
-    monkeypatch.setattr(simulation, "turns", lambda *_asked: DeviceLibrary(program).one("f", (FLOAT,), {}, "f"))
+    monkeypatch.setattr(simulation, "turns", lambda *_asked: DeviceLibrary(program).entry("f", (FLOAT,), "f"))
     with pytest.raises(
         UsageError, match=r"do not run on a GPU: f: a GPU has no math\.tan.*; leave it to the processor"
     ):
@@ -101,7 +101,7 @@ def test_a_device_without_room_is_told_with_how_many_points_to_ask_for(simulatio
 def _function(name, *kinds):
     text = f"def f({', '.join('xy'[: len(kinds)])}):\n    return math.{name}({', '.join('xy'[: len(kinds)])})\n"
     symbol = f"of_a_device.{name}"
-    returned, written = DeviceLibrary(read(text)).one("f", kinds, {}, symbol)
+    returned, written = DeviceLibrary(read(text)).entry("f", kinds, symbol)
     entry = machine.loaded(machine.compiled(written, fast=True), symbol)
 
     def called(*given):

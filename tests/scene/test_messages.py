@@ -58,6 +58,12 @@ TYPICAL = [
         "model: rael",
         "x.yaml:13:10: gas.model: 'rael' is not an option; did you mean 'real'? (choose from: ideal, real)",
     ),
+    (
+        "fluid: R134a",
+        "fluid: {fluid: [R32, R125], mass_fractions: [0.5, 0.5]}",
+        "x.yaml:12:10: gas.fluid: a mapping is not a fluid outside a sweep (write fluid: NAME, or of a blend "
+        "fluid: [NAME, NAME], and mass_fractions beside it)",
+    ),
     ("title: example", "title: 5", "x.yaml:1:8: title: 5 is not text (write it in quotes)"),
     (
         "blow_hole: {area: 6 mm^2}",

@@ -22,7 +22,7 @@ RESULTS = 3  # of a turn
 def _entry(module: Module, name: str, kinds: tuple[Kind, ...], numbers: tuple[tuple[int, int], ...]) -> Any:
     """Return the machine code of a thread; a module has the hash of its text for a name, and there is one of it."""
     symbol = f"simulated.{name}"
-    _, text = DeviceLibrary(read(module.text)).one(name, kinds, dict(numbers), symbol)
+    _, text = DeviceLibrary(read(module.text), dict(numbers)).entry(name, kinds, symbol)
     return machine.loaded(machine.compiled(text, fast=True), symbol)
 
 

@@ -126,25 +126,19 @@ class DeviceEmitter(Emitter):
 class DeviceLibrary(Library):
     """A library whose functions run on a device."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, known: Mapping[int, int] | None = None) -> None:
         written = read(lane_math.texts(*OWN.values(), wave))
         functions = written.functions.and_those_of(program.functions)
         super().__init__(Program(functions, written.constants | program.constants))
+        self.known = known or {}
 
     def emitter(self, name: str, kinds: tuple[Kind, ...]) -> DeviceEmitter:
         return DeviceEmitter(self, name, kinds)
 
-    def one(self, name: str, kinds: tuple[Kind, ...], numbers: Mapping[int, int], symbol: str) -> tuple[Kind, str]:
-        """Return what `entry` does; `numbers` are arguments that are the same in every run."""
-        returned, text = self.entry(name, kinds, symbol)
-        for k, number in numbers.items():
-            text = text.replace(f"  %a{k}.0 = load i64, ptr %p{k}.0\n", f"  %a{k}.0 = add i64 0, {number}\n")
-        return returned, text
-
-    def of_threads(self, name: str, kinds: tuple[Kind, ...], numbers: Mapping[int, int]) -> str:
+    def of_threads(self, name: str, kinds: tuple[Kind, ...]) -> str:
         """Return the text of a kernel: `turns(words, results, count)`, where each thread takes those of its place."""
         symbol = "one"
-        returned, text = self.one(name, kinds, numbers, symbol)
+        returned, text = self.entry(name, kinds, symbol)
         text = text.replace(f'define i64 @"{symbol}"', f'define internal i64 @"{symbol}"')
         words, results = sum(map(words_of, kinds)), len(returned.parts)
         return text + BY_INDEX.format(turns=TURNS, symbol=symbol, words=words, results=results)

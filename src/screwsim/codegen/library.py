@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -50,7 +51,10 @@ class Library:
     """What functions of a program become, each written once; with `checks` every index is held within its array.
 
     `outside` are addresses of functions of this process that the program calls, with numbers and arrays, for nothing.
+    `known` are arguments of an entry, by place, that are the same whole numbers in every call.
     """
+
+    known: Mapping[int, int] = MappingProxyType({})
 
     def __init__(self, program: Program, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         self.program, self.outside, self.checks = program, outside or {}, checks
@@ -119,7 +123,7 @@ class Library:
     def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
         """Return the kind and the text of what Python calls, `symbol(in, out)`, with all that it calls.
 
-        Arguments and results are words of 8 bytes.
+        Arguments and results are words of 8 bytes; those that are known are not read.
         """
         given, lines, at = [], [], 0
         for k, kind in enumerate(kinds):
@@ -127,6 +131,11 @@ class Library:
                 lines.append(f"  %c{k} = getelementptr i64, ptr %in, i64 {at}")
                 given.append(f"ptr %c{k}")
                 at += sum(len(inner.parts) for inner in kind.of)
+                continue
+            if k in self.known:
+                assert kind == INTEGER
+                given.append(f"i64 {self.known[k]}")
+                at += 1
                 continue
             for i, part in enumerate(kind.parts):
                 lines.append(f"  %p{k}.{i} = getelementptr i64, ptr %in, i64 {at}")

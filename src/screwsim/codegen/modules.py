@@ -110,7 +110,7 @@ class Module(ModuleType):
         kept = store.read(symbol)
         if kept is None:
             compiling.begins()
-            text = device_library.DeviceLibrary(program.read(self.text)).of_threads(name, kinds, numbers)
+            text = device_library.DeviceLibrary(program.read(self.text), numbers).of_threads(name, kinds)
             kept = machine.for_device(text).encode()
             store.keep(symbol, kept)
         return kept

@@ -148,6 +148,9 @@ def _word(leaf: Leaf, raw: Any, folder: str) -> str:
 
 
 def _names(leaf: Leaf, raw: Any, folder: str) -> str | tuple[str, ...]:
+    if isinstance(raw, dict):
+        what = f"{shown(raw)} is not a fluid outside a sweep"
+        raise Refused(f"{what} (write fluid: NAME, or of a blend fluid: [NAME, NAME], and mass_fractions beside it)")
     if not isinstance(raw, list):
         return _word(leaf, raw, folder)
     return tuple(_word(leaf, node.value, folder) for node in raw)

@@ -81,9 +81,16 @@ class Parts:
             pass  # no locks on this system or disk: two sweeps at once only do the same work twice
 
     def close(self) -> None:
-        """Let go of the folder; parts stay."""
-        if self._lock is not None:
-            self._lock.close()
+        """Let go of the folder; parts stay, and a folder without any goes."""
+        if self._lock is None or self._lock.closed:
+            return
+        left = self.folder.is_dir() and any(self._files())
+        self._lock.close()
+        with suppress(OSError):
+            if not left:
+                self._manifest.unlink(missing_ok=True)
+                (self.folder / "lock").unlink(missing_ok=True)
+                self.folder.rmdir()
 
     def discard(self) -> None:
         """Remove the parts. The owner's name goes first: parts without it are never taken for finished ones."""
@@ -91,9 +98,6 @@ class Parts:
             self._manifest.unlink(missing_ok=True)
             self._clear()
         self.close()
-        with suppress(OSError):
-            (self.folder / "lock").unlink(missing_ok=True)
-            self.folder.rmdir()
 
     def _clear(self) -> None:
         if not self.folder.is_dir():
