@@ -1,13 +1,14 @@
 """Print how many evaluations a point takes by speed: what closing takes, and what closing and the error estimate do.
 
-Run: python benchmarks/by_speed.py. Of three machines, the paper's, the same with carried oil, and one with R134a, at 25
-speeds from 250 to 10 000 rpm in equal ratios, each from its own first guess. `numerics.rhs_evaluations` of a result
-counts closing alone. Counts hardly depend on the machine.
+Run: python benchmarks/by_speed.py [SPEEDS]. Of three machines, the paper's, the same with carried oil, and one with
+R134a, at 25 speeds (or so many) from 250 to 10 000 rpm in equal ratios, each from its own first guess.
+`numerics.rhs_evaluations` of a result counts closing alone. Counts hardly depend on the machine.
 """
 
 from __future__ import annotations
 
 import statistics
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from screwsim.solve.accurately import solve
 ROOT = Path(__file__).resolve().parent.parent
 PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "plain" / "r134a.yaml"
 MACHINES = {"paper": (PAPER, ()), "carried oil": (PAPER, ("oil.transport=carried",)), "R134a": (REAL, ())}
-SPEEDS = np.geomspace(250.0, 10_000.0, 25)
+SLOWEST, FASTEST, COUNT = 250.0, 10_000.0, 25
 WANTED = 10_000  # evaluations a point, at most
 
 
@@ -34,11 +35,11 @@ def evaluations(scene: Scene) -> tuple[str, int, int]:
     return found.cycle.status, machinery.evaluations_of(found.counts), both
 
 
-def main() -> None:
-    """Print a row for each speed and what they come to."""
+def main(speeds: int = COUNT) -> None:
+    """Print a row for each of so many speeds and what they come to."""
     print(f"{'rpm':>8}" + "".join(f"{name:>16}{'estimated':>11}" for name in MACHINES))
     counts = []
-    for rpm in SPEEDS:
+    for rpm in np.geomspace(SLOWEST, FASTEST, speeds):
         row = [evaluations(load(path, [*more, f"operation.speed={rpm} rpm"])) for path, more in MACHINES.values()]
         counts.append([count for _, *both in row for count in both])
         marks = "".join(f" ({status})" for status, *_ in row if status != "ok")
@@ -54,4 +55,4 @@ def _line(first: str, counts: list[int]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(int, sys.argv[1:]))

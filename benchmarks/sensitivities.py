@@ -1,7 +1,8 @@
 """Print what the derivatives of all figures by 20 numbers cost, over a point: CPU time of one thread, medians.
 
-Behind that, in points, where it goes: the collocated cycle, scenes composed with numbers shifted, what the cycle makes
-of that, figures read. Last what is evaluated, of one chamber: by the point, then by the derivatives.
+Exact ones first, then quick ones (`derivatives.closed.QUICK`). Behind that, in points, where it goes: the collocated
+cycle, scenes composed with numbers shifted, what the cycle makes of that, figures read. Last what is evaluated, of one
+chamber: by the point, then by the derivatives.
 
 Run: python benchmarks/sensitivities.py [RUNS]. Points and derivatives take turns, compiled for speed and warm; what
 compiling takes is not in it. A point is `simulate` with its error estimate, as `run` does it.
@@ -18,6 +19,7 @@ from typing import Any
 
 from screwsim.codegen.modules import for_speed
 from screwsim.derivatives import around, beside, solving
+from screwsim.derivatives.closed import FINE, QUICK, Fineness
 from screwsim.derivatives.directions import Directions
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.solving import found
@@ -28,6 +30,7 @@ from screwsim.study.local import numeric_paths
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("configs/paper/point.yaml", "configs/r134a/point.yaml")
 NUMBERS = 20
+KINDS = {"exact": FINE, "quick": QUICK}
 SHOWN = ("cycle", "composed", "moved", "read")
 
 
@@ -51,9 +54,9 @@ class Counted:
             self.rates += Y.size // pitch.n
             return rates(pitch, Y, edges)
 
-        def counted_lanes(pitch: Pitch, Y: Any, asked: Any, entry: Any) -> Any:
-            self.rates += len(asked) * Y.size // pitch.n
-            return lanes(pitch, Y, asked, entry)
+        def counted_lanes(pitch: Pitch, nodes: Any, *asked: Any) -> Any:
+            self.rates += sum(each.y.size for each in nodes) // pitch.n
+            return lanes(pitch, nodes, *asked)
 
         def counted_slopes(pitch: Pitch, angles: Any, *asked: Any) -> Any:
             self.jacobians += len(angles) * pitch.N // pitch.n
@@ -91,14 +94,14 @@ PARTS = {  # by what they are called here
 }
 
 
-def told(scene: Scene, runs: int, counted: Counted) -> str:
+def told(scene: Scene, runs: int, counted: Counted, fineness: Fineness) -> str:
     """Return point, derivatives [ms] and the median of their ratios for a scene."""
     values, _ = numeric_paths(scene)
     asked = {path: value for path, value in values.items() if value}
     asked = dict(list(asked.items())[:NUMBERS])
 
     def derived() -> None:
-        answer = found(scene, asked)
+        answer = found(scene, asked, fineness)
         assert not answer.why and not answer.refused, (answer.why, answer.refused)
 
     simulate(scene, trace=False)
@@ -117,13 +120,14 @@ def told(scene: Scene, runs: int, counted: Counted) -> str:
 
 
 def main(runs: int = 9) -> None:
-    """Print a line for each scene."""
+    """Print a line for each scene and kind."""
     counted = Counted()
-    head = f"{'scene':28} {'point ms':>8} {f'{NUMBERS} numbers':>12} {'ratio':>8}"
+    head = f"{'scene':28} {'':5} {'point ms':>8} {f'{NUMBERS} numbers':>12} {'ratio':>8}"
     print(head + "".join(f" {name:>9}" for name in SHOWN))
     with for_speed():
         for name in SCENES:
-            print(f"{name:28} {told(load(ROOT / name), runs, counted)}", flush=True)
+            for kind, fineness in KINDS.items():
+                print(f"{name:28} {kind} {told(load(ROOT / name), runs, counted, fineness)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -31,12 +31,12 @@ def cycle(request):
 def test_states_nearby_leave_less_open_than_asked_and_are_near(cycle, bound):
     pitch = cycle.pitch
     pitch.install(cycle.start, cycle.nodes * (1.0 + 1e-4 * np.sin(np.arange(pitch.N))))
-    found = nearby.near(pitch, bound)
+    found = nearby.near(pitch, bound, nearby.Kept())
     assert found is not None
     start, Y = found
     assert nearby.size_of(nearby.residual(pitch, Y, start, pitch.rates(Y)[0]), Y) < bound
     pitch.install(cycle.start, cycle.nodes)
-    assert nearby.near(pitch, 1e-7) is not None
+    assert nearby.near(pitch, 1e-7, nearby.Kept()) is not None
     assert pitch.read() == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
 
 
@@ -72,12 +72,25 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
     pitch.put(at)
 
 
+def test_rates_of_parts_of_the_nodes_side_by_side_are_those_one_by_one(cycle):
+    pitch, edges = cycle.pitch, cycle.pitch.slices.edges.copy()
+    pitch.put(cycle.at)
+    edges[1:-1] += 1e-9
+    for moved in (None, edges):
+        rounding = 1e-3 * np.abs(cycle.nodes).max(axis=(0, 1))  # as above
+        many, single = beside.rates(pitch, cycle.nodes, moved), pitch.rates(cycle.nodes, moved)
+        for one, other, least in zip(single, many, (rounding, 0.0), strict=True):
+            assert one.shape == other.shape
+            scale = np.maximum(np.abs(one).max(axis=(0, 1)), least)
+            assert (np.abs(other - one) <= 1e-11 * scale).all()
+
+
 def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cycle):
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)
     off = cycle.nodes * (1.0 + 1e-6 * np.sin(np.arange(pitch.N)))
     assert nearby.open_of(pitch, off)[2] > 1e-5
-    found = nearby.closed(pitch, off, 1e-6)
+    found = nearby.closed(pitch, off, 1e-6, nearby.Kept())
     assert found is not None
     assert nearby.open_of(pitch, found)[2] < 1e-6
     assert found == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
@@ -89,6 +102,6 @@ def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle)
     pitch, at = cycle.pitch, cycle.at
     pitch.put(at)
     start = pitch.begin(cycle.nodes)
-    assert nearby.closed(pitch, cycle.nodes, 0.0) is None
+    assert nearby.closed(pitch, cycle.nodes, 0.0, nearby.Kept()) is None
     assert (pitch.numbers.P == at.P).all()
     assert pitch.begin(cycle.nodes) == pytest.approx(start, rel=0.0, abs=0.0)

@@ -15,7 +15,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.search import SEARCH, sought
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope
+from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope, Led
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
@@ -50,12 +50,17 @@ def close_from(
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
 
 
-def again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
-    """Close a closed cycle, on which the machinery stands, once more with what is wanted now."""
+def again(
+    problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None = None
+) -> CycleSolution:
+    """Close a closed cycle, on which the machinery stands, once more with what is wanted now.
+
+    Or the machinery stands where finer lives of a cycle closed by histories have led.
+    """
     if cycle.how == "histories":
-        found = _close(
-            problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0, 1.0, cycle.contraction), cycle.tangents
-        )
+        y, seen = led or (cycle.y, cycle.seen)
+        hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
+        found = _close(problem, machinery, wanted, y, hope, cycle.tangents)
     else:
         found = sought(problem, machinery, wanted, cycle.y.copy()) if cycle.needed == SEARCH else None
         found = found or close_together(problem, machinery, wanted, cycle.y.copy())

@@ -19,6 +19,7 @@ from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.mixing import finer
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
+from screwsim.cycle.returning import NOTHING, returning
 from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
 from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.effects.base import FlowPath
@@ -43,6 +44,7 @@ SLOW = 0.3  # change of a turn over that of the one before, above which Newton c
 SPARED = 6  # turns that a correction has to spare where lines pulsate: so much its tangents cost
 LASTING = 0.9  # the same, above which near the end it is noise of the steps
 FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
+FAR_WITH_OIL = 0.01  # the same where oil is carried, whose heat comes back, and whose turns are dearer
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
 QUICK = 0.2  # change of a turn over that of the one before, below which what is to come follows from it
 UNSEEN = 0.1  # share of a turn's change that corrections may miss before a second one has shown it
@@ -124,7 +126,8 @@ class _Turns:
         self.open: Residuals | None = None  # what a turn of the finest steps left open
         self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
-        self.missed = 1.0  # share of what a correction foretold that the turn after it did not follow, as seen last
+        self.returning = NOTHING  # of the discharge line, where turns are not corrected
+        self.missed = hope.missed  # share of what a correction foretold that the turn after it did not follow
 
     def vector(self, values: Array) -> Array:
         """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
@@ -211,7 +214,8 @@ class _Turns:
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
         if self.near:  # where turns by themselves would take more than two more
             return known and SLOW < ratio < LASTING and self.gap * ratio * ratio > self.wanted.tolerance
-        return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > FAR)
+        far = FAR_WITH_OIL if self.problem.composition.carried else FAR
+        return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > far)
 
     def _spares(self) -> bool:
         """Tell whether turns by themselves would be so many more that a correction of many unknowns is worth it."""
@@ -225,7 +229,7 @@ class _Turns:
 
         None where none is due, or to be had. Without one, what is to come follows from how fast turns contract.
         """
-        self.left, n, corrections = self.gap, self.machinery.n, self.corrections
+        self.left, n, corrections, self.returning = self.gap, self.machinery.n, self.corrections, NOTHING
         begun = corrections.begun
         if corrections.due(self.slow(), self.moved, self.near):
             self.corrected = True
@@ -242,8 +246,10 @@ class _Turns:
         if not begun:
             if self.number > (1 if self.guessed else 2):
                 self.contraction = max(self.gap / self.before[0], self.moved / self.before[1])
+            self.returning = returning(self.problem, self.q, self.met, self.made)
+            pace = max(self.contraction, self.returning.share)  # by which a change comes back, though next to none will
             if self.contraction < QUICK:
-                self.left = self.gap * self.contraction / (1.0 - self.contraction)
+                self.left = self.gap * pace / (1.0 - pace)
         return None
 
     def _missed(self) -> float:
@@ -289,7 +295,8 @@ class _Turns:
             mixed = self._mixed(self.vector(made), self.stalled > 0)
             self.next_rtol = LED * self.left
         else:
-            mixed = self._mixed(self.image)
+            made = self.returning.led(made)
+            mixed = self._mixed(self.image if made is self.made else self.vector(made))
             self.next_rtol = min(THEN * self.rtol, AHEAD * self.gap)
         self.y[:] = states_of(mixed[:n], self.y, machinery.composition)
         self.met = problem.entries.values(mixed[len(mixed) - len(self.met) :], made)

@@ -51,13 +51,21 @@ class Hope(NamedTuple):
     """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change.
 
     `share` is that of the wanted tolerance of a step with which the balances will close, `contraction` what turns left
-    of a change lately.
+    of a change lately, `missed` what corrections by the tangents that come with it did not lead to (1: not known).
     """
 
     seen: tuple[float, float]
     gap: float
     share: float = 1.0
     contraction: float = 1.0
+    missed: float = 1.0
+
+
+class Led(NamedTuple):
+    """Where lives and a correction have led from a closed cycle: the state at 0°, trapped mass [kg] and work [J]."""
+
+    y: Array
+    seen: tuple[float, float]
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)

@@ -54,11 +54,10 @@ def derivatives(cycle: Closed, values: Mapping[str, float]) -> tuple[dict[str, d
     moves, read = responses(cycle, every, made), []
     if not every:
         return {}, refused
-    own = standing(cycle, made)
-    turn = turn_of(own)
-    here = _read(own, turn, bool(around))
+    turn = turn_of(standing(cycle, made))
+    here = _read(standing(cycle, made, turn), bool(around))
     for j, direction in enumerate(every):
-        there = _read(placed(cycle, direction, moves.by(j), made), turn, bool(around))
+        there = _read(placed(cycle, direction, moves.by(j), made, turn), bool(around))
         figures = differenced(there.figures, here.figures, direction.step)
         read.append(Sides(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
@@ -76,16 +75,14 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
     matrix = np.array([each.asked[list(rows)] for each in through]).T
     by = np.linalg.solve(matrix, -own.asked[list(rows)])
     names = [name for name in own.figures if all(name in each.figures for each in through)]
-    return {
-        name: own.figures[name] + sum(b * each.figures[name] for b, each in zip(by.tolist(), through, strict=True))
-        for name in names
-    }
+    slopes = np.array([[each.figures[name] for name in names] for each in (own, *through)])
+    return dict(zip(names, (slopes[0] + by @ slopes[1:]).tolist(), strict=True))
 
 
-def _read(of: Evaluation, turn: tuple[int, float] | None, whole: bool) -> Sides:
-    """Return what is read of an evaluation, its highest pressure at a turn; `whole`: what it asks of around, too."""
+def _read(of: Evaluation, whole: bool) -> Sides:
+    """Return what is read of an evaluation; `whole`: what it asks of around, too."""
     asked = asked_of(of) if whole else None
-    return Sides(figures_of(of, turn), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
+    return Sides(figures_of(of), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
 
 
 def _size(value: float) -> float:

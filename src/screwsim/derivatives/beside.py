@@ -1,4 +1,4 @@
-"""Rates at all nodes with several numbers: side by side in the lanes of a core, each lane with its own.
+"""Rates at all nodes side by side in the lanes of a core: each lane with numbers of its own, or with nodes of its own.
 
 Lanes are written when they are first asked for, in seconds, and kept: what runs in them does not depend on what ran
 before, so that one scene has one answer.
@@ -29,8 +29,16 @@ _CONTEXT = Kind(
     tuple(_beside if name in BESIDE else _whole for name in CoupledContext._fields),
     names=CoupledContext._fields,
 )
-_ALL, _ROWS = Kind("a", (FLOAT,), 1), Kind("p", (FLOAT,), 2)
-KINDS = (_whole, _ALL, Kind("a", (FLOAT,), 2), _CONTEXT, INTEGER, _ROWS, _ROWS)
+_ROWS = Kind("p", (FLOAT,), 2)
+KINDS = (_whole, _whole, Kind("v", (FLOAT,), 2), _CONTEXT, INTEGER, _ROWS, _ROWS)
+
+
+class Nodes(NamedTuple):
+    """Where rates are asked: angles [rad], angles of the same segments of the laws [rad], states, a row each."""
+
+    angles: Array
+    middles: Array
+    y: Array
 
 
 class Asked(NamedTuple):
@@ -43,22 +51,41 @@ class Asked(NamedTuple):
 _entries: dict[str, Any] = {}  # of lanes by module; None where its text cannot be so compiled
 
 
+def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
+    """Return what `Pitch.rates` does, each lane with a part of the nodes."""
+    entry = _entry(pitch.machinery)
+    if entry is None:
+        return pitch.rates(Y, edges)
+    slices, many = pitch.slices if edges is None else pitch.slices._replace(edges=edges), pitch.count * NODES
+    part = -(-many // LANES)
+    nodes = slices.angles.ravel(), np.repeat(slices.middles, NODES), Y.reshape(many, -1)
+    whole = [np.concatenate([each, each[many - LANES * part :]]) if LANES * part > many else each for each in nodes]
+    lanes = [Nodes(*(each[lane * part :][:part] for each in whole)) for lane in range(LANES)]
+    found = _in_lanes(pitch, lanes, [pitch.numbers] * LANES, entry)
+    f, g = (np.moveaxis(each, -1, 0).reshape(LANES * part, -1)[:many] for each in found)
+    return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
+
+
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
     """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
     As many at a time as there are lanes; behind the last ones the rest of them is nothing; numbers stand as they stood.
     """
-    at, shape = pitch.numbers, (pitch.count, NODES)
+    at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
     for first in range(0, len(asked), LANES):
         now = asked[first : first + LANES]
         entry = _entry(pitch.machinery) if len(now) >= FEWEST else None
         if entry is not None:
-            found = [each.reshape(*shape, -1, LANES) for each in _in_lanes(pitch, Y, now, entry)]
+            middles, y = np.repeat(slices.middles, NODES), Y.reshape(-1, pitch.N)
+            own = [slices if each.edges is None else slices._replace(edges=each.edges) for each in now]
+            nodes = [Nodes(each.angles.ravel(), middles, y) for each in own]
+            rows = _in_lanes(pitch, nodes, [each.numbers for each in now], entry)
+            found = [each.reshape(*shape, -1, LANES) for each in rows]
         else:
             found = [np.zeros((*shape, size, LANES)) for size in (pitch.N, pitch.q)]
             for i, (numbers, edges) in enumerate(now):
                 pitch.put(numbers)
-                found[0][..., i], found[1][..., i] = pitch.rates(Y, edges)
+                found[0][..., i], found[1][..., i] = rates(pitch, Y, edges)
             pitch.put(at)
         yield slice(first, first + len(now)), found[0], found[1]
 
@@ -75,31 +102,27 @@ def _entry(machinery: Machinery) -> Any:
     return _entries[module.__name__]
 
 
-def _in_lanes(pitch: Pitch, Y: Array, asked: Sequence[Asked], entry: Any) -> tuple[Array, Array]:
-    """Return rates at the nodes (nodes, …, lanes), each lane with its own numbers."""
-    machinery, slices = pitch.machinery, pitch.slices
+def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
+    """Return rates at the nodes (nodes, …, lanes) of each lane, with its numbers; all lanes have as many."""
+    machinery = pitch.machinery
     places, work = machinery.coupled_space()["spaces"]
     pitch.free()
     rows = {"places": aligned(len(places)), "work": aligned(len(work))}
     rows["places"][:], rows["work"][:] = places[:, None], work[:, None]
     for name in ("P", "R"):
-        rows[name] = aligned(len(getattr(asked[0].numbers, name)))
-        for lane, (numbers, _) in enumerate(asked):
-            rows[name][:, lane] = getattr(numbers, name)
-    by_lane = {
-        "angles": [(slices if e is None else slices._replace(edges=e)).angles.ravel() for _, e in asked],
-        "TAB": [np.ascontiguousarray(numbers.TAB) for numbers, _ in asked],
-    }
-    middles, y = np.repeat(slices.middles, NODES), np.ascontiguousarray(Y).reshape(-1, pitch.N)
-    out = [aligned(len(y) * size).reshape(len(y), size, LANES) for size in (pitch.N, pitch.q)]
-    words: list[int] = [(1 << len(asked)) - 1]
+        rows[name] = aligned(len(getattr(numbers[0], name)))
+        rows[name][:, : len(numbers)] = np.transpose([getattr(each, name) for each in numbers])
+    by_lane = {name: [np.ascontiguousarray(getattr(each, name)) for each in nodes] for name in Nodes._fields}
+    by_lane["TAB"] = [np.ascontiguousarray(each.TAB) for each in numbers]
+    out = [aligned(len(nodes[0].y) * size).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
+    words: list[int] = [(1 << len(nodes)) - 1]
 
     def lanes(name: str) -> None:
         addresses = [address(each) for each in by_lane[name]]
         words.extend([*addresses, *[addresses[0]] * (LANES - len(addresses)), *by_lane[name][0].shape])
 
-    lanes("angles")
-    words.extend([address(middles), *middles.shape, address(y), *y.shape])
+    for name in Nodes._fields:
+        lanes(name)
     for name in CoupledContext._fields:
         if name in rows:
             words.extend([address(rows[name]), len(rows[name])])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +12,15 @@ from screwsim.cycle.problem import Problem
 from screwsim.derivatives import nearby
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
-from screwsim.derivatives.nearby import SMALL, near, open_of, stepped, tamed
+from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import Numbers, Pitch
+from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import (
     BEFORE,
     EIGENVALUE,
     EMBEDDED,
+    LONGEST,
     Crossing,
     between,
     edges_of,
@@ -25,7 +28,6 @@ from screwsim.derivatives.slices import (
     ringed,
     seams_of,
 )
-from screwsim.effects.base import SuctionHeat
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
@@ -52,7 +54,8 @@ class Fineness(NamedTuple):
     """How exact derivatives are asked, in multiples of the constants above and of those of slices.
 
     That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
-    leaves open, and of the slices around a turning of a flow: of the first, and of each further one over that before.
+    leaves open, of the slices around a turning of a flow: of the first, and of each further one over that before; of
+    the longest slice.
     """
 
     error: float = 1.0
@@ -60,10 +63,11 @@ class Fineness(NamedTuple):
     closed: float = 1.0
     ring: float = 1.0
     wider: float = 1.0
+    longest: float = 1.0
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6)  # 1e-3
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5)  # 1e-3
 
 
 class Closed(NamedTuple):
@@ -109,15 +113,15 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     seams, tolerance = seams_of(machinery, problem.parts), fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= READ_INSIDE if inside else 1.0
     growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
-    plain = edges_of(machinery, seams, steps)
+    plain = edges_of(machinery, seams, steps, fineness.longest * LONGEST)
     pitch = Pitch(problem, machinery, between(plain))
-    Y, turns, linear, good, closing = np.empty(0), crossings(pitch), None, False, False
+    Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, Kept()
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, growth, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
-        placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance)
+        placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance, own)
         if placed is None:
-            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept)
+            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept, own)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_lost(crossings(pitch), turns)
         if closing and (left == 1 or (good and _stand(turns, before))):
@@ -177,19 +181,20 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
 
-def _closed(pitch: Pitch, nearly: float, linear: Linear | None = None) -> tuple[Array, Linear | None]:
+def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tuple[Array, Linear | None]:
     """Close the cycle up to a relative residual; return the states at the nodes, installed, and the last slopes.
 
     It begins with the slopes of the slices before, where these are as many.
     """
     Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
-    found = nearby.closed(pitch, Y, nearly)
+    found = nearby.closed(pitch, Y, nearly, own)
     if found is not None:
         return found, linear
     last = np.zeros_like(Y)
     for left in range(MOST, 0, -1):
         off, residual, size, read = open_of(pitch, Y)
         if size < nearly or (size < ENOUGH and left == 1):
+            pitch.install(read[0], Y)
             return Y, linear
         if not np.isfinite(size):
             break
@@ -252,34 +257,29 @@ def _moved(pitch: Pitch, at: Numbers, met: Array, j: int) -> Change:
 
 def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: int) -> Array:
     """Return what columns of a response make of the unknowns; from `first` on each goes with an unknown's unit."""
-    found = np.empty((len(met), response.sums.shape[1]))
-    coordinates, whole = pitch.problem.entries.coordinates(met), reads_states(pitch)
+    found, read = np.empty((len(met), response.sums.shape[1])), False
+    coordinates = pitch.problem.entries.coordinates(met)
+
+    def fill(by: float, j: int) -> None:
+        nonlocal read
+        read = True
+        pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
+
     for j in range(found.shape[1]):
         images = []
-        for sign in (1.0, -1.0):
-            pitch.put(cycle.at.plus(sign * SHIFT, pitch.cells_as_numbers(response.cells[:, j])))
+        for by in (SHIFT, -SHIFT):
+            pitch.put(cycle.at.plus(by, pitch.cells_as_numbers(response.cells[:, j])))
             there = coordinates.copy()
             if j >= first:
-                there[j - first] += sign * SHIFT
+                there[j - first] += by
             pitch.meet(there, met)
-            if whole:
-                by = sign * SHIFT
-                pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
-            images.append(pitch.image(cycle.sums + sign * SHIFT * response.sums[:, j]))
+            life = Placed.of(pitch, partial(fill, by, j))
+            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life))
         found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)
     pitch.put(cycle.at)
-    if whole:
+    if read:
         pitch.install(cycle.start, cycle.nodes)
     return found
-
-
-def reads_states(pitch: Pitch) -> bool:
-    """Tell whether what the cycle makes of its unknowns is read from its states, beside its quadratures.
-
-    The power of the shaft is: heat of it that warms what is sucked follows the pressure where oil enters, bearings.
-    """
-    parts = pitch.problem.parts
-    return bool(parts.made or (parts.suction_line and parts.all(SuctionHeat)))
 
 
 def solved(back: Array, off: Array, given: Array) -> Array:

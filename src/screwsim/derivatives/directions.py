@@ -71,6 +71,9 @@ class Directions:
             problem, by = shifted(-step), -step
         if problem.composition.text != self.cycle.pitch.machinery.composition.text:
             raise Structural("decides on the structure of the model")
+        problem.__dict__["called"] = (
+            self.cycle.pitch.problem.called
+        )  # of one structure, and nothing stated more or less
         side, given = self.numbers(problem, self.cycle.met)
         if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
@@ -95,6 +98,11 @@ class Directions:
         noted = self.cycle.pitch.noted
         P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return Numbers(P.copy(), c.TAB, machinery.R.copy()), given
+
+    @once
+    def shifted(self) -> Array:
+        """The states at the pitch's start, before the injection."""
+        return self.cycle.pitch.machinery.shift(np.ascontiguousarray(self.cycle.nodes[-1, -1]))
 
     @once
     def own(self) -> tuple[Numbers, Array]:
@@ -123,12 +131,8 @@ class Directions:
         cycle, pitch = self.cycle, self.cycle.pitch
         if pitch.injected is None:
             return np.zeros(pitch.N), np.zeros(len(pitch.cells()))
-        found = []
-        for sign in (1.0, -1.0):
-            pitch.put(cycle.at.plus(sign * step, numbers))
-            found.append((pitch.begin(cycle.nodes), pitch.cells()))
-        pitch.put(cycle.at)
-        (y, cells), (y_below, cells_below) = found
+        sides = (pitch.injects(self.shifted, cycle.at.plus(by, numbers)) for by in (step, -step))
+        (y, cells), (y_below, cells_below) = sides
         return (y - y_below) / (2.0 * step), (cells - cells_below) / (2.0 * step)
 
 

@@ -15,7 +15,8 @@ from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
-from screwsim.derivatives.slices import INTEGRALS, NODES
+from screwsim.derivatives.slices import NODES
+from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PLACE, PRESSURE, R_RATIO
 
 Array = np.ndarray
@@ -25,10 +26,10 @@ SMALL = 1e-3  # of a state or a cell, for relative steps
 
 
 class Sources(NamedTuple):
-    """Columns (…, k): of h f and h g at the nodes, of the states behind the injection, of the cells it sets."""
+    """Columns (…, k): right sides of the stage equations, quadratures, states behind the injection, cells it sets."""
 
-    hf: Array
-    hg: Array
+    right: Array
+    sums: Array
     start: Array
     cells: Array
 
@@ -87,11 +88,11 @@ class Change(NamedTuple):
 
 
 def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
-    """Return the derivatives of h f and h g at the nodes along changes (slices, NODES, …, changes)."""
-    hf, hg = (np.zeros((pitch.count, NODES, size, len(changes))) for size in (pitch.N, pitch.q))
+    """Return what rates along changes make of the stage equations (slices, NODES, N, changes) and of quadratures."""
+    right, sums = (np.zeros((*shape, len(changes))) for shape in ((pitch.count, NODES, pitch.N), (pitch.q - 1,)))
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
-        return hf, hg
+        return right, sums
     step, asked, of_asked = step_of(pitch), [Asked(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
@@ -102,25 +103,18 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tup
             asked.append(Asked(at.plus(sign * step, numbers), there))
     own: list[Array] = []
     for which, *found in rates_of(pitch, Y, asked):
-        own = own or [rates[..., :1].copy() for rates in found]
+        found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
+        own = own or [rates[..., 0].copy() for rates in found]
         first, widths = int(not which.start), pitch.slices.widths
         of_lanes = of_asked[which.start + first - 1 : which.stop - 1]
         edges = [each.edges for each in asked[which.start + first : which.stop]]
-        there = np.stack(
-            [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)], -1
-        )
-        here = np.stack([per * one_sided * widths for _, per, one_sided in of_lanes], -1)
-        columns = [i for i, *_ in of_lanes]
-        run = columns == [*range(columns[0], columns[0] + len(columns))]
-        for all_, rates, of_own in zip((hf, hg), found, own, strict=True):
-            moved = there[:, None, None] * rates[..., first : first + len(columns)]
-            moved -= here[:, None, None] * of_own
-            if run:  # many columns at once are written in a third of the time
-                all_[..., columns[0] : columns[-1] + 1] += moved
-            else:
-                for j, i in enumerate(columns):
-                    all_[..., i] += moved[..., j]
-    return hf, hg
+        there = [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)]
+        here = [per * one_sided * widths for _, per, one_sided in of_lanes]
+        how = first, *(np.ascontiguousarray(np.transpose(each)) for each in (there, here))
+        columns = np.array([i for i, *_ in of_lanes])
+        compiled().sweeps__add_stages(found[0], own[0], *how, columns, right.reshape(-1, *right.shape[2:]))
+        compiled().sweeps__add_sums(found[1], own[1], *how, columns, sums)
+    return right, sums
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
@@ -160,10 +154,8 @@ class Linear:
         self.inject, self.noted = injection(pitch, Y)
         self._feels, self._felt, self.changed = self._first(changes)
         felt, N = len(self._feels), pitch.N
-        known = [self._right(self._felt.hf), *([] if stages is None else [stages]), self._right(self.changed.hf)]
-        known = np.concatenate(known, axis=-1)
-        right = np.zeros((*Y.shape, N + known.shape[-1]))
-        right[..., N:] = known
+        known = [self._felt.right, *([] if stages is None else [stages]), self.changed.right]
+        right = np.concatenate([np.zeros((*Y.shape, N)), *known], axis=-1)
         self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
         nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
         self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
@@ -191,8 +183,8 @@ class Linear:
     def sources(self, changes: Sequence[Change]) -> Sources:
         """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
         pitch, count = self.pitch, len(changes)
-        hf, hg = along(pitch, self.Y, self.at, changes)
-        return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
+        right, sums = along(pitch, self.Y, self.at, changes)
+        return Sources(right, sums, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
 
     def _closing(self, end: Array) -> Array:
         """Return the inverse of what closes the period: of start and cells less what they make of themselves.
@@ -205,14 +197,9 @@ class Linear:
         back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
         return np.linalg.inv(np.eye(len(back)) - back)
 
-    def _right(self, hf: Array) -> Array:
-        """Return the right sides of the stage equations that sources are (slices, NODES, N, k)."""
-        return (INTEGRALS @ hf.reshape(self.pitch.count, NODES, -1)).reshape(hf.shape)
-
     def respond(self, sources: Sources, stages: Array | None = None) -> Response:
         """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
-        right = self._right(sources.hf)
-        right = right if stages is None else right + stages
+        right = sources.right.copy() if stages is None else sources.right + stages
         return self._responded(sources, self.blocks.follow(np.zeros_like(sources.start), right))
 
     def _responded(self, sources: Sources, nodes: Array) -> Response:
@@ -223,8 +210,5 @@ class Linear:
         start, cells = found[:N], found[N:]
         felt = cells[self._feels]
         nodes = nodes + self._from @ np.concatenate([start, felt])
-        hg = self.pitch.slices.widths[:, None, None, None] * (self.slopes.g_by_states @ nodes)
-        hg += sources.hg
-        if len(felt):
-            hg += self._felt.hg @ felt
-        return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))
+        sums = self.pitch.sums(self.slopes.g_by_states @ nodes) + sources.sums + self._felt.sums @ felt
+        return Response(start, nodes, cells, sums)

@@ -7,13 +7,16 @@ as the integrator left them; to close, a chamber's changes follow it through its
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.beside import rates
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import INTEGRALS, NODES
 
 Array = np.ndarray
@@ -26,12 +29,32 @@ SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
 
 
-def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
+@dataclass
+class Kept:
+    """The stage equations of each chamber by itself as they were factored last, of so many slices.
+
+    They are tried for other slices that are as many, which moved a little with where flows turn round.
+    """
+
+    blocks: list[Blocks] | None = None
+    count: int = 0
+
+    def of(self, pitch: Pitch) -> list[Blocks] | None:
+        """Return those that were kept, if they may be good for a pitch."""
+        return self.blocks if pitch.count == self.count else None
+
+    def anew(self, pitch: Pitch, Y: Array) -> list[Blocks]:
+        """Return those of a pitch at states, which are kept."""
+        self.blocks, self.count = _blocks(pitch, Y), pitch.count
+        return self.blocks
+
+
+def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
     """Return states at the start and the nodes that leave less than a relative residual, installed; None for none."""
-    Y, before, blocks = pitch.read(), np.inf, None
+    Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
     start, last = pitch.begin(Y), np.zeros_like(Y)
     for _ in range(MOST):
-        open_ = residual(pitch, Y, start, pitch.rates(Y)[0])
+        open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
         size = size_of(open_, Y)
         if size < bound:
             pitch.install(start, Y)
@@ -39,28 +62,32 @@ def near(pitch: Pitch, bound: float) -> tuple[Array, Array] | None:
         if not np.isfinite(size):
             break
         if blocks is None or size > KEPT * before:
-            blocks = _blocks(pitch, Y)
+            blocks = kept.anew(pitch, Y)
         before = size
         last = tamed(_followed(blocks, -open_, pitch.n), last)
         Y = stepped(pitch, Y, last)
     return None
 
 
-def closed(pitch: Pitch, Y: Array, bound: float) -> Array | None:
+def closed(pitch: Pitch, Y: Array, bound: float, kept: Kept) -> Array | None:
     """Return states at the nodes that close the cycle up to less than a relative residual, installed; None for none.
 
     Unknowns are met as the cycle makes them; they stand as they stood where there are none.
     """
     at, least, first = pitch.numbers, np.inf, Y
-    blocks, inject = None, None
+    blocks, inject = kept.of(pitch), None
+    lent = blocks is not None
     for _ in range(CLOSINGS):
-        off, residual_, size, _ = open_of(pitch, Y)
+        off, residual_, size, (start, _) = open_of(pitch, Y)
         if size < bound:
+            pitch.install(start, Y)
             return Y
-        if not size < AGAIN * least:
+        worse = not size < AGAIN * least
+        if worse and not (lent and np.isfinite(size)):
             break
-        if blocks is None or inject is None:
-            blocks, inject = _blocks(pitch, Y), injection(pitch, Y)[0]
+        if blocks is None or worse:
+            blocks, lent = kept.anew(pitch, Y), False
+        inject = injection(pitch, Y)[0] if inject is None else inject
         least = min(size, least)
         Y = stepped(pitch, Y, _followed(blocks, -residual_, pitch.n, inject))
         met = pitch.met
@@ -83,12 +110,12 @@ class Open(NamedTuple):
 
 
 def open_of(pitch: Pitch, Y: Array) -> Open:
-    """Return what states at the nodes leave open, installed."""
-    start, rates = pitch.begin(Y), pitch.rates(Y)
-    pitch.install(start, Y)
-    sums = pitch.sums(rates[1])
-    off = pitch.image(sums) - pitch.problem.entries.coordinates(pitch.met)
-    open_ = residual(pitch, Y, start, rates[0])
+    """Return what states at the nodes leave open."""
+    start, (f, g) = pitch.begin(Y), rates(pitch, Y)
+    sums = pitch.sums(g)
+    life = Placed.of(pitch, lambda: pitch.install(start, Y))
+    off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.met)
+    open_ = residual(pitch, Y, start, f)
     return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
 
 

@@ -41,13 +41,6 @@ def turn_of(of: Evaluation) -> tuple[int, float] | None:
     return i, (angle - low) / (high - low)
 
 
-def pressure_at(life: Trajectory, turn: tuple[int, float]) -> float:
-    """Return the pressure [Pa] in a step of a life at a share of it."""
-    i, share = turn
-    low, high = float(life.times[i]), float(life.times[i + 1])
-    return float(life.pressures_at(np.array([low + share * (high - low)]))[0])
-
-
 def _limits(life: Trajectory, geometry: Any) -> tuple[float, float]:
     """Return the angles [rad] between which the highest pressure is sought."""
     limit = geometry.life if geometry.expands else geometry.widest_discharge()

@@ -15,11 +15,13 @@ import numpy as np
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.derivatives.slices import INTEGRALS, NODES, SHARES, Slices
+from screwsim.derivatives.slices import INTEGRALS, NODES, Slices
+from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model import compiled
 from screwsim.model.numbers import oil_places
 from screwsim.model.run import Machinery
 from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, R_RATIO, R_SIZE
+from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 INSIDE = 1e-9  # of a pitch: its end, of the chamber that is still there
@@ -95,6 +97,12 @@ class Pitch:
         y = self.machinery.shift(np.ascontiguousarray(Y[-1, -1]))
         self.machinery.inject(y)
         return y
+
+    def injects(self, y: Array, numbers: Numbers) -> tuple[Array, Array]:
+        """Return what `begin` makes of states y at the pitch's start with numbers (which it writes into), and cells."""
+        states, (P, TAB, R) = y.copy(), numbers
+        self.machinery.module.chamber__inject(states, (self.injected or 0) * self.n, P, TAB, R)
+        return states, np.concatenate([R[R_RATIO:R_SIZE], P[self.noted]])
 
     @property
     def injected(self) -> int | None:
@@ -178,13 +186,11 @@ class Pitch:
 
         These may have a further axis behind them, which becomes the first.
         """
-        before, end = np.concatenate([y[None], Y[:-1, -1]]), Y[:, -1]
-        bent = [(Y[:, i] - before * (1.0 - x) - x * end) / (x * (1.0 - x)) for i, x in enumerate(SHARES[:-1].tolist())]
-        c4 = (bent[1] - bent[0]) / (SHARES[1] - SHARES[0])
-        dense = np.stack([before, end, bent[0] - SHARES[0] * c4, c4])
-        more, chambers = dense.shape[3:], self.N // self.n
-        parts = dense.reshape(4, self.count, chambers, self.n, -1).transpose(4, 2, 1, 0, 3)
-        return parts.reshape(*more, chambers * self.count, 4, self.n)
+        columns, steps = Y.shape[3:], self.N // self.n * self.count
+        found = np.empty((*(columns or (1,)), steps, 4 * self.n))
+        starts, nodes = (np.ascontiguousarray(each) for each in (y, Y))
+        sweeps().sweeps__lives(starts.reshape(self.N, -1), nodes.reshape(self.count * NODES, self.N, -1), self.n, found)
+        return found.reshape(*columns, steps, 4, self.n)
 
     def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
         """Make the polynomials the last history, from the states y at the start and those at the nodes."""
@@ -198,9 +204,9 @@ class Pitch:
         machinery.install(np.append(begins, c.P[P_LIFE]), life, np.zeros((len(life), machinery.nq)))
         machinery.module.trace__work_along(*machinery.last(), machinery.context)
 
-    def image(self, q: Array) -> Array:
-        """Return what the last history, of these quadratures, makes of the unknowns, in coordinates."""
-        return self.problem.entries.coordinates(image_of(self.problem, self.machinery.trajectory, q))
+    def image(self, q: Array, life: Trajectory | None = None) -> Array:
+        """Return what a life (None: the last history) of these quadratures makes of the unknowns, in coordinates."""
+        return self.problem.entries.coordinates(image_of(self.problem, life or self.machinery.trajectory, q))
 
     @property
     def met(self) -> Array:

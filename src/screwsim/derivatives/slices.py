@@ -93,8 +93,11 @@ def seams_of(machinery: Machinery, parts: Parts) -> Array:
     return found
 
 
-def edges_of(machinery: Machinery, seams: Array, steps: float) -> Array:
-    """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers."""
+def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -> Array:
+    """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers.
+
+    None is longer than `longest` [rad].
+    """
     c, (times, _, _, count) = machinery.composition, machinery.last()
     ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
     ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers that were integrated together share theirs
@@ -102,7 +105,7 @@ def edges_of(machinery: Machinery, seams: Array, steps: float) -> Array:
     for low, high in pairwise(seams.tolist()):
         near = OF_WIDTH * (high - low)
         inside = np.concatenate([[low], ends[(ends > low + near) & (ends < high - near)], [high]])
-        wanted = max(1, int(np.ceil((len(inside) - 1) / steps)), int(np.ceil((high - low) / LONGEST)))
+        wanted = max(1, int(np.ceil((len(inside) - 1) / steps)), int(np.ceil((high - low) / longest)))
         edges.append(np.interp(np.linspace(0.0, len(inside) - 1.0, wanted + 1), np.arange(len(inside)), inside)[1:])
     return np.concatenate(edges)
 

@@ -57,7 +57,7 @@ def factor(J, widths, n, reach, M, pivots):
                     p = i
             pivots[k, column] = p
             if p != column:
-                for j in range(column, wide):
+                for j in range(wide):  # with what was eliminated of them: rows then follow each other
                     M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
             inverse = 1.0 / M[k, column, column]
             M[k, column, column] = inverse
@@ -79,6 +79,33 @@ def places(n, chambers, place):
 
 
 @kernel
+def lessen(B, M, k, row, first, last, place):
+    """Take from a row of B[k] others from first to last, weighted by a row of factors; four at once."""
+    columns = B.shape[2]
+    a = place[row]
+    j = first
+    while j + 4 <= last:
+        s0 = M[k, row, j]
+        s1 = M[k, row, j + 1]
+        s2 = M[k, row, j + 2]
+        s3 = M[k, row, j + 3]
+        if s0 != 0.0 or s1 != 0.0 or s2 != 0.0 or s3 != 0.0:
+            b0 = place[j]
+            b1 = place[j + 1]
+            b2 = place[j + 2]
+            b3 = place[j + 3]
+            for c in range(columns):
+                B[k, a, c] -= s0 * B[k, b0, c] + s1 * B[k, b1, c] + (s2 * B[k, b2, c] + s3 * B[k, b3, c])
+        j += 4
+    for i in range(j, last):
+        share = M[k, row, i]
+        b = place[i]
+        if share != 0.0:
+            for c in range(columns):
+                B[k, a, c] -= share * B[k, b, c]
+
+
+@kernel
 def solve(M, pivots, k, place, band, B):
     """Solve with the factors of slice k, right sides B[k] (3 N, columns) in place, their rows by node."""
     size = M.shape[1]
@@ -89,20 +116,14 @@ def solve(M, pivots, k, place, band, B):
         if a != b:
             for c in range(columns):
                 B[k, a, c], B[k, b, c] = B[k, b, c], B[k, a, c]
-        for i in range(row + 1, min(size, row + band + 1)):
-            share = M[k, i, row]
-            b = place[i]
-            if share != 0.0:
-                for c in range(columns):
-                    B[k, b, c] -= share * B[k, a, c]
+    for row in range(size):
+        first = 0  # a row that changed places more than once may begin far before the band
+        while first < row and M[k, row, first] == 0.0:
+            first += 1
+        lessen(B, M, k, row, first, row, place)
     for row in range(size - 1, -1, -1):
+        lessen(B, M, k, row, row + 1, min(size, row + 2 * band + 1), place)
         a = place[row]
-        for j in range(row + 1, min(size, row + 2 * band + 1)):
-            share = M[k, row, j]
-            b = place[j]
-            if share != 0.0:
-                for c in range(columns):
-                    B[k, a, c] -= share * B[k, b, c]
         inverse = M[k, row, row]
         for c in range(columns):
             B[k, a, c] *= inverse

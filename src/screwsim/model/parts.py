@@ -49,14 +49,24 @@ class Effects(dict[str, Sequence[Any]]):
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.found: dict[type, list[tuple[str, Any]]] = {}  # what was looked up
+        self.by_type: dict[type, list[tuple[int, str, Any]]] = {}  # each with its place among all
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
         found = self.found.get(kind)
         if found is None:
-            parts = ((name, part) for name, items in self.items() for part in items)
-            found = self.found[kind] = [(name, part) for name, part in parts if isinstance(part, kind)]
+            of_types = [parts for own, parts in self._typed().items() if issubclass(own, kind)]
+            several = sorted((each for parts in of_types for each in parts), key=lambda each: each[0])
+            found = self.found[kind] = [(name, part) for _, name, part in several]
         return found
+
+    def _typed(self) -> dict[type, list[tuple[int, str, Any]]]:
+        if not self.by_type:
+            found: dict[type, list[tuple[int, str, Any]]] = {}
+            for place, (name, part) in enumerate((name, part) for name, items in self.items() for part in items):
+                found.setdefault(type(part), []).append((place, name, part))
+            self.by_type = found
+        return self.by_type
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.fallbacks import fallbacks
 from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.solution import CycleSolution, Led
 from screwsim.cycle.wanted import Wanted
 from screwsim.effects.base import Separator
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -76,14 +76,14 @@ def solve(
     for attempt in range(TRIES):
         if cycle.status != "ok" or wanted.check or numerics.error == "none":
             break
-        errors = estimated_errors(of, machinery, wanted, cycle)
+        errors, led = estimated_errors(of, machinery, wanted, cycle)
         largest = worst(errors)[1]
         watch.lap("estimating")
         if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
         factor = max(TIGHTER, AIM * numerics.accuracy / largest)
         tightness, wanted = tightness * factor, wanted.tighter(factor)
-        tighter = _tighter(problem, machinery, wanted, cycle)
+        tighter = _tighter(problem, machinery, wanted, cycle, led=led)
         watch.lap("closing")
         if tighter.status != "ok":
             break
@@ -122,13 +122,22 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
 
 
 def _tighter(
-    problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, made: Array | None = None
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    cycle: CycleSolution,
+    made: Array | None = None,
+    led: Led | None = None,
 ) -> CycleSolution:
-    """Return a closed cycle closed again, with its drive; from what it `made` of the unknowns, where that is given."""
-    machinery.put(cycle.trajectory)
+    """Return a closed cycle closed again, with its drive; from what it `made` of the unknowns, where that is given.
+
+    Or from where its finer lives have `led`, on which the machinery stands.
+    """
+    if led is None:
+        machinery.put(cycle.trajectory)
     if made is not None:
         set_unknowns(problem, machinery, made)
-    return settled(problem, machinery, wanted, again(problem, machinery, wanted, cycle))
+    return settled(problem, machinery, wanted, again(problem, machinery, wanted, cycle, led))
 
 
 def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None) -> CycleSolution:

@@ -22,7 +22,7 @@ from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along, relax
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution, Hope
+from screwsim.cycle.solution import CycleSolution, Hope, Led
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import flow_errors, relative_errors, worst
@@ -53,25 +53,32 @@ BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is
 class Finer(NamedTuple):
     """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second.
 
-    The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow.
+    The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow,
+    `led` where the machinery stands then.
     """
 
     lives: Sequence[Figures]
     left: float | None = None
     flow: float = 0.0
+    led: Led | None = None
 
 
 NOTHING = Finer(())
 
 
-def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures:
-    """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands."""
+def estimated_errors(
+    of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution
+) -> tuple[Figures, Led | None]:
+    """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands.
+
+    And where it stands now, if that is where finer lives lead.
+    """
     found = of.figures
     station()
     narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
     finer = _finer(of, machinery, narrower, cycle)
     if not finer.lives:
-        return Figures(dict.fromkeys(found))
+        return Figures(dict.fromkeys(found)), None
     station()
     errors = _shown(found, finer, of.least)
     c = of.problem.composition
@@ -85,7 +92,7 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
         for name, size in flow_errors(found, lost, by).items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
-    return errors
+    return errors, finer.led
 
 
 def _left_open(of: Evaluation, q: Array) -> dict[str, float]:
@@ -174,7 +181,7 @@ def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSol
     if len(finer.lives) == 1 or _tells(of, finer):
         return finer
     closed = _finer_cycle(of.problem, machinery, wanted, cycle)
-    return Finer([closed]) if closed is not None else finer
+    return Finer([closed]) if closed is not None else finer._replace(led=None)
 
 
 def _hidden(of: Evaluation, cycle: CycleSolution) -> bool:
@@ -297,7 +304,8 @@ class _Lives:
         y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
         machinery.inject(y)
         life = Evaluation(problem, machinery.trajectory, self.q + sums)
-        return Finer([*self.figures, life.figures], wrong, max(abs(by.mass), passed))
+        led = Led(self.y, (float(machinery.R[R_TRAPPED]), float(life.q[0])))
+        return Finer([*self.figures, life.figures], wrong, max(abs(by.mass), passed), led)
 
     def repeated(self) -> float:
         """Return the share of its change that the last life made once more."""

@@ -1,0 +1,62 @@
+"""What comes back of the discharge line: how far what a turn makes of it is from what all later turns would make.
+
+Gas and oil that flow back mix with what is compressed and leave with it. Warmer by ΔT they make the outflow warmer by
+their share s of its heat capacity, which is what flows back warmer next: later turns add s/(1 − s) ΔT in all. That
+holds where oil is carried, whose heat leaves with it; heat that a given outlet temperature, or droplets, take does not
+come back.
+
+Source: docs/explanation/numerics.md, what the cycle makes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.balances import streams_of
+from screwsim.cycle.problem import Problem
+
+Array = np.ndarray
+MOST = 0.5  # share of what flows back, up to which it is believed that nothing else takes its heat
+LEAST = 0.1  # of the gas's heat capacity in the oil: of less it is the oil itself that comes back, which turns tell
+FARTHEST = 0.1  # of the oil's temperature, up to which what is to come of it is believed
+
+
+class Returning(NamedTuple):
+    """The share of the outflow that flows back, and what later turns would add to the discharge line [J/kg], [K]."""
+
+    share: float = 0.0
+    enthalpy: float = 0.0
+    temperature: float = 0.0
+
+    def led(self, made: Array) -> Array:
+        """Return what was made of the unknowns, with what later turns would add; the same where that is nothing."""
+        if self.temperature == 0.0:
+            return made
+        line = made.copy()
+        line[0] += self.enthalpy
+        line[2] += self.temperature
+        return line
+
+
+NOTHING = Returning()
+
+
+def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
+    """Return what comes back of the line in a life of quadratures q, which met the unknowns and made others of them."""
+    parts = problem.parts
+    if not problem.composition.carried or parts.oil is None or parts.held_back:
+        return NOTHING
+    if problem.scene.operation.discharge.temperature is not None:
+        return NOTHING
+    back, out = streams_of(problem.composition, q)[2:4, [0, 2]].tolist()  # of gas and oil [kg]
+    gas, oil = parts.gas.c_p, parts.oil.heat_capacity
+    comes, goes = (gas * flow[0] + oil * flow[1] for flow in (back, out))
+    if not 0.0 < comes < -goes or oil * out[1] > LEAST * gas * out[0]:  # both are negative
+        return NOTHING
+    share = min(comes / -goes, MOST)
+    warmer = float(back[0] * (made[0] - met[0]) + back[1] * oil * (made[2] - met[2])) / comes
+    later = share / (1.0 - share) * warmer
+    believed = abs(later) < FARTHEST * made[2] and abs(gas * later) < FARTHEST * made[0]
+    return Returning(share, gas * later, later) if believed else Returning(share)

@@ -1,0 +1,121 @@
+"""A cycle moved with a number as a life to be read: installed only where somebody reads its histories.
+
+Most figures are read of quadratures and numbers. A history costs its gas at the ends of all steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.slices import SHARES
+from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.once import once
+
+Array = np.ndarray
+X0, X1 = SHARES[:-1].tolist()
+
+
+class Turning(NamedTuple):
+    """Where the pressure of a life is highest inside a step: which, at which share, states in that step.
+
+    These are the states (4, n) at its start and its nodes.
+    """
+
+    step: int
+    share: float
+    states: Array
+
+
+def in_step(pitch: Pitch, y: Array, Y: Array, step: int) -> Array:
+    """Return states at the start and the nodes (4, n) of a step of a life, or changes of these."""
+    chamber, k = divmod(step, pitch.count)
+    rows = slice(chamber * pitch.n, (chamber + 1) * pitch.n)
+    return np.concatenate([(y[rows] if k == 0 else Y[k - 1, -1, rows])[None], Y[k, :, rows]])
+
+
+def between(states: Array, share: float) -> Array:
+    """Return the states (n,) at a share of a step, from those at its start and its nodes (`Pitch.life`)."""
+    before, first, second, end = states
+    bent = [(y - before * (1.0 - x) - x * end) / (x * (1.0 - x)) for y, x in ((first, X0), (second, X1))]
+    c4 = (bent[1] - bent[0]) / (X1 - X0)
+    return before * (1.0 - share) + share * (end + (1.0 - share) * (bent[0] - X0 * c4 + share * c4))
+
+
+class Placed(Trajectory):
+    """A life that its machinery takes for its last history when somebody reads that; quadratures are of all of it.
+
+    With a `turning` its highest pressure is that there. It is to be read before the machinery does anything else.
+    """
+
+    fill: Callable[[], Trajectory]
+    turning: Turning | None
+
+    @classmethod
+    def of(cls, pitch: Pitch, fill: Callable[[], None], turning: Turning | None = None) -> Placed:
+        """Return that of a pitch, which `fill` makes its last history."""
+        machinery = pitch.machinery
+        nothing: Any = None
+        found = cls(
+            machinery.composition,
+            machinery.module,
+            machinery.R,
+            nothing,
+            nothing,
+            nothing,
+            0,
+            nothing,
+            machinery._reading,
+        )
+        found.turning = turning
+
+        def read() -> Trajectory:
+            fill()
+            return machinery.trajectory
+
+        found.fill = read
+        return found
+
+    @once
+    def _there(self) -> Trajectory:
+        return self.fill()
+
+    @property
+    def times(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Edges of the steps [rad]."""
+        return self._there.times
+
+    @property
+    def dense(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Polynomials of the steps."""
+        return self._there.dense
+
+    @property
+    def quads(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Nothing but the work, for traces."""
+        return self._there.quads
+
+    @property
+    def steps(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """How many steps there are."""
+        return self._there.steps
+
+    @property
+    def context(self) -> Any:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What kernels that read a life take."""
+        return self._there.context
+
+    def sum_until(self, angle: float, quadrature: int) -> float:
+        """Return nothing: what a life's quadratures come to within it is not known."""
+        return 0.0
+
+    def peak_pressure(self, limit: float) -> float:
+        """Return the highest pressure [Pa] from the injection up to an angle [rad]: that at the turning, if known."""
+        if self.turning is None:
+            return super().peak_pressure(limit)
+        c, found = self.composition, np.empty(1)
+        self.module.trace__pressures(between(self.turning.states, self.turning.share)[None], c.P, c.TAB, found)
+        return float(found[0])

@@ -1,0 +1,80 @@
+"""What small changes of the rates at all nodes come to, as compiled kernels: one sweep, no arrays in between.
+
+Rates of several numbers lie side by side, a column each; their differences become right sides of the stage equations
+and changes of the quadratures. Columns of changed states become lives, one for each column.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from types import ModuleType
+
+from screwsim.codegen import modules
+from screwsim.derivatives.slices import INTEGRALS, SHARES
+from screwsim.numerics.kept_text import flat_module
+from screwsim.numerics.kernel import kernel
+
+X0, X1 = SHARES[:-1].tolist()
+
+
+@kernel
+def add_stages(rates, own, first, there, here, columns, right):
+    """Add to right (slices 3, states, …) what differences of rates (slices 3, states, lanes) from their own make.
+
+    Those from lane `first` on, weighted there and here (slices, …) [h over the step]; `columns` is where each goes.
+    """
+    for k in range(there.shape[0]):
+        for s in range(rates.shape[1]):
+            for lane in range(columns.shape[0]):
+                a = there[k, lane]
+                b = here[k, lane]
+                f0 = a * rates[3 * k + 0, s, first + lane] - b * own[3 * k + 0, s]
+                f1 = a * rates[3 * k + 1, s, first + lane] - b * own[3 * k + 1, s]
+                f2 = a * rates[3 * k + 2, s, first + lane] - b * own[3 * k + 2, s]
+                for i in range(3):
+                    right[3 * k + i, s, columns[lane]] += (
+                        INTEGRALS[i, 0] * f0 + INTEGRALS[i, 1] * f1 + INTEGRALS[i, 2] * f2
+                    )
+
+
+@kernel
+def add_sums(rates, own, first, there, here, columns, sums):
+    """Add to sums (quadratures, …) what differences of their rates make, as `add_stages` has them."""
+    for k in range(there.shape[0]):
+        for j in range(3):
+            for s in range(sums.shape[0]):
+                for lane in range(columns.shape[0]):
+                    a = there[k, lane] * rates[3 * k + j, s, first + lane] - here[k, lane] * own[3 * k + j, s]
+                    sums[s, columns[lane]] += INTEGRALS[2, j] * a
+
+
+@kernel
+def lives(start, nodes, n, found):
+    """Fill found (columns, chambers slices, 4 n) with the dense output of columns of states.
+
+    These are states at the start (N, columns) and at the nodes (slices 3, N, columns), or changes of these.
+    """
+    count = nodes.shape[0] // 3
+    for chamber in range(start.shape[0] // n):
+        for k in range(count):
+            for s in range(n):
+                row = chamber * n + s
+                for c in range(start.shape[1]):
+                    before = start[row, c]
+                    if k > 0:
+                        before = nodes[3 * k - 1, row, c]
+                    end = nodes[3 * k + 2, row, c]
+                    bent0 = (nodes[3 * k + 0, row, c] - before * (1.0 - X0) - X0 * end) / (X0 * (1.0 - X0))
+                    bent1 = (nodes[3 * k + 1, row, c] - before * (1.0 - X1) - X1 * end) / (X1 * (1.0 - X1))
+                    c4 = (bent1 - bent0) / (X1 - X0)
+                    at = chamber * count + k
+                    found[c, at, s] = before
+                    found[c, at, n + s] = end
+                    found[c, at, 2 * n + s] = bent0 - X0 * c4
+                    found[c, at, 3 * n + s] = c4
+
+
+@cache
+def compiled() -> ModuleType:
+    """Return the module of these kernels, the same for all models."""
+    return modules.load(flat_module((add_stages, add_sums, lives)), "sweeps", fast=True)
