@@ -70,7 +70,7 @@ class Tight:
                 x[i] += AROUND
                 columns.append((self._off(self._closed(problem.scene, x)) - off) / AROUND)
             self.inverse = np.linalg.inv(np.array(columns).T)
-        self.base = self.of(problem.scene)
+        self.base = self.of(problem.scene) if self.open else base
         self.begun, self.x = self.base.life, unknowns_of(self.base.problem)
 
     def of(self, scene):

@@ -261,11 +261,11 @@ def test_gap_areas_are_proportional_to_their_clearance(name):
 
 @pytest.mark.parametrize("name", ["tip_leakage", "interlobe_leakage", "blow_hole"])
 def test_a_table_takes_the_place_of_the_built_in_area(name, tmp_path):
-    from scenes import loads, scene_dict
+    from scenes import make, scene_dict
 
     (tmp_path / "a.csv").write_text("angle_deg,area_m2\n100,0\n200,3e-6\n300,0\n")
     parameters = {**scene_dict()["effects"][name], "area_file": str(tmp_path / "a.csv")}
-    path = build_parts(loads(__import__("json").dumps(scene_dict({f"effects.{name}": parameters})))).effects[name][0]
+    path = build_parts(make({f"effects.{name}": parameters})).effects[name][0]
     assert gap.table_area(200 * DEG, pack_curve(*path.tables["curve"]), 0.0) == pytest.approx(3e-6, rel=1e-12)
 
 

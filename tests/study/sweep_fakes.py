@@ -236,7 +236,7 @@ def assert_same(one: Path, other: Path) -> None:
         return
     first, second = open_results(one), open_results(other)
     for group in ("inputs", "performance", "balance", "error", "numerics", "cycle", "ledger"):
-        left, right = getattr(first, group), getattr(second, group)
+        left, right = (dict(getattr(each, group).items()) for each in (first, second))
         assert list(left) == list(right)
         for name in left:
             np.testing.assert_array_equal(left[name], right[name], err_msg=f"{group}.{name}")

@@ -1,6 +1,7 @@
 """Results to HDF5 and back, in one schema."""
 
-from screwsim.results.read import Group, Results, open_results
+from screwsim.results.group import Group
+from screwsim.results.read import Results, open_results
 from screwsim.results.write import save
 
 __all__ = ["Group", "Results", "open_results", "save"]

@@ -9,7 +9,8 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
 from screwsim.outputs.tables import library
-from screwsim.results.read import OWN, Group, Results
+from screwsim.results.group import OWN, Group
+from screwsim.results.read import Results
 from screwsim.results.schema import Axis
 
 _PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum", "contributions", "derivatives")

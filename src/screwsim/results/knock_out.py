@@ -27,7 +27,7 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
     messages = [text_lines(cost.message) for cost in costs]
     words = sorted(set(messages))
     data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or not all")
-    data[...] = [words.index(message) for message in messages]
+    data.write([words.index(message) for message in messages])
 
 
 def _effects(names: Sequence[str]) -> Mapping[str, Any]:

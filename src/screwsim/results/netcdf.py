@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import count
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -63,6 +63,18 @@ def _space(shape: tuple[int, ...]) -> Any:
     return h5s.create_simple(shape)
 
 
+class Made(NamedTuple):
+    """A variable, by the number that HDF5 has for it: a dataset of h5py's takes as long to make as HDF5's own."""
+
+    id: Any
+
+    def write(self, values: Any) -> None:
+        """Write all values."""
+        found = np.asarray(values)
+        whole = _space(found.shape)
+        self.id.write(whole, whole, np.ascontiguousarray(found))
+
+
 class Layout:
     """Write groups, dimensions and variables into an open HDF5 file; it counts the dimensions of the file."""
 
@@ -96,13 +108,11 @@ class Layout:
         self, group: Any, name: str, values: np.ndarray, dimensions: Sequence[str], about: Mapping[str, Any]
     ) -> None:
         """Make a variable over dimensions that the group has; `_FillValue` of `about` must have its type."""
-        data = self.empty(group, name, values.shape, values.dtype, dimensions, about)
-        space = data.id.get_space()
-        data.id.write(space, space, np.ascontiguousarray(values))
+        self.empty(group, name, values.shape, values.dtype, dimensions, about).write(values)
 
     def empty(
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
-    ) -> Any:
+    ) -> Made:
         """Make a variable whose values are written later, and return it."""
         from h5py import h5ds  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -112,16 +122,16 @@ class Layout:
             h5ds.attach_scale(data.id, self._scales[group.id.id, dimension], index)
         return data
 
-    def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> Any:
+    def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> Made:
         """Make a dataset like the first of its kind, which h5py makes."""
-        from h5py import Dataset, h5d  # pyright: ignore[reportAttributeAccessIssue]
+        from h5py import h5d  # pyright: ignore[reportAttributeAccessIssue]
 
         kind = shape, dtype.str, None if fill is None else fill.tobytes()
         if kind in self._kinds:
-            return Dataset(h5d.create(group.id, name.encode(), *self._kinds[kind]))
+            return Made(h5d.create(group.id, name.encode(), *self._kinds[kind]))
         data = group.create_dataset(name, shape, dtype, fillvalue=fill, **_storage(shape))
         self._kinds[kind] = data.id.get_type(), data.id.get_space(), data.id.get_create_plist()
-        return data
+        return Made(data.id)
 
     def texts(
         self, group: Any, name: str, words: Sequence[str], shape: tuple[int, ...], dimensions: Sequence[str], about: str

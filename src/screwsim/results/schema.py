@@ -14,6 +14,7 @@ import platform
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -149,8 +150,11 @@ def identity_of(scene: Scene) -> dict[str, str]:
 def _library_version(name: str) -> str:
     """Return the version of a library: its own word where it is loaded, as reading its metadata takes milliseconds."""
     told = getattr(sys.modules.get(name), "__version__", None)
-    if told is not None:
-        return told
+    return _stated_version(name) if told is None else told
+
+
+@cache
+def _stated_version(name: str) -> str:
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:

@@ -25,7 +25,7 @@ def write_slopes(layout: Layout, found: Slopes, performance: Figures) -> None:
     layout.coordinate(group, NUMBER, counted, about | {"labels": "\n".join(paths)})
     words = sorted(set(found.units.values()))
     data = layout.texts(group, UNITS, words, (len(paths),), (NUMBER,), "SI unit of the number")
-    data[...] = [words.index(found.units[path]) for path in paths]
+    data.write([words.index(found.units[path]) for path in paths])
     layout.variable(group, VALUE, np.array([found.values[path] for path in paths], float), (NUMBER,), about_value())
     exact = np.array([STORED[found.method[path]] for path in paths], np.int8)
     layout.variable(group, EXACT, exact, (NUMBER,), IS_EXACT)

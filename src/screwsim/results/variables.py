@@ -100,6 +100,7 @@ class Plan:
         self.shape = tuple(len(axis.values) for axis in axes)
         self._axes = axes
         self._dimensions = [axis.name for axis in axes]
+        self._along = {inner.name for axis in axes for inner in (axis, *axis.joined)}  # every group has these
         self._beside = _beside(axes)
         self._groups: dict[str, Any] = {}
         self._write_inputs(scene)
@@ -137,10 +138,11 @@ class Plan:
 
     def _write_inputs(self, scene: Scene) -> None:
         """Write the axes, and every other numeric input of the base scene."""
-        group = self._group("inputs")
+        group, there = self._group("inputs"), set(self._along)
         for path, variable, value in numeric_inputs(scene):
             name = variable_name(path)
-            if name not in group:
+            if name not in there:
+                there.add(name)
                 about = number_attributes(variable) | {"path": path}
                 self.layout.variable(group, name, np.array(value), (), about)
 
@@ -154,7 +156,7 @@ class Plan:
             about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
             yield Column(self._empty(group, "status", np.int8, about), lambda table: table.status)
         for figure, about in self._about(name):
-            if figure in group:  # oil_supply_temperature, where oil_supply.temperature varies
+            if figure in self._along:  # oil_supply_temperature, where oil_supply.temperature varies
                 continue
             data = self._empty(group, figure, float, about)
             yield Column(data, lambda table, figure=figure: table.column(name, figure))
@@ -191,7 +193,7 @@ class Plan:
         """Make the standard uncertainty of each figure by the tolerances of the inputs."""
         group = self._group(UNCERTAINTY)
         for figure in self._uncertain():
-            if figure.name in group:
+            if figure.name in self._along:
                 continue
             about = Variable(figure.units, f"standard uncertainty of {figure.name} by the tolerances of the inputs")
             data = self._empty(group, figure.name, float, number_attributes(about))
@@ -205,7 +207,7 @@ class Plan:
         self.layout.coordinate(group, CONTRIBUTOR, numbers, about | {"labels": "\n".join(labels)})
         shape, dimensions = (*self.shape, len(labels)), (*self._dimensions, CONTRIBUTOR)
         for figure in self._uncertain():
-            if figure.name in group:
+            if figure.name in self._along:
                 continue
             told = Variable(figure.units, f"change of {figure.name} by one standard uncertainty of the input")
             attributes = number_attributes(told) | self._beside
@@ -225,7 +227,8 @@ class Plan:
         yield Column(data, lambda table: np.tile(units, (len(table), 1)))
         units_of = {each.name: each.units for each in self.names.figures}
         told = {tables.VALUE: slopes.about_value(), tables.EXACT: slopes.IS_EXACT}
-        told |= {name: slopes.about_slope(name, units_of[name]) for name in self.names.sloped if name not in group}
+        sloped = [name for name in self.names.sloped if name not in self._along]
+        told |= {name: slopes.about_slope(name, units_of[name]) for name in sloped}
         for name, attributes in told.items():
             data = self.layout.empty(group, name, shape, float, dimensions, attributes | self._beside)
             yield Column(data, lambda table, name=name: tables.slopes_of(table, name, paths))

@@ -47,7 +47,7 @@ def _write_hdf5(path: Path, title: str, columns: Mapping[str, Column]) -> None:
                 texts = [text_lines("" if value is None else value) for value in each.values]
                 words, numbers = np.unique(texts, return_inverse=True)
                 data = layout.texts(file, variable_name(name), list(words), (len(texts),), ("row",), each.long_name)
-                data[...] = numbers
+                data.write(numbers)
                 continue
             numbers = np.array([np.nan if value is None else value for value in each.values], float)
             layout.variable(

@@ -108,6 +108,7 @@ def _axis(axis: Any, stride: int) -> dict[str, Any]:
 def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
     """Return every figure that any case has: how it is written, how it is drawn, values and errors [SI]."""
     found = []
+    results.error.take(results.figures)
     for name in results.figures:
         if not np.isfinite(values := shown.of(results.performance[name])).any():
             continue
