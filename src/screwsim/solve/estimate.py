@@ -47,7 +47,7 @@ SMALL = 0.05  # of the wanted accuracy: a change of the second life below which 
 FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
 DELIVERS = 0.1  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
-BARELY = 0.0  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
+BARELY = 0.03  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
 
 
 class Finer(NamedTuple):
