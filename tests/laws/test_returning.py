@@ -60,9 +60,14 @@ def test_gas_and_oil_of_different_temperatures_flow_back_as_their_mixture():
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {**CARRIED, "operation.discharge": {"pressure": "4 bar", "temperature": "350 K"}}]
+    "changes",
+    [
+        {},
+        {**CARRIED, "operation.discharge": {"pressure": "4 bar", "temperature": "350 K"}},
+        {**CARRIED, "gas.model": "real", "gas.two_phase": "equilibrium"},
+    ],
 )
-def test_heat_that_droplets_or_a_given_temperature_take_does_not_come_back(changes):
+def test_heat_that_droplets_a_given_temperature_or_drops_that_condense_take_does_not_come_back(changes):
     problem = problem_of(make(changes))
     assert returning(problem, life(problem, 0.2), line(problem, 300.0), line(problem, 310.0)) is NOTHING
 
