@@ -2,8 +2,8 @@
 
 Gas and oil that flow back mix with what is compressed and leave with it. Warmer by ΔT they make the outflow warmer by
 their share s of its heat capacity, which is what flows back warmer next: later turns add s/(1 − s) ΔT in all. That
-holds where oil is carried, whose heat leaves with it; heat that a given outlet temperature, droplets, or a gas that
-condenses take does not come back.
+holds where oil is carried, whose heat leaves with it; heat that a given outlet temperature, droplets, or a gas
+whose two phases are followed take does not come back.
 
 Source: docs/explanation/numerics.md, what the cycle makes.
 """
@@ -45,8 +45,8 @@ NOTHING = Returning()
 
 def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
     """Return what comes back of the line in a life of quadratures q, which met the unknowns and made others of them."""
-    parts = problem.parts
-    if not problem.composition.carried or parts.oil is None or parts.held_back or parts.gas.phased_state is not None:
+    parts, known = problem.parts, problem.scene.gas
+    if not problem.composition.carried or parts.oil is None or parts.held_back or known.two_phase == "equilibrium":
         return NOTHING
     if problem.scene.operation.discharge.temperature is not None:
         return NOTHING

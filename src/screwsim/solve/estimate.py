@@ -45,7 +45,7 @@ QUICK = 0.7  # share of a life's change that the next one makes, below which two
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
-DELIVERS = 0.1  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
+DELIVERS = 0.2  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.03  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
 
