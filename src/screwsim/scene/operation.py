@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from operator import attrgetter
 
-from screwsim.fluid import constants
+from screwsim.fluid import constants, names
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
 from screwsim.inputs.declare import KINDS
@@ -59,7 +59,7 @@ def _gas(scene: Scene) -> Iterator[Fault]:
     if gas.model != "real" and gas.two_phase == "equilibrium":
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
     elif gas.two_phase == "equilibrium" and is_blend(gas.name) and constants.limits(gas.name) is not None:
-        why = constants.why_no_dome(gas.name)
+        why = names.why_no_dome(gas.name)
         if why is not None:
             yield Fault("gas.two_phase", why)
     if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
