@@ -76,7 +76,9 @@ def _stated(parameters: Parameters, machine) -> list[FlowPath]:
         opens = (1.0 - x) * (parameters.radial_opens or 0.0) + x * (parameters.radial_opens_moved or 0.0)
         angles = {"opens": opens, "full": opens + 2.0 * RAMP, "falls": machine.life - RAMP, "closes": machine.life}
         sized, coefficient = {"size": parameters.radial_area, **angles}, parameters.flow_coefficient
-        found.append(FlowPath("discharge", area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True))
+        found.append(
+            FlowPath("discharge", area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
+        )
     return found
 
 
