@@ -23,6 +23,7 @@ from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
+from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
@@ -136,12 +137,12 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
-    if facts.gas.model != "real":
+    if not condenses(facts.gas):
         yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
     if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
         yield Fault(f"effects.{NAME}", what)
-    elif facts.gas.model == "real" and facts.operation.gas_cooler is None:
+    elif condenses(facts.gas) and facts.operation.gas_cooler is None:
         yield from _loss(parameters.pressure_loss, facts)
         yield from _thermostat(parameters, facts)
 

@@ -8,6 +8,7 @@ from operator import attrgetter
 from screwsim.fluid import constants, names
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
+from screwsim.fluid.models import condenses
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.scene.fluids import fluid_faults
@@ -167,7 +168,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
         shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
         what = f"{scene.gas.name} has no saturation at the suction pressure {shown}: its {name} pressure is "
         yield Fault(path, f"{what}{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)")
-    if scene.gas.model == "real":
+    if condenses(scene.gas):
         yield from _liquid(scene, T_S, p_s, suction.temperature)
         yield from _liquid(scene, T_D, p_d, scene.operation.discharge.temperature)
 
