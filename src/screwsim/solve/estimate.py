@@ -30,7 +30,7 @@ from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slices import INSIDE
-from screwsim.model.slots import P_INJECTION, P_PITCH, R_TRAPPED
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, P_INJECTION, P_PITCH, R_TRAPPED, SUCTION_OUT
 from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
@@ -299,8 +299,9 @@ class _Lives:
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
         streams = streams_of(c, sums)
-        passed = abs(streams[2:4, 0].sum() / max(float(machinery.R[R_TRAPPED]), 1e-300))
-        streams[:2, 0] = 0.0
+        out = streams[DISCHARGE_IN : DISCHARGE_OUT + 1, OF_GAS].sum()
+        passed = abs(out / max(float(machinery.R[R_TRAPPED]), 1e-300))
+        streams[: SUCTION_OUT + 1, OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.made)
         at, n = float(c.P[P_INJECTION]), machinery.n
         y = np.zeros(c.chambers * n)
