@@ -151,7 +151,7 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
     for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
         better = attempt()
         if better.status == "ok":
-            return replace(better, needed=name)
+            return better if better.needed else replace(better, needed=name)
     return cycle
 
 
