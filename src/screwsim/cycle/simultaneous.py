@@ -24,7 +24,8 @@ from screwsim.numerics.rodas import dense_value
 Array = np.ndarray
 STALL = 3  # pitches without progress of the states
 MAX_PITCHES = 160
-IN_VAIN = 32  # undamped pitches, all of which change more than `LOST`: over the second half of them no less than ...
+IN_VAIN = 40  # accelerated pitches, all of which change more than `LOST`: over the second half of them no less than ...
+IN_VAIN_PLAIN = 32  # (the same of pitches that are the machine's own course)
 LOST = 0.2
 NEARER = 0.7  # ... this share of what those of the first half changed at least: they lead nowhere
 FARTHEST = 0.3  # change of a pitch above which a linear correction tells nothing
@@ -75,7 +76,7 @@ def close_together(
         image = np.concatenate([logarithms(machinery.shift(end), c), entries.coordinates(made)])
         gap = float(np.max(np.abs(image - point)))
         gaps.append(gap)
-        if c.chambers > 1 and pace.damping == 1.0 and _lead_nowhere(gaps):
+        if c.chambers > 1 and pace.damping == 1.0 and _lead_nowhere(gaps, IN_VAIN if pace.depth else IN_VAIN_PLAIN):
             break
         if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
             residual = residuals(problem, machinery.R, q).largest
@@ -111,11 +112,11 @@ def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) ->
     return len(seen) >= 3 and max(change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
 
 
-def _lead_nowhere(gaps: list[float]) -> bool:
-    """Tell whether the last pitches changed much, and hardly less in the end: a machine that swings goes on to."""
-    if len(gaps) < IN_VAIN:
+def _lead_nowhere(gaps: list[float], count: int) -> bool:
+    """Tell whether so many last pitches changed much, and hardly less in the end: a machine that swings goes on to."""
+    if len(gaps) < count:
         return False
-    before, last = min(gaps[-IN_VAIN : -IN_VAIN // 2]), min(gaps[-IN_VAIN // 2 :])
+    before, last = min(gaps[-count : -count // 2]), min(gaps[-count // 2 :])
     return last > max(LOST, NEARER * before)
 
 
