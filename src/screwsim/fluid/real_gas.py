@@ -25,7 +25,7 @@ from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phases
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kernel import Kernel
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
@@ -228,13 +228,14 @@ class RealGas:
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
 
-        Raises UsageError where a fluid with glide would be wet and that is refused.
+        Raises Unfound where a fluid with glide would be wet and that is refused.
         """
         T, rho = self._at(p, s, True)
         below = self.known.glides and self.two_phase == "refuse" and T < saturation(self.fluid).T_c
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
-            raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
+            what = f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K), where an isentrope ends, is wet"
+            raise Unfound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
