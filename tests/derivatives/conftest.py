@@ -1,4 +1,4 @@
-"""Let the tests import `tight`."""
+"""Let the tests import `tight` and `closed_points`."""
 
 import sys
 from pathlib import Path

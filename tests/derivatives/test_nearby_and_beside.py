@@ -1,30 +1,18 @@
 """States that place slices leave as little open as asked, and rates side by side are those one by one."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from closed_points import closed_point
 
-import screwsim
-from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Series, problem_of
 from screwsim.derivatives import beside, nearby
 from screwsim.derivatives.blocks import Blocks
-from screwsim.derivatives.closed import collocated
 from screwsim.derivatives.slices import INTEGRALS
-from screwsim.solve.circuit import solved, steady
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 @pytest.fixture(scope="module", params=["paper", "r134a"])
 def cycle(request):
     """Return the collocated cycle of a scene."""
-    series = Series()
-    problem, search = steady(problem_of(screwsim.load(CONFIGS / request.param / "point.yaml"), series), series)
-    machinery = leased(problem)
-    of = solved(problem, machinery, None, search).evaluation
-    return collocated(of.problem, machinery, of.life)
+    return closed_point(request.param)
 
 
 @pytest.mark.parametrize("bound", [1e-3, 1e-6])
@@ -50,6 +38,23 @@ def test_what_is_followed_solves_the_stage_equations(cycle):
     inside = np.einsum("k,ij,kjnm,kjmc->kinc", pitch.slices.widths, INTEGRALS, J, found)
     left = found - before - inside - right
     assert np.abs(left).max() < 1e-9 * np.abs(found).max()
+
+
+def test_what_is_followed_chamber_by_chamber_begins_with_what_the_one_before_leaves(cycle):
+    pitch, n = cycle.pitch, cycle.pitch.n
+    chambers, draw = pitch.N // n, np.random.default_rng(2)
+    J = cycle.linear.slopes.by_states.reshape(pitch.count, 3, chambers, n, chambers, n)
+    own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, 3, n, n)
+    blocks = Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0)
+    right, inject = draw.normal(size=cycle.nodes.shape), draw.normal(size=(pitch.N, pitch.N))
+    found = blocks.follow_one_by_one(right.copy(), inject)
+    for j in range(chambers):
+        here, one = slice(j * n, j * n + n), own[j * pitch.count : (j + 1) * pitch.count]
+        start = inject[here, here] @ found[-1, -1, (j - 1) * n : j * n] if j else np.zeros(n)
+        before = np.concatenate([start[None], found[:-1, -1, here]])[:, None]
+        inside = np.einsum("k,im,kmst,kmt->kis", pitch.slices.widths, INTEGRALS, one, found[..., here])
+        left = found[..., here] - before - inside - right[..., here]
+        assert np.abs(left).max() < 1e-9 * np.abs(found[..., here]).max()
 
 
 def test_rates_side_by_side_are_those_one_by_one(cycle):

@@ -1,19 +1,13 @@
 """A life that is installed where it is read tells what an installed one tells, and costs nothing before."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from closed_points import closed_point
 
-import screwsim
-from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Series, problem_of
-from screwsim.derivatives.closed import QUICK, collocated
+from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.placed import Placed, Turning, in_step
-from screwsim.solve.circuit import solved, steady
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 STEP, SHARE = 70, 0.37  # of a life: any
 ROUNDING = 1e-12
 
@@ -21,11 +15,7 @@ ROUNDING = 1e-12
 @pytest.fixture(scope="module", params=["paper", "r134a"])
 def cycle(request):
     """Return the collocated cycle of a scene, its history installed."""
-    series = Series()
-    problem, search = steady(problem_of(screwsim.load(CONFIGS / request.param / "point.yaml"), series), series)
-    machinery = leased(problem)
-    of = solved(problem, machinery, None, search).evaluation
-    found = collocated(of.problem, machinery, of.life, QUICK)
+    found = closed_point(request.param, QUICK)
     found.pitch.put(found.at)
     found.pitch.install(found.start, found.nodes)
     return found

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.build import Temperatures, filled, open_temperatures
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import Built, Problem, Series, problem_of
 from screwsim.derivatives.closed import Closed
 from screwsim.derivatives.directions import Directions, Structural
 from screwsim.derivatives.figures import differenced, figures_of, placed, responses, standing
@@ -36,13 +36,14 @@ class Sides(NamedTuple):
     asked: Array
 
 
-def derivatives(cycle: Closed, values: Mapping[str, float]) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
+def derivatives(
+    cycle: Closed, values: Mapping[str, float], built: Built | None = None
+) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
     """Return the derivatives [SI] of the figures by the numbers at paths of the scene, by path; and why some have none.
 
-    `values` are the numbers [SI] at the paths.
+    `values` are the numbers [SI] at the paths, `built` what was built and composed of the scene.
     """
-    made, series = Directions(cycle), Series()
-    problem_of(cycle.pitch.problem.scene, series)
+    made, series = Directions(cycle), Series(built)
     around = [made.of(_around(cycle.pitch.problem, series, i), STEP) for i in _open(cycle.pitch.problem)]
     directions, refused = {}, {}
     for path, value in values.items():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
-
 import numpy as np
 
 from screwsim.derivatives.slices import NODES
@@ -22,15 +20,6 @@ class Blocks:
         self.factors, self.pivots = np.empty((count, NODES * N, NODES * N)), np.empty((count, NODES * N), np.int64)
         compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
 
-    def parted(self, parts: int) -> list[Blocks]:
-        """Return the slices in parts of as many, one behind the other."""
-        found = []
-        for factors, pivots in zip(np.split(self.factors, parts), np.split(self.pivots, parts), strict=True):
-            part = copy(self)
-            part.factors, part.pivots = factors, pivots
-            found.append(part)
-        return found
-
     def follow(self, start: Array, right: Array) -> Array:
         """Return changes at all nodes (slices, NODES, N, k) from those at the start (N, k).
 
@@ -41,3 +30,15 @@ class Blocks:
             rows, now = right.reshape(count, NODES * N, k), np.array(start, order="C")
             compiled().stages__follow(self.factors, self.pivots, self.states, self.reach, now, rows)
         return right
+
+    def follow_one_by_one(self, right: Array, inject: Array) -> Array:
+        """Return changes at the nodes (slices, NODES, N) of chambers that make nothing of each other.
+
+        The blocks are those of all slices of the first chamber, then of the next. `right`, of that shape, are the right
+        sides; each chamber begins with what `inject` (N, N) makes of the end of the one before.
+        """
+        count, _, N = right.shape
+        parts = right.reshape(count, NODES, -1, self.states).transpose(2, 0, 1, 3)  # by chamber
+        rows = np.array(parts, order="C").reshape(-1, NODES * self.states, 1)
+        compiled().stages__follow_one_by_one(self.factors, self.pivots, self.states, inject, rows)
+        return rows.reshape(parts.shape).transpose(1, 2, 0, 3).reshape(count, NODES, N)

@@ -51,11 +51,7 @@ def crossings(pitch: Pitch) -> list[Crossing]:
     slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
     wide = np.repeat(slices.widths, len(LOOKED))
-    turns = [
-        Turn(own, beyond, (float(angles[k]), float(angles[k + 1])), float(width[k]), float(wide[k]))
-        for own, beyond, width, there in _turning(pitch, angles)
-        for k in np.flatnonzero(there).tolist()
-    ]
+    turns = list(_turning(pitch, angles, wide))
     return sorted({*_placed(pitch.machinery.trajectory, turns), *_equilibria(pitch, angles)})
 
 
@@ -76,31 +72,33 @@ def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
             yield Crossing(brentq(given_off, low, high, PLACED * (high - low), PLACED) - start, CORNERED)
 
 
-def _turning(pitch: Pitch, angles: Array) -> Iterator[tuple[Side, Side, Array, Array]]:
-    """Yield the sides of each open path, the width [Pa] of its regularisation, and behind which angles it turns."""
+def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
+    """Yield where between angles [rad] flows turn round in paths that are open; `wide` are their slices [rad].
+
+    Areas are asked for only where pressures pass each other.
+    """
     c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
-    whole = (starts[:, None] + angles).ravel()
-    p = life.states_at(whole)[:, -1].reshape(c.chambers, -1)
+    p = life.states_at((starts[:, None] + angles).ravel())[:, -1].reshape(c.chambers, -1)
     for path in (path for _, path in parts.all(FlowPath)):
-        of_port, areas = path.to != "neighbour", np.empty(len(whole))
-        life.module.trace__areas_along(whole, ports if of_port else gaps, of_port, c.P, c.TAB, areas)
+        of_port, index = path.to != "neighbour", ports if path.to != "neighbour" else gaps
         ports, gaps = ports + of_port, gaps + (not of_port)
-        is_open = areas.reshape(c.chambers, -1) > 0.0
         if of_port:
             number = parts.number(path.to)
-            beyond = _line_pressures(life, number, angles)
-            sides = [(j, Side(None, number), beyond) for j in range(c.chambers)]
-            widths = np.full(p.shape, float(c.P[P_PORT_WIDTH + number]))
+            drops = p - _line_pressures(life, number, angles)
         else:  # those ahead of the last one are the discharge, whose port tells
-            ahead = range(path.offset, c.chambers)
-            sides = [(j, Side(float(starts[to])), p[to]) for j, to in enumerate(ahead)]
-            widths = float(c.P[P_GAP_WIDTH]) * p
-        drops = p[: len(sides)] - np.stack([there for _, _, there in sides])
-        turns = (drops[:, :-1] * drops[:, 1:] < 0.0) & (is_open[:, :-1] & is_open[:, 1:])[: len(sides)]
-        for j in np.flatnonzero(turns.any(axis=1)).tolist():
-            yield Side(float(starts[j])), sides[j][1], widths[j], turns[j]
+            number, drops = 0, p[: c.chambers - path.offset] - p[path.offset :]
+        passes = np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
+        ends = (starts[passes[0], None] + angles[passes[1][:, None] + (0, 1)]).ravel()
+        areas = np.zeros(ends.size)
+        if len(ends):
+            life.module.trace__areas_along(ends, index, of_port, c.P, c.TAB, areas)
+        is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
+        for j, k in zip(*(each[is_open].tolist() for each in passes), strict=True):
+            beyond = Side(None, number) if of_port else Side(float(starts[j + path.offset]))
+            width = float(c.P[P_PORT_WIDTH + number]) if of_port else float(c.P[P_GAP_WIDTH] * p[j, k])
+            yield Turn(Side(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k]))
 
 
 def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:

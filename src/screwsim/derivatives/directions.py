@@ -74,12 +74,12 @@ class Directions:
         problem.__dict__["called"] = (
             self.cycle.pitch.problem.called
         )  # of one structure, and nothing stated more or less
+        own, own_given = self.own  # found before: the spare machinery is that of `problem` from here on
         side, given = self.numbers(problem, self.cycle.met)
         if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
-        own, own_given = self.own
         numbers = Numbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
-        change = self._change(problem, numbers, by)
+        change = self._change(numbers, by)
         start, cells = self._injected(numbers, step)
         return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
@@ -109,10 +109,9 @@ class Directions:
         """What `numbers` returns of the cycle's own problem."""
         return self.numbers(self.cycle.pitch.problem, self.cycle.met)
 
-    def _change(self, problem: Problem, numbers: Numbers, by: float) -> Change:
+    def _change(self, numbers: Numbers, by: float) -> Change:
         """Return the change of the rates: of numbers and of edges, which move with the breakpoints, and its side."""
-        self.spare.begin(problem.composition)
-        there = self.spare.pitch_breakpoints()
+        there = self.spare.pitch_breakpoints()  # it has the numbers of this problem (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
             edges = moved(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None

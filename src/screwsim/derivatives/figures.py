@@ -56,7 +56,7 @@ def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) 
         image = _coordinates(placed(cycle, direction, held.by(j), made))
         off[:, j] = np.where(cycle.given, direction.stated, (image - own) / direction.step)
     unknowns = np.stack([solved(cycle.back, each, cycle.given) for each in off.T], axis=-1) if len(directions) else off
-    return _moved(pitch, found.plus(cycle.by_unknowns.weighted(unknowns)), unknowns)
+    return _moved(pitch, found.added(cycle.by_unknowns.weighted(unknowns)), unknowns)
 
 
 def _coordinates(of: Evaluation) -> Array:

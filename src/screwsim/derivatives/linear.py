@@ -54,9 +54,9 @@ class Response(NamedTuple):
         """Return sums of the columns (k, m)."""
         return Response(*(each @ weights for each in self))
 
-    def plus(self, other: Response) -> Response:
-        """Return both together."""
-        return Response(*(one + more for one, more in zip(self, other, strict=True)))
+    def added(self, other: Response) -> Response:
+        """Return both together, in the place of these."""
+        return Response(*(np.add(one, more, out=one) for one, more in zip(self, other, strict=True)))
 
 
 def step_of(pitch: Pitch) -> float:
@@ -155,7 +155,8 @@ class Linear:
         self._feels, self._felt, self.changed = self._first(changes)
         felt, N = len(self._feels), pitch.N
         known = [self._felt.right, *([] if stages is None else [stages]), self.changed.right]
-        right = np.concatenate([np.zeros((*Y.shape, N)), *known], axis=-1)
+        right = np.zeros((*Y.shape, N + sum(each.shape[-1] for each in known)))
+        np.concatenate(known, axis=-1, out=right[..., N:])
         self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
         nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
         self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
@@ -198,8 +199,13 @@ class Linear:
         return np.linalg.inv(np.eye(len(back)) - back)
 
     def respond(self, sources: Sources, stages: Array | None = None) -> Response:
-        """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
-        right = sources.right.copy() if stages is None else sources.right + stages
+        """Return what sources make, the period closed; `stages` are added to the stage equations as they are.
+
+        What `right` of the sources holds is written over.
+        """
+        right = sources.right
+        if stages is not None:
+            right += stages
         return self._responded(sources, self.blocks.follow(np.zeros_like(sources.start), right))
 
     def _responded(self, sources: Sources, nodes: Array) -> Response:
@@ -209,6 +215,7 @@ class Linear:
         found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
         start, cells = found[:N], found[N:]
         felt = cells[self._feels]
-        nodes = nodes + self._from @ np.concatenate([start, felt])
+        through = self._from @ np.concatenate([start, felt])
+        nodes = np.add(nodes, through, out=through)
         sums = self.pitch.sums(self.slopes.g_by_states @ nodes) + sources.sums + self._felt.sums @ felt
         return Response(start, nodes, cells, sums)

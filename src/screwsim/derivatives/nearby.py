@@ -36,14 +36,14 @@ class Kept:
     They are tried for other slices that are as many, which moved a little with where flows turn round.
     """
 
-    blocks: list[Blocks] | None = None
+    blocks: Blocks | None = None
     count: int = 0
 
-    def of(self, pitch: Pitch) -> list[Blocks] | None:
+    def of(self, pitch: Pitch) -> Blocks | None:
         """Return those that were kept, if they may be good for a pitch."""
         return self.blocks if pitch.count == self.count else None
 
-    def anew(self, pitch: Pitch, Y: Array) -> list[Blocks]:
+    def anew(self, pitch: Pitch, Y: Array) -> Blocks:
         """Return those of a pitch at states, which are kept."""
         self.blocks, self.count = _blocks(pitch, Y), pitch.count
         return self.blocks
@@ -52,7 +52,7 @@ class Kept:
 def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
     """Return states at the start and the nodes that leave less than a relative residual, installed; None for none."""
     Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
-    start, last = pitch.begin(Y), np.zeros_like(Y)
+    start, last, nothing = pitch.begin(Y), np.zeros_like(Y), np.zeros((pitch.N, pitch.N))
     for _ in range(MOST):
         open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
         size = size_of(open_, Y)
@@ -64,7 +64,7 @@ def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
         if blocks is None or size > KEPT * before:
             blocks = kept.anew(pitch, Y)
         before = size
-        last = tamed(_followed(blocks, -open_, pitch.n), last)
+        last = tamed(blocks.follow_one_by_one(-open_, nothing), last)
         Y = stepped(pitch, Y, last)
     return None
 
@@ -89,7 +89,7 @@ def closed(pitch: Pitch, Y: Array, bound: float, kept: Kept) -> Array | None:
             blocks, lent = kept.anew(pitch, Y), False
         inject = injection(pitch, Y)[0] if inject is None else inject
         least = min(size, least)
-        Y = stepped(pitch, Y, _followed(blocks, -residual_, pitch.n, inject))
+        Y = stepped(pitch, Y, blocks.follow_one_by_one(-residual_, inject))
         met = pitch.met
         pitch.meet(pitch.problem.entries.coordinates(met) + off, met)
     pitch.put(at)
@@ -119,27 +119,12 @@ def open_of(pitch: Pitch, Y: Array) -> Open:
     return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
 
 
-def _blocks(pitch: Pitch, Y: Array) -> list[Blocks]:
+def _blocks(pitch: Pitch, Y: Array) -> Blocks:
     """Return the stage equations of each chamber by itself, factored."""
     chambers, n = pitch.N // pitch.n, pitch.n
     J = pitch.slopes(Y).by_states.reshape(pitch.count, NODES, chambers, n, chambers, n)
     own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, NODES, n, n)
-    return Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0).parted(chambers)
-
-
-def _followed(blocks: list[Blocks], right: Array, n: int, inject: Array | None = None) -> Array:
-    """Return the changes at the nodes that right sides make, chamber by chamber; each begins with none.
-
-    With `inject` (N, N), what the injection makes of changes, each begins with those at the end of the one before.
-    """
-    parts = np.ascontiguousarray(right.reshape(*right.shape[:2], -1, n, 1).transpose(2, 0, 1, 3, 4))
-    found: list[Array] = []
-    for j, (each, part) in enumerate(zip(blocks, parts, strict=True)):
-        start = np.zeros((n, 1))
-        if inject is not None and found:
-            start = inject[j * n : j * n + n, j * n : j * n + n] @ found[-1][-1, -1]
-        found.append(each.follow(start, part))
-    return np.concatenate(found, axis=2)[..., 0]
+    return Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0)
 
 
 def residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:

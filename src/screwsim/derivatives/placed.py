@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.derivatives.pitch import Pitch
-from screwsim.derivatives.slices import SHARES
+from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.once import once
+from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
-X0, X1 = SHARES[:-1].tolist()
 
 
 class Turning(NamedTuple):
@@ -39,10 +39,11 @@ def in_step(pitch: Pitch, y: Array, Y: Array, step: int) -> Array:
 
 def between(states: Array, share: float) -> Array:
     """Return the states (n,) at a share of a step, from those at its start and its nodes (`Pitch.life`)."""
-    before, first, second, end = states
-    bent = [(y - before * (1.0 - x) - x * end) / (x * (1.0 - x)) for y, x in ((first, X0), (second, X1))]
-    c4 = (bent[1] - bent[0]) / (X1 - X0)
-    return before * (1.0 - share) + share * (end + (1.0 - share) * (bent[0] - X0 * c4 + share * c4))
+    found = np.empty((1, 1, states.size))
+    nodes = np.ascontiguousarray(states[1:, :, None])
+    sweeps().sweeps__lives(np.ascontiguousarray(states[0, :, None]), nodes, states.shape[1], found)
+    y0, y1, c3, c4 = found.reshape(states.shape)
+    return dense_value(share, y0, y1, c3, c4)
 
 
 class Placed(Trajectory):

@@ -42,7 +42,7 @@ def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) 
         if accurate.cycle.status != "ok":
             return Found({}, {}, "the cycle does not close")
         cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
-        slopes, refused = derivatives(cycle, values)
+        slopes, refused = derivatives(cycle, values, (series.stock, series.composer))
         leases.give_back(machinery)
     except NotClosed as error:
         return Found({}, {}, str(error))

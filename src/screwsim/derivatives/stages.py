@@ -149,7 +149,35 @@ def follow(M, pivots, n, reach, now, B):
                 now[i, c] = B[k, 2 * N + i, c]
 
 
+@kernel
+def follow_one_by_one(M, pivots, n, inject, B):
+    """Follow a change chamber by chamber, each with factors of its own: B (chambers slices, 3 n, 1) becomes it.
+
+    B holds the right sides; each chamber begins with what `inject` (N, N) makes of the end of the one before.
+    """
+    chambers = inject.shape[0] // n
+    count = B.shape[0] // chambers
+    place = np.empty(3 * n, np.int64)
+    places(n, 1, place)
+    before = np.zeros(n)
+    now = np.zeros(n)
+    for chamber in range(chambers):
+        for s in range(n):
+            before[s] = now[s]
+        for s in range(n):
+            begins = 0.0
+            for t in range(n):
+                begins += inject[chamber * n + s, chamber * n + t] * before[t]
+            now[s] = begins
+        for k in range(chamber * count, (chamber + 1) * count):
+            for row in range(3 * n):
+                B[k, row, 0] += now[row % n]
+            solve(M, pivots, k, place, 3 * n - 1, B)
+            for s in range(n):
+                now[s] = B[k, 2 * n + s, 0]
+
+
 @cache
 def compiled() -> ModuleType:
     """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((factor, follow)), "stages", fast=True)
+    return modules.load(flat_module((factor, follow, follow_one_by_one)), "stages", fast=True)
