@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
-from screwsim.cycle.known import CycleFigures, known_of, pitch_at
+from screwsim.cycle.known import CycleFigures, LazyPitch, known_of
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.powers import oil_lift, power_losses, shaft_power
 from screwsim.cycle.problem import Problem
@@ -53,14 +53,19 @@ class Evaluation:
     @once
     def pitch(self) -> Pitch:
         """One pitch of all chambers."""
-        return pitch_at(self.problem, self.life, self.q)
+        return self.lazy_pitch()
+
+    @once
+    def lazy_pitch(self) -> LazyPitch:
+        """The same, to be called where it is wanted."""
+        return LazyPitch(self.problem, self.life, self.q)
 
     @once
     def known(self) -> CycleFigures:
         """What a power loss or a reading can ask."""
         parts = self.problem.parts
         turn = self.turn if parts.made or parts.all(Reading) else None
-        return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
+        return known_of(self.problem, self.life, self.q, self.lazy_pitch, turn)
 
     @once
     def losses(self) -> dict[str, float]:
