@@ -15,8 +15,10 @@ from screwsim.fluid.moist_air import passed_on
 from screwsim.model.places import SOME_OIL
 from screwsim.model.slots import PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
+from screwsim.numerics.at_once import at_once
 
 
+@at_once
 @dataclass(frozen=True)
 class CycleFigures:
     """What a power loss or a reading can ask of a closed cycle (SI units); `set_speed` to `turn` are for readings."""

@@ -22,6 +22,7 @@ from screwsim.model.exchange import station
 from screwsim.model.parts import Parts
 from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
+from screwsim.numerics.at_once import at_once
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
 from screwsim.numerics.once import once
@@ -41,6 +42,7 @@ class Inlet(NamedTuple):
     enthalpy: float
 
 
+@at_once
 @dataclass(frozen=True, eq=False)
 class Problem:
     """What is to be solved, and with which numbers every solution of it begins (`composition.P`, read-only).

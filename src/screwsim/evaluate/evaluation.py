@@ -19,10 +19,12 @@ from screwsim.figures import Performance
 from screwsim.model.exchange import station
 from screwsim.model.slots import R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
+from screwsim.numerics.at_once import at_once
 from screwsim.numerics.once import once
 from screwsim.outputs import Figures
 
 
+@at_once
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """A life of a problem's chambers, and its quadratures q; where closing knows them, what it left open and made."""

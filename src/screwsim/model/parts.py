@@ -22,12 +22,14 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
+from screwsim.numerics.at_once import at_once
 from screwsim.numerics.once import once
 
 # of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
 Widths = tuple[float, float, float, float]
 
 
+@at_once
 @dataclass(frozen=True)
 class OilPart:
     """The oil in the model: properties [SI], transport ('paper' or 'carried') and supply.
@@ -69,6 +71,7 @@ class Effects(dict[str, Sequence[Any]]):
         return self.by_type
 
 
+@at_once
 @dataclass(frozen=True)
 class Parts:
     """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
