@@ -152,10 +152,9 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     last = ALONE
     if len(known) < 2:
         return [last]
-    moved = known[0] != wanted
-    for each in known[1:]:
-        moved |= each != wanted
-    moving = list(zip(*(each[moved].tolist() for each in (*known, wanted)), strict=True))  # few: faster without numpy
+    every = np.array([*known, wanted])
+    moved = np.logical_or.reduce(every[:-1] != wanted)
+    moving = every[:, moved].T.tolist()  # few: faster without numpy
     scales = [max(map(abs, column)) for column in moving]
     lasts = [(column[-2], scale) for column, scale in zip(moving, scales, strict=True)]
     ways = [
