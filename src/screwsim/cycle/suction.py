@@ -8,12 +8,10 @@ from screwsim.effects.base import Intake
 from screwsim.fluid.gas import Gas
 from screwsim.model.parts import Parts
 from screwsim.model.slots import ENTHALPY, PRESSURE
-from screwsim.numerics.at_once import at_once
 
 Place = tuple[float, ...]
 
 
-@at_once
 @dataclass(frozen=True)
 class SuctionState:
     """The gas, the suction line's place, the pressure ratio over throttles, and the share of gas that is returned.

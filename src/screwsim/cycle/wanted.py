@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from screwsim.numerics.at_once import at_once
 from screwsim.numerics.integrators import Check, check_of
 from screwsim.numerics.settings import NumericsSettings
 
@@ -13,7 +12,6 @@ HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of waveforms are f
 HISTORIES_FINEST = 0.1  # ... down to this factor
 
 
-@at_once
 @dataclass(frozen=True)
 class Wanted:
     """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.

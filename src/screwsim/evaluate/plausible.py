@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 from screwsim.effects.base import FlowPath, HeatRate, Wall
 from screwsim.model.parts import Parts
-from screwsim.numerics.at_once import at_once
 from screwsim.outputs import Figures
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import Scene
@@ -34,7 +33,6 @@ class Doubt(NamedTuple):
     figure: str | None = None
 
 
-@at_once
 @dataclass(frozen=True)
 class Told:
     """What is asked of a closed cycle: scene, parts, lines, figures and their errors."""

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.numerics.at_once import at_once
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.once import once
 
@@ -31,7 +30,6 @@ def specific_entropy(T, rho, R_gas, c_v_gas):
     return c_v_gas * math.log(T / T_ZERO) - R_gas * math.log(rho)
 
 
-@at_once
 @dataclass(frozen=True)
 class IdealGas:
     """An ideal gas by its constant R [J/(kg K)] and isentropic exponent k."""

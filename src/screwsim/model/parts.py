@@ -29,7 +29,6 @@ from screwsim.numerics.once import once
 Widths = tuple[float, float, float, float]
 
 
-@at_once
 @dataclass(frozen=True)
 class OilPart:
     """The oil in the model: properties [SI], transport ('paper' or 'carried') and supply.

@@ -1,8 +1,9 @@
 """Frozen dataclasses whose values are written into a new object at once.
 
-The `__init__` of a frozen dataclass sets each value by a call of `object.__setattr__`, since its own is forbidden: a
-point makes a dozen of such objects, of some hundred values, which cost three times what they do here. What they are,
-and what may be done with them, stays.
+The `__init__` of a frozen dataclass sets each value by a call of `object.__setattr__`, since its own is forbidden:
+that takes three times as long. An object whose dictionary is asked for is read more slowly from then on (Python 3.11:
+23 ns for 6 ns a value), but for one of more than 30 values. So this is for what is made for every point and not read a
+hundred times: of many values, or some that are found `once`, which go into the dictionary anyway.
 """
 
 from __future__ import annotations
