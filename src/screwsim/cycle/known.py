@@ -13,7 +13,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.effects.base import PressureLosses, Turn
 from screwsim.fluid.moist_air import passed_on
 from screwsim.model.places import SOME_OIL
-from screwsim.model.slots import PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.slots import OF_OIL, PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
 
@@ -90,7 +90,7 @@ def known_of(
     p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
     p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
-        injected = float(streams_of(problem.composition, q)[PORT_OIL, 2])
+        injected = float(streams_of(problem.composition, q)[PORT_OIL, OF_OIL])
         mass, pressure, lift = life.port_oil()
         if mass > 0.0:
             p_injection, p_delivery = pressure / mass, p_source + lift / mass

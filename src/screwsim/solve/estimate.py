@@ -21,6 +21,7 @@ from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along, relax
+from screwsim.cycle.search import SEARCH
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution, Hope, Led
 from screwsim.cycle.wanted import Wanted
@@ -29,7 +30,7 @@ from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slices import INSIDE
-from screwsim.model.slots import P_INJECTION, P_PITCH, R_TRAPPED
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, P_INJECTION, P_PITCH, R_TRAPPED, SUCTION_OUT
 from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
@@ -48,19 +49,21 @@ FAITHFUL = 0.15  # share that corrections missed when closing, below which where
 DELIVERS = 0.2  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.03  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
+BY_CHANCE = 0.3  # of what the gas trapped errs by: what is delivered, a small part of it, errs by no less
 
 
 class Finer(NamedTuple):
     """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second.
 
     The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow,
-    `led` where the machinery stands then.
+    `led` where the machinery stands then. `cycle` is the finer one that a search closed, on which it stands.
     """
 
     lives: Sequence[Figures]
     left: float | None = None
     flow: float = 0.0
     led: Led | None = None
+    cycle: CycleSolution | None = None
 
 
 NOTHING = Finer(())
@@ -68,10 +71,10 @@ NOTHING = Finer(())
 
 def estimated_errors(
     of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution
-) -> tuple[Figures, Led | None]:
+) -> tuple[Figures, Led | CycleSolution | None]:
     """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands.
 
-    And where it stands now, if that is where finer lives lead.
+    And where it stands now, if that is where finer lives lead, or the finer cycle that a search closed.
     """
     found = of.figures
     station()
@@ -89,10 +92,12 @@ def estimated_errors(
     for name, size in errors.items():
         errors[name] = whole * size + left if size is not None else None
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
+    if _hidden(of, cycle) and _filling(found) > 0.0:
+        lost_flow["by_flow"] = BY_CHANCE * (errors.get("trapped_mass") or 0.0) / _filling(found)
     for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
         for name, size in flow_errors(found, lost, by).items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
-    return errors, finer.led
+    return errors, finer.led or finer.cycle
 
 
 def _left_open(of: Evaluation, q: Array) -> dict[str, float]:
@@ -181,7 +186,9 @@ def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSol
     if len(finer.lives) == 1 or _tells(of, finer):
         return finer
     closed = _finer_cycle(of.problem, machinery, wanted, cycle)
-    return Finer([closed]) if closed is not None else finer._replace(led=None)
+    if closed is None:
+        return finer._replace(led=None)
+    return Finer([evaluate(of.problem, closed).figures], cycle=closed if closed.needed == SEARCH else None)
 
 
 def _hidden(of: Evaluation, cycle: CycleSolution) -> bool:
@@ -295,8 +302,9 @@ class _Lives:
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
         streams = streams_of(c, sums)
-        passed = abs(streams[2:4, 0].sum() / max(float(machinery.R[R_TRAPPED]), 1e-300))
-        streams[:2, 0] = 0.0
+        out = streams[DISCHARGE_IN : DISCHARGE_OUT + 1, OF_GAS].sum()
+        passed = abs(out / max(float(machinery.R[R_TRAPPED]), 1e-300))
+        streams[: SUCTION_OUT + 1, OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.made)
         at, n = float(c.P[P_INJECTION]), machinery.n
         y = np.zeros(c.chambers * n)
@@ -325,8 +333,8 @@ def _together(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: Cyc
     return evaluate(problem, finer).figures if finer.status == "ok" else None
 
 
-def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures | None:
-    """Return the figures of the cycle that closes with finer steps from the closed one; None where none does.
+def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution | None:
+    """Return the cycle that closes with finer steps from the closed one; None where none does.
 
     A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
     off by is far less than what the cycle is off by. It goes the way that closed it and may cost as much as a fallback.
@@ -339,4 +347,4 @@ def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: 
     else:
         hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
         finer = relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
-    return evaluate(problem, finer).figures if finer is not None and finer.status == "ok" else None
+    return finer if finer is not None and finer.status == "ok" else None
