@@ -34,16 +34,16 @@ def _without_end() -> list[Case]:
         "the model has no walls to cool, drives out the fresh; "
     )
     swings = heats + "over time the chambers heat, empty, cool and fill in a swing of many pitches"
-    damped = heats + "a steady cycle is there, and damped closing reaches it"
-    closed = ("the cycle closed only with damped closing",)
     beside = swings + ". A steady cycle is there beside it, and a search by Newton's method finds it"
-    afar = ("the cycle closed only with Newton's method from afar",)
+    found = "the cycle closed only with Newton's method from afar"
+    afar = found, "the machine does not stay on this cycle"
+    nearly = heats + "the chambers swing for long; a small change grows by 1 % a pitch about the cycle that is found"
     return [
         Case("found: heats without end", BLOWN, beside, says=afar, slow=True),
         Case("found: heats and empties in a swing", SWINGING, beside, says=afar, slow=True),
-        Case("found: closes only damped", {**BLOWN, **COUPLED_HYDROGEN}, damped, says=closed, slow=True),
-        Case("found: closes only damped, hot", HOT, damped, says=closed, slow=True),
-        Case("found: closes only damped, at hardly any pressure ratio", HELIUM, damped, says=closed, slow=True),
+        Case("found: swings for long", {**BLOWN, **COUPLED_HYDROGEN}, nearly, says=(found,), slow=True),
+        Case("found: swings, hot", HOT, beside, says=afar, slow=True),
+        Case("found: swings, at hardly any pressure ratio", HELIUM, beside, says=afar, slow=True),
     ]
 
 
@@ -131,7 +131,7 @@ def found_cases() -> list[Case]:
             "found: nothing flows at the discharge port, coupled",
             {**NO_OUTFLOW, "numerics.closing": "coupled"},
             "the same by coupled chambers, which acceleration leads astray",
-            most=20_000_000,
+            most=1_200_000,
             says=("closing without acceleration",),
             slow=True,
         ),

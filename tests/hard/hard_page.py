@@ -30,10 +30,11 @@ off*: the first guess of the cycle is multiplied, and all figures come out the s
 of each kind of failure.
 
 Where the first try does not close a cycle (`numerics.closing` other than `histories`), a tighter tolerance of the
-steps, damped closing, closing without acceleration, a continuation from four times the speed and a search by Newton's
-method are tried, and a warning of the result says which one it took; those that Newton's correction does not spare have
-a case below (*closes only …*, *heats …*), continuation none any more (*closes by Newton, wet*). The error of such a
-cycle is estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message
+steps, closing without acceleration, damped closing with searches by Newton's method between, a continuation from four
+times the speed and longer searches are tried. A warning of the result says which one it took, another where the
+machine's own course leads away from the cycle that was found; those that Newton's correction does not spare have a case
+below (*closes only …*, *heats …*, *swings …*), continuation none any more (*closes by Newton, wet*). The error of such
+a cycle is estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message
 says how much the states still change and how hot the gas gets
 ([numerics.md](numerics.md): cycles that are not there to be found).
 

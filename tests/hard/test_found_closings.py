@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from fuzz_space import changes, drawn
 from scenes import closed, make
 
 from screwsim.cycle.coordinates import logarithms
+from screwsim.cycle.feedback import image, set_unknowns
 from screwsim.cycle.guess import begin, leased
 from screwsim.cycle.mixing import Pace
 from screwsim.cycle.problem import problem_of
@@ -17,8 +19,10 @@ from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.model import leases
 from screwsim.numerics.integrators import check_of
 from screwsim.simulate import simulate
+from screwsim.solve.stability import GROWS
 
 SEED = 1
+PITCHES, TURNED = 23, 10
 LEFT_BY_PITCHES, AHEAD_OF_ITS_LINE, LITTLE_OIL = 2275, 14324, 16300  # indices of scenes of that seed
 
 
@@ -54,7 +58,7 @@ def test_search_finds_the_cycle_that_pitches_leave():
         assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.wanted.tolerance
         again = searched(problem, machinery, problem.wanted, found.y * np.exp(1e-2))
         assert again is not None
-        assert np.abs(logarithms(again, c) - place).max() < 1e-3
+        assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
         y = found.y * np.exp(1e-3)
         swung = close_together(problem, machinery, problem.wanted, y, Pace(0), 400_000, 300)
         assert swung.status == "not_closed"
@@ -63,10 +67,37 @@ def test_search_finds_the_cycle_that_pitches_leave():
         leases.give_back(machinery)
 
 
+def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave():
+    """It turns and grows: after every `TURNED` pitches it looks as it did, and is nearly nine times as large."""
+    problem = problem_of(scene(LEFT_BY_PITCHES))
+    machinery = leased(problem)
+    try:
+        begin(problem, machinery)
+        start = chambers_at_pitches(machinery)
+        found = sought_on(problem, machinery, problem.wanted, start, Pace(5, 0.3), 2_000_000)
+        assert found.needed == SEARCH
+        assert found.growth > GROWS
+        machinery.put(found.trajectory)
+        c = machinery.composition
+        y, strayed = found.y * np.exp(1e-5), []
+        at = logarithms(found.y, c)
+        for _ in range(PITCHES):
+            _, _, _, q = machinery.pitch(y, FINE, 1e-3)
+            machinery.install_coupled()
+            set_unknowns(problem, machinery, image(problem, machinery.trajectory, q))
+            y = machinery.shift(y)
+            strayed.append(float(np.linalg.norm(logarithms(y, c) - at)))
+        assert strayed[-1] < 0.03  # still small
+        assert (strayed[-1] / strayed[-1 - TURNED]) ** (1.0 / TURNED) == pytest.approx(found.growth, rel=0.01)
+    finally:
+        leases.give_back(machinery)
+
+
 def test_what_no_pitch_closes_is_searched_and_says_so():
     result = simulate(scene(LEFT_BY_PITCHES))
     assert result.status == "ok", result.message
     assert f"the cycle closed only with {SEARCH}" in result.warnings
+    assert any(text.startswith("the machine does not stay on this cycle") for text in result.warnings)
     assert max(size for size in result.error.values() if size is not None) <= 3e-4
 
 

@@ -62,9 +62,13 @@ def again(
         hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
         found = _close(problem, machinery, wanted, y, hope, cycle.tangents)
     else:
-        found = sought(problem, machinery, wanted, cycle.y.copy()) if cycle.needed == SEARCH else None
+        found = None
+        if cycle.needed == SEARCH:
+            found = sought(problem, machinery, wanted, cycle.y.copy(), judged=False)
         found = found or close_together(problem, machinery, wanted, cycle.y.copy())
-    return replace(found, needed=cycle.needed, first_gap=cycle.first_gap) if found.status == "ok" else found
+    if found.status != "ok":
+        return found
+    return replace(found, needed=cycle.needed, growth=cycle.growth, first_gap=cycle.first_gap)
 
 
 def _close(

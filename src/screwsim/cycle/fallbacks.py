@@ -1,4 +1,4 @@
-"""What else may close a cycle that did not close: finer steps, damping, no acceleration, another speed, a search."""
+"""What else may close a cycle that did not close: finer steps, no acceleration, damping and searches, another speed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 from screwsim.cycle.guess import begin
 from screwsim.cycle.mixing import FULL, Pace
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.search import SEARCH, possible, sought_on
+from screwsim.cycle.search import SEARCH, judged, possible, sought_on
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
@@ -31,12 +31,18 @@ def fallbacks(
     """Yield what else may close a cycle that did not close: (what it is, how to do it).
 
     `left` is what its last pitch changed: where that is much, finer steps are of no help. All begin from the first
-    guess and close all chambers together, which conserves exactly.
+    guess and close all chambers together, which conserves exactly. The machine's own course comes first: a cycle that
+    it leads to is to be preferred to one that it leaves, which damped pitches and searches find as well. Of what they
+    find `growth` is told, and `needed` where a search did.
     """
 
     def closed(pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted) -> CycleSolution:
         begin(problem, machinery)
         return close_together(problem, machinery, wanted, chambers_at_pitches(machinery), pace, most, PITCHES_OF_A_TRY)
+
+    def damped() -> CycleSolution:
+        pace = Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
+        return sought_from_guess(pace, MOST_OF_A_TRY, early=True) if possible(problem) else closed(pace)
 
     def faster() -> CycleSolution:
         begin(problem, machinery)
@@ -47,18 +53,19 @@ def fallbacks(
         P[P_OMEGA] = omega
         if easier.status == "failed":
             return easier
-        return close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY)
+        cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY)
+        return judged(problem, machinery, wanted, cycle)
 
-    def searching() -> CycleSolution:
+    def sought_from_guess(pace: Pace, most: int, early: bool = False) -> CycleSolution:
         begin(problem, machinery)
-        y = chambers_at_pitches(machinery)
-        return sought_on(problem, machinery, wanted, y, Pace(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
+        cycle = sought_on(problem, machinery, wanted, chambers_at_pitches(machinery), pace, most, early)
+        return cycle if cycle.needed else judged(problem, machinery, wanted, cycle)
 
     if left < OF_STEPS:
         tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
-    yield "damped closing", lambda: closed(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
     yield "closing without acceleration", lambda: closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
+    yield "damped closing", damped
     yield f"continuation from {FASTER:g} times the speed", faster
     if possible(problem):
-        yield SEARCH, searching
+        yield SEARCH, lambda: sought_from_guess(Pace(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)

@@ -10,7 +10,9 @@ Source: P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, sect
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +38,7 @@ LONGEST = 1.0  # step, in coordinates
 LEAST_SHARE = 0.01  # of a Newton step: where only less would do, this is no way to the cycle
 SINGULAR = 1e-12  # a derivative over the largest, below which it tells of no way
 MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates from one beginning ...
+MOST_OF_AN_EARLY_ONE = 700_000  # ... while other ways have not been tried ...
 MOST_STEPS = 60  # ... and steps: those that found a cycle took 42 at most
 MOST_TO_VERIFY = 1_000_000  # and in closing what was found
 BETWEEN = 300_000  # evaluations of damped pitches from one beginning to the next
@@ -47,43 +50,91 @@ def possible(problem: Problem) -> bool:
     return problem.composition.chambers > 1 and not problem.composition.pulsating
 
 
-def sought_on(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int) -> CycleSolution:
-    """Return the cycle found from the states y by searches, each begun some damped pitches after the one before."""
+def sought_on(
+    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int, early: bool = False
+) -> CycleSolution:
+    """Return the cycle found from the states y by searches, each begun some damped pitches after the one before.
+
+    `most` evaluations bound them all, and less each `early` one than another.
+
+    `needed` is set where a search found it; where damped pitches closed it, it is empty. Where none closes, the cycle
+    is the last one that damped pitches left, with its unknowns.
+    """
     budget = int(machinery.counts[2]) + most
     while True:
         cycle = close_together(problem, machinery, wanted, y, pace, BETWEEN, PITCHES_BETWEEN)
         if cycle.status != "not_closed" or machinery.counts[2] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
-        found = sought(problem, machinery, wanted, y.copy())
+        found = sought(problem, machinery, wanted, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH)
         if found is not None:
             return found
         set_unknowns(problem, machinery, met)
 
 
-def sought(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -> CycleSolution | None:
-    """Return the cycle that a search from the states y finds, closed by pitches as any other; None where none is."""
-    found = searched(problem, machinery, wanted, y)
-    if found is None:
+def sought(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    y: Array,
+    most: int = MOST_OF_A_SEARCH,
+    judged: bool = True,
+) -> CycleSolution | None:
+    """Return the cycle that a search from the states y finds, closed by pitches as any other; None where none is.
+
+    Where it is judged, its `growth` tells whether pitches lead to it.
+    """
+    zero = searched(problem, machinery, wanted, y, most, judged)
+    if zero is None:
         return None
     fine = replace(wanted, rtol=min(wanted.rtol, FINE))
-    cycle = close_together(problem, machinery, fine, found, most=MOST_TO_VERIFY)
-    return cycle if cycle.status == "ok" else None
+    cycle = close_together(problem, machinery, fine, zero.y, most=MOST_TO_VERIFY)
+    return replace(cycle, needed=SEARCH, growth=zero.growth) if cycle.status == "ok" else None
 
 
-def searched(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array) -> Array | None:
-    """Return states of all chambers from which a pitch changes next to nothing, the unknowns set to theirs; or None."""
+def judged(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
+    """Return a cycle with its `growth`, where it closed and a search would be possible; the machinery stands on it."""
+    if cycle.status != "ok" or not possible(problem):
+        return cycle
     pitch = _Pitch(problem, machinery, wanted)
-    budget = int(machinery.counts[2]) + MOST_OF_A_SEARCH
+    here = pitch.first(cycle.y.copy())
+    growth = 0.0 if here is None else pitch.growth(here)
+    machinery.put(cycle.trajectory)
+    return replace(cycle, growth=growth)
+
+
+class Zero(NamedTuple):
+    """States of all chambers from which a pitch changes next to nothing, and what a pitch makes of a small change.
+
+    That is the largest absolute value of an eigenvalue of the linearised pitch, in the coordinates of closing: above 1
+    pitches lead away. 0 where it was not asked.
+    """
+
+    y: Array
+    growth: float
+
+
+def searched(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    y: Array,
+    most: int = MOST_OF_A_SEARCH,
+    judged: bool = False,
+) -> Zero | None:
+    """Return the zero that Newton's method finds from the states y, the unknowns set to its own; or None."""
+    pitch = _Pitch(problem, machinery, wanted)
+    budget = int(machinery.counts[2]) + most
     here, share = pitch.first(y), 1.0
     before: tuple[Array, Array] | None = None  # the last step, and the one that was to follow it
     for _ in range(MOST_STEPS + 1):
         if here is None or machinery.counts[2] >= budget:
             return None
         if float(np.abs(here.changed).max()) <= FOUND * wanted.tolerance:
+            growth = pitch.growth(here) if judged else 0.0
             found, met = pitch.values(here.x, here.raw)
             set_unknowns(problem, machinery, met)
-            return found
+            return Zero(found, growth)
         inverse = pitch.inverse(here)
         if inverse is None:
             return None
@@ -176,6 +227,11 @@ class _Pitch:
             return np.linalg.pinv(J, rcond=SINGULAR) if np.isfinite(J).all() else None
         except np.linalg.LinAlgError:
             return None
+
+    def growth(self, here: Place) -> float:
+        """Return the largest absolute value of the eigenvalues of the map, where the last pitch began."""
+        J = self._derivatives(here)
+        return float(np.abs(np.linalg.eigvals(J + np.eye(len(J)))).max()) if np.isfinite(J).all() else math.inf
 
     def _derivatives(self, here: Place) -> Array:
         problem, machinery = self.problem, self.machinery

@@ -24,6 +24,10 @@ from screwsim.numerics.rodas import dense_value
 Array = np.ndarray
 STALL = 3  # pitches without progress of the states
 MAX_PITCHES = 160
+IN_VAIN = 40  # accelerated pitches, all of which change more than `LOST`: over the second half of them no less than ...
+IN_VAIN_PLAIN = 32  # (the same of pitches that are the machine's own course)
+LOST = 0.2
+NEARER = 0.7  # ... this share of what those of the first half changed at least: they lead nowhere
 FARTHEST = 0.3  # change of a pitch above which a linear correction tells nothing
 MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which a cycle that does not close is given up,
 OF_A_CHECK = 20  # so many times that under a check: its pitch may take a million
@@ -72,6 +76,8 @@ def close_together(
         image = np.concatenate([logarithms(machinery.shift(end), c), entries.coordinates(made)])
         gap = float(np.max(np.abs(image - point)))
         gaps.append(gap)
+        if c.chambers > 1 and pace.damping == 1.0 and _lead_nowhere(gaps, IN_VAIN if pace.depth else IN_VAIN_PLAIN):
+            break
         if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
             residual = residuals(problem, machinery.R, q).largest
             if residual <= ENOUGH * wanted.bound:
@@ -104,6 +110,14 @@ def close_together(
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
     """Tell whether trapped mass and work of the last three pitches agree."""
     return len(seen) >= 3 and max(change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
+
+
+def _lead_nowhere(gaps: list[float], count: int) -> bool:
+    """Tell whether so many last pitches changed much, and hardly less in the end: a machine that swings goes on to."""
+    if len(gaps) < count:
+        return False
+    before, last = min(gaps[-count : -count // 2]), min(gaps[-count // 2 :])
+    return last > max(LOST, NEARER * before)
 
 
 def _stands(gaps: list[float], tolerance: float) -> bool:

@@ -30,6 +30,7 @@ class CycleSolution:
     angle: float = 0.0
     change: float = 0.0
     needed: str = ""  # the fallback that it took; empty where the first way closed
+    growth: float = 0.0  # of a small change over a pitch, above 1 where pitches lead away from the cycle; 0: not asked
     first_gap: float = 1.0  # what the first turn changed: how far the guess was off
     residual: float = 0.0  # of waveforms: the larger residual of mass and energy over their bound
     impacts: int = 0  # of the last turn, where something moves between seat and stop

@@ -23,7 +23,7 @@ from screwsim.model.run import Machinery
 from screwsim.numerics.compiling import clock
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
-from screwsim.solve.estimate import estimated_errors
+from screwsim.solve.estimate import FINER, estimated_errors
 
 Array = np.ndarray
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
@@ -76,14 +76,18 @@ def solve(
     for attempt in range(TRIES):
         if cycle.status != "ok" or wanted.check or numerics.error == "none":
             break
-        errors, led = estimated_errors(of, machinery, wanted, cycle)
+        errors, on = estimated_errors(of, machinery, wanted, cycle)
         largest = worst(errors)[1]
         watch.lap("estimating")
         if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
-        factor = max(TIGHTER, AIM * numerics.accuracy / largest)
+        finer = on if isinstance(on, CycleSolution) and problem.parts.shaft is None else None
+        factor = max(TIGHTER, AIM * numerics.accuracy / largest) if finer is None else FINER
         tightness, wanted = tightness * factor, wanted.tighter(factor)
-        tighter = _tighter(problem, machinery, wanted, cycle, led=led)
+        if finer is None:
+            tighter = _tighter(problem, machinery, wanted, cycle, led=on if isinstance(on, Led) else None)
+        else:  # a search is dear: what it found is the next cycle
+            tighter = finer
         watch.lap("closing")
         if tighter.status != "ok":
             break
@@ -151,7 +155,7 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
     for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
         better = attempt()
         if better.status == "ok":
-            return replace(better, needed=name)
+            return better if better.needed else replace(better, needed=name)
     return cycle
 
 

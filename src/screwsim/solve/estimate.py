@@ -21,6 +21,7 @@ from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along, relax
+from screwsim.cycle.search import SEARCH
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution, Hope, Led
 from screwsim.cycle.wanted import Wanted
@@ -54,13 +55,14 @@ class Finer(NamedTuple):
     """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second.
 
     The last may be no life but what a correction makes of the one before: `flow` is what it changes of the net flow,
-    `led` where the machinery stands then.
+    `led` where the machinery stands then. `cycle` is the finer one that a search closed, on which it stands.
     """
 
     lives: Sequence[Figures]
     left: float | None = None
     flow: float = 0.0
     led: Led | None = None
+    cycle: CycleSolution | None = None
 
 
 NOTHING = Finer(())
@@ -68,10 +70,10 @@ NOTHING = Finer(())
 
 def estimated_errors(
     of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution
-) -> tuple[Figures, Led | None]:
+) -> tuple[Figures, Led | CycleSolution | None]:
     """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands.
 
-    And where it stands now, if that is where finer lives lead.
+    And where it stands now, if that is where finer lives lead, or the finer cycle that a search closed.
     """
     found = of.figures
     station()
@@ -92,7 +94,7 @@ def estimated_errors(
     for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
         for name, size in flow_errors(found, lost, by).items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
-    return errors, finer.led
+    return errors, finer.led or finer.cycle
 
 
 def _left_open(of: Evaluation, q: Array) -> dict[str, float]:
@@ -181,7 +183,9 @@ def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSol
     if len(finer.lives) == 1 or _tells(of, finer):
         return finer
     closed = _finer_cycle(of.problem, machinery, wanted, cycle)
-    return Finer([closed]) if closed is not None else finer._replace(led=None)
+    if closed is None:
+        return finer._replace(led=None)
+    return Finer([evaluate(of.problem, closed).figures], cycle=closed if closed.needed == SEARCH else None)
 
 
 def _hidden(of: Evaluation, cycle: CycleSolution) -> bool:
@@ -325,8 +329,8 @@ def _together(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: Cyc
     return evaluate(problem, finer).figures if finer.status == "ok" else None
 
 
-def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures | None:
-    """Return the figures of the cycle that closes with finer steps from the closed one; None where none does.
+def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution | None:
+    """Return the cycle that closes with finer steps from the closed one; None where none does.
 
     A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
     off by is far less than what the cycle is off by. It goes the way that closed it and may cost as much as a fallback.
@@ -339,4 +343,4 @@ def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: 
     else:
         hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
         finer = relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
-    return evaluate(problem, finer).figures if finer is not None and finer.status == "ok" else None
+    return finer if finer is not None and finer.status == "ok" else None

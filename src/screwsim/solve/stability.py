@@ -1,9 +1,10 @@
-"""Whether a machine of one chamber stays on the cycle that was found for it.
+"""Whether a machine stays on the cycle that was found for it.
 
-A periodic state is a fixed point of the turn; what finds it need not care whether the machine's own turns lead to it.
-Those of heavy reeds on soft springs may not: then several cycles exist, and none of them lasts.
+A periodic state is a fixed point of the turn, or of the pitch; what finds it need not care whether the machine's own
+turns lead to it. Those of heavy reeds on soft springs may not: then several cycles exist, and none of them lasts. Nor
+do those of chambers whose gas can hardly get out: they heat, empty and fill in a swing.
 
-Source: docs/reference/slider-crank.md S35.
+Source: docs/reference/slider-crank.md S35; docs/explanation/numerics.md, cycles that are not there to be found.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from screwsim.model.run import Machinery
 TURNS = 20
 STRAYED = 0.01  # change of the work of a turn, over that of the cycle
 EASY = 6.0  # turns in which a cycle closes that the machine's turns lead to anyway
+GROWS = 1.05  # a small change over a pitch; the linearised pitch errs by some 3 %
 
 
 def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> float:
@@ -38,6 +40,11 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
 
 def warnings(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> tuple[str, ...]:
     """Return a warning where the machine does not stay on its cycle."""
+    if cycle.status == "ok" and cycle.growth > GROWS:
+        return (
+            f"the machine does not stay on this cycle: a small change grows to {cycle.growth:.3g} times itself over a "
+            "pitch, so that its own course leads away (larger ports or smaller gaps let the gas out)",
+        )
     if cycle.status != "ok" or strayed(problem, machinery, cycle, rtol) <= STRAYED:
         return ()
     return (
