@@ -60,7 +60,7 @@ the last column names; where one of them has no value it is null, and `notes` sa
 relative error of the figures ([model.md](../model.md), M41), `status` is one of {statuses}.
 """
 TABLES = (
-    ("balance", "Residues of the balances; `bound` is what they are held to.", outputs.BALANCE),
+    ("balance", "Residuals of the balances; `bound` is what they are held to.", outputs.BALANCE),
     ("numerics", "What the solution took.", outputs.NUMERICS),
     ("cycle", "Traces over the angle; `mass_flow_<effect>` for each flow path.", outputs.CYCLE),
     ("ledger", "Where the shaft power goes.", outputs.LEDGER),

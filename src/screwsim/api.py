@@ -50,8 +50,8 @@ def optimum(
 
         best, = screwsim.optimum("point.yaml", "oil_supply.ratio", low=0.5, high=4)
 
-    `low` and `high` are numbers or texts with a unit; without them the range is that of the scene's axis. Without a
-    figure the efficiency is sought, as the command does. `progress` None: a bar where a notebook shows it.
+    `low` and `high` are numbers or texts with a unit; the default is the range of the scene's own axis. The default
+    figure is the efficiency, as for the command. `progress`: None shows a bar in a notebook.
     """
     at = scene_of(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
@@ -75,7 +75,7 @@ def datasheet(
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
-    `sheet.document` holds it in SI units, as `--json` prints it; `output` is where a page or a PDF is written.
+    `sheet.document` is the sheet in SI units, as `--json` prints it; a page or a PDF is written to `output`.
     """
     bar = for_program("datasheet", progress)
     ranges = {"evaporating": evaporating, "condensing": condensing, "suction": suction, "discharge": discharge}
@@ -86,9 +86,9 @@ def datasheet(
 
 
 def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES) -> list[_map.PerformanceMap]:
-    """Return the ten-coefficient maps of a sweep over both temperatures, one a point of its other axes.
+    """Return the ten-coefficient maps of a sweep over both temperatures, one for each point of its other axes.
 
-    The results are a file of a sweep or what `open_results` gives; a scene with such a sweep is swept first by
+    The results are the path of a sweep's file or what `open_results` returns; run the sweep first with
     `screwsim.run_sweep(scene, "map.h5")`.
     """
     return _map.performance_maps(results_of(results), tuple(figures))
@@ -97,7 +97,7 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES)
 def calibrate(
     fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: bool | None = None
 ) -> Calibration:
-    """Return parameters fitted to measured points (`screwsim calibrate`): of a fit, or the path of its file."""
+    """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a fit, or the path of its file."""
     return _calibrate(_read(fit), jobs=jobs, progress=for_program("calibrate", progress))
 
 
@@ -108,17 +108,17 @@ def posterior(
     jobs: int | None = None,
     progress: bool | None = None,
 ) -> Posterior:
-    """Return what measured points tell of parameters as a probability (`screwsim calibrate --posterior`).
+    """Return the posterior distribution of parameters given measured points (`screwsim calibrate --posterior`).
 
         found = screwsim.posterior("x.fit.yaml", predict="later.csv")
         found.parameters[0].low, found.parameters[0].high    the interval of 90 % [SI]
         found.samples                                        (n, parameters) [SI]
-        found.predictions.figures[0].median                  what would be measured at the first point of later.csv [SI]
+        found.predictions.figures[0].median                  predicted at the first point of later.csv [SI]
 
-    `fit` is the path of a fit's file, a fit, or what `calibrate` found, which then is not sought again. `predict` is a
-    CSV file of other operating points, columns as those of the fit's data, figures empty or absent; how well they would
-    be measured say its columns `…_uncertainty`, else the fit's points. Raises SceneError, UsageError (without emcee,
-    the extra `posterior`, too).
+    `fit` is the path of a fit's file, a fit, or what `calibrate` returned, which saves fitting again. `predict` is a
+    CSV file of other operating points with the columns of the fit's data, figures empty or absent; columns
+    `…_uncertainty` state how well they would be measured (default: as the fit's points). Raises SceneError, and
+    UsageError (also if emcee, the extra `posterior`, is not installed).
     """
     asked = fit.fit if isinstance(fit, Calibration) else _read(fit)
     points = () if predict is None else points_to_predict(asked, predict)
@@ -138,8 +138,8 @@ def diagnose(
 ) -> Diagnosis:
     """Return which parameters of a fit's machine have changed, one or two, with probabilities (`screwsim diagnose`).
 
-    `scene` and `data` are files in place of those that a fit's file names; `unchanged` is how probable it is
-    beforehand that nothing changed, `pairs` are the odds of two changes at once against one (0: one alone).
+    `scene` and `data` replace the files that the fit names; `unchanged` is the prior probability that nothing has
+    changed, `pairs` the prior odds of two changes at once against one (0: only single changes).
     """
     asked = _fit_of(fit, scene, data)
     return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=for_program("diagnose", progress))
@@ -157,11 +157,11 @@ def plan(
     jobs: int | None = None,
     progress: bool | None = None,
 ) -> Plan:
-    """Return which candidates to measure next, those that would tell most first (`screwsim plan`).
+    """Return which candidates to measure next, the most informative first (`screwsim plan`).
 
         screwsim.plan("x.fit.yaml", ranges={"operation.speed": ("1000 rpm", "4000 rpm")}, count=2)
 
-    Candidates are those of a CSV file, or all combinations of `levels` values of each of the ranges.
+    Candidates are the points of a CSV file, or all combinations of `levels` values from each range.
     """
     asked = _fit_of(fit, scene, data)
     texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]

@@ -31,7 +31,7 @@ CycleLike = Result | Results | str | os.PathLike[str]
 
 
 def pressure_volume(result: CycleLike, ax: Any = None) -> Any:
-    """Draw the loop of pressure over volume, lines' pressures and marks with it; return the axes."""
+    """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes."""
     return _drawn(cycle.draw_loop, result, ax)
 
 
@@ -54,9 +54,9 @@ def mass_flows(result: CycleLike, ax: Any = None) -> Any:
 
 
 def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
-    """Draw a figure over an axis of a sweep, a curve a value of another; return the axes.
+    """Draw a figure over one axis of a sweep, one curve for each value of a second; return the axes.
 
-    Without a figure that is the efficiency. Axes beyond two stand at their first value, which the title says.
+    The default figure is the efficiency. Further axes are held at their first values, which the title states.
     """
     found = _results(results)
     layout = families.layout_of(found)
@@ -83,7 +83,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
 
 
 def contours(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
-    """Draw a figure as filled contours over two axes of a sweep, with a scale beside; return the axes."""
+    """Draw a figure as filled contours over two axes of a sweep, with a colour bar; return the axes."""
     found = _results(results)
     layout = families.layout_of(found, by_fluid=False)
     if layout is None or layout.curves is None:

@@ -62,7 +62,7 @@ def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]
 
 
 def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
-    """Return the result of one scene; bad physics gives a status and what there is, never an exception.
+    """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file.
     `trace` keeps the cycle over the angle and the ledger, 'ledger' that alone; the ledger is left out without it where
@@ -238,9 +238,8 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     package_open = verdict.of_package(of)
     forbidden = forbidden or none or (why if max(circuit_open, package_open) > bound else "")
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
-    shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
     if status == "not_closed" or max(residuals.values()) > bound:
-        status, left = "not_closed", f"{shown} against the bound {bound:.2g}"
+        status, left = "not_closed", f"{_shown(residuals)} against the bound {bound:.2g}"
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     elif circuit_open > bound:
         status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
@@ -251,7 +250,7 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     elif package_open > bound:
         status, left = "not_closed", f"the package's losses leave {package_open:.2g} of a pressure open"
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
-    unsettled = f"; {{}} cycle does not close: {shown}, bound {bound:.2g}" if status != "ok" else ""
+    unsettled = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if status != "ok" else ""
     unknown = verdict.open_question(of, status == "ok")
     if unknown:
         status, message = "failed", unknown + unsettled.format("their")
@@ -262,6 +261,10 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     return status, message
+
+
+def _shown(residuals: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
 
 
 def warm_up(scene: Scene) -> None:

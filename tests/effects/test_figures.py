@@ -56,6 +56,7 @@ FULL["air_package"] = (
     "effects.separator={cooler: {discharge_temperature: 350 K}}",
     "effects.air_package.aftercooler={pressure_loss: 0.1 bar, approach: 10 K}",
     "effects.air_package.fan={power: 1 kW}",
+    *("gas.fluid=Air", "gas.relative_humidity=0.6"),
 )
 GIVE = sorted(name for name, effect in catalogue().items() if effect.figures)
 

@@ -27,6 +27,18 @@ def table():
 
 
 @pytest.fixture(scope="session")
+def swept_blend(tmp_path_factory):
+    """Return the results of a small sweep over both temperatures of the R454B machine."""
+    axes = {
+        "sweep.operation.evaporating_temperature": ["-10 degC", "-5 degC", "0 degC", "5 degC"],
+        "sweep.operation.condensing_temperature": ["30 degC", "35 degC", "40 degC", "45 degC"],
+    }
+    path = tmp_path_factory.mktemp("blend") / "blend.h5"
+    run_sweep(load(ROOT / "configs" / "r454b" / "point.yaml").with_(axes), path, jobs=1)
+    return open_results(path)
+
+
+@pytest.fixture(scope="session")
 def swept_map(tmp_path_factory):
     """Return the results of a small sweep over both temperatures of the R134a machine, oil uncooled."""
     scene = load(ROOT / "configs" / "r134a" / "map.yaml")

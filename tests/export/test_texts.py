@@ -13,8 +13,13 @@ from screwsim.export.csv_table import csv_table
 from screwsim.export.en12900 import BTU, FIGURES, MOTOR, POUND, en12900_csv, en12900_document
 from screwsim.export.polynomials import polynomials, rated, swept
 from screwsim.export.table import table_of
+from screwsim.export.tespy import tespy_document
+from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
+from screwsim.results import open_results
+from screwsim.scene import loads
 from screwsim.study.performance_map import NAMES, polynomial
+from screwsim.study.sweep import run_sweep
 
 S, D = 2.0, 44.0  # [°C] inside
 
@@ -134,6 +139,32 @@ def test_a_table_has_a_row_a_node(swept_map):
     assert text.startswith("# R134a, compressor map; SI units; error between the nodes not known, as no axis has five")
     power = swept_map.performance["shaft_power"]
     assert [float(row["shaft_power [W]"]) for row in rows] == pytest.approx(power.ravel().tolist())
+
+
+def test_the_condensing_temperature_is_called_by_the_point_that_it_is_of(found, swept_blend, swept_map):
+    # M42: of a pure fluid the bubble point; M316: of a blend the dew point, R454B's 1.4 K above it at 45 degC
+    blend = polynomials(swept_blend, ("cooling_capacity", "shaft_power", "gas_mass_flow"))
+    T_c = max(swept_blend.along("operation.condensing_temperature").ravel())
+    p_d = max(swept_blend.performance["discharge_pressure"].ravel())
+    assert p_d == pytest.approx(constants.dew_pressure("R454B", T_c), rel=1e-9)
+    assert p_d < 0.98 * constants.bubble_pressure("R454B", T_c)
+    for each, point, other in ((found, "bubble", "dew"), (blend, "dew", "bubble")):
+        assert f"condensing ({point}) temperature" in en12900_csv(each)
+        assert f"({point} point)" in en12900_document(each)["D"] and f"({other} " not in en12900_document(each)["D"]
+        assert f"saturated discharge temperature ({point})" in energyplus.notes(each)[1]
+
+
+def test_tespys_bubble_points_are_not_given_a_blends_dew_points(swept_blend):
+    with pytest.raises(UsageError, match=r"blend R454B, whose condensing temperature is that of its dew point"):
+        tespy_document(swept_blend)
+
+
+def test_polynomials_of_fluids_side_by_side_are_refused_in_a_line(swept_blend, tmp_path):
+    scene = swept_blend.scene_yaml
+    fluids = {"sweep.gas.fluid": ["R454B", "R134a"]}
+    run_sweep(loads(scene, "blend.yaml").with_(fluids), tmp_path / "fluids.h5", jobs=1)
+    with pytest.raises(UsageError, match=r"fluids.h5: has an axis of words \(export a sweep of one of them\)"):
+        polynomials(open_results(tmp_path / "fluids.h5"), ("shaft_power",))
 
 
 def test_polynomials_need_both_temperatures(point):

@@ -187,6 +187,21 @@ def test_the_scene_reads_back_and_results_know_the_module():
     assert "gas of own_gases.covolume" in str(explain(scene))
 
 
+def test_a_gas_of_another_back_end_says_itself_whether_its_lines_may_be_liquid():
+    """R134a of 2 bar condenses at 263 K."""
+    cold = {**SCENE["operation"], "suction": {"pressure": "2 bar", "temperature": "255 K"}}
+    scene = {**SCENE, "operation": cold}
+    for model, refused in (("own_gases.dilute", False), ("own_gases.condensing", True)):
+        text = json.dumps({**scene, "gas": {**SCENE["gas"], "model": model}})
+        if refused:
+            with pytest.raises(
+                SceneError, match=r"operation\.suction\.temperature: 255 K .* makes R134a of 2 bar a liquid"
+            ):
+                loads(text)
+        else:
+            assert loads(text).gas.model == model
+
+
 MODULES = {
     "no gas": ("", "cannot be imported (module {} defines no GAS); mend that module"),
     "another": ("GAS = 3\n", "cannot be imported (module {} defines no GAS); mend that module"),

@@ -18,6 +18,8 @@ NO_SCENES = (".fit.yaml", ".stages.yaml")
 CONFIGS = sorted(path for path in (ROOT / "configs").glob("**/*.yaml") if not path.name.endswith(NO_SCENES))
 
 COMPARISONS = sorted((ROOT / "validation").glob("*/*.py"))
+MODULES = sorted((ROOT / "src").rglob("*.py"))
+LONGEST = 380  # lines
 PROGRAMS = sorted(path for folder in ("scripts", "benchmarks") for path in (ROOT / folder).glob("*.py"))
 
 
@@ -83,3 +85,8 @@ def test_every_result_has_unit_and_meaning():
         outputs.KNOCK_OUT,
     ):
         assert all(about.units and about.long_name for about in table.values())
+
+
+def test_no_module_must_be_scrolled_for_long():
+    sizes = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n") for path in MODULES}
+    assert {name: size for name, size in sizes.items() if size > LONGEST} == {}

@@ -20,6 +20,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.simulate import simulate
+from screwsim.study.sweep import sweep
 
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 DOCS = Path(__file__).parents[2] / "docs" / "reference"
@@ -98,7 +99,7 @@ def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
 
     for name in ("AbstractState", "PropsSI"):
         monkeypatch.setattr(coolprop, name, asked)
-    monkeypatch.setattr(constants, "_ask", asked)
+    monkeypatch.setattr(constants, "ask", asked)
     assert close(problem, machinery, problem.wanted).status == "ok"
 
 
@@ -164,6 +165,19 @@ def test_a_cycle_that_condenses_is_refused_with_its_state():
     assert result.message.endswith("; use warmer oil or gas, or gas.two_phase: equilibrium")
     followed = simulate(load(CONFIG, overrides=[*cold, *WET]))
     assert followed.status == "ok" and closed(followed)
+
+
+def test_a_point_whose_isentrope_ends_wet_has_failed_and_ends_no_sweep():
+    """Of a retrograde blend the isentrope from a little superheat ends wet; of more it does not."""
+    heavy = ["gas.fluid=[Isobutane, n-Pentane]", "gas.mass_fractions=[0.5, 0.5]", "oil_supply.temperature=370 K"]
+    lines_of = ["operation.evaporating_temperature=20 degC", "operation.condensing_temperature=80 degC"]
+    cold = load(CONFIG, [*heavy, *lines_of, "operation.superheat=0.5 K"], ["oil_heat"])
+    result = simulate(cold)
+    assert result.status == "failed" and "where an isentrope ends, is wet" in result.message
+    assert result.message.endswith("; use warmer gas in the suction line, or gas.two_phase: equilibrium")
+    found = sweep(cold.with_({"sweep.operation.superheat": ["40 K", "0.5 K", "30 K"]}), jobs=1)
+    assert found.status.values.tolist() == [0, 2, 0]
+    assert simulate(cold.with_({"gas.two_phase": "equilibrium"})).status == "ok"
 
 
 def closed(result):

@@ -1,5 +1,6 @@
 """Scenes solved in a row, each begun from the cycles before: cheaper, and within the tolerances the same."""
 
+import gc
 import math
 from pathlib import Path
 
@@ -137,3 +138,15 @@ def test_a_trend_that_leads_to_no_state_of_a_gas_is_not_followed(one_closed, whe
     ends = machinery.last()[1][: machinery.last()[3], 1]
     grows = 5.0 * thinner.history[1] - 4.0 * before.history[1] if followed else thinner.history[1]
     assert ends == pytest.approx(grows[:, 1], rel=1e-9)
+
+
+def test_what_was_read_of_a_point_is_freed_with_it():
+    points = scenes("oil_supply.ratio")[:3]
+    list(simulate_many(points, trace=False))  # what is kept for good
+    gc.collect()
+    gc.disable()
+    try:
+        list(simulate_many(points, trace=False))
+        assert gc.collect() == 0  # a cycle of references would hold histories until the next search for garbage
+    finally:
+        gc.enable()

@@ -140,7 +140,7 @@ def test_what_a_correction_foretells_is_what_another_life_shows(of, monkeypatch)
 def test_next_to_no_delivery_is_estimated_by_all_chambers_together():
     """Of a machine that delivers 0.3 % of its displacement, lives among its histories repeat what these are off by.
 
-    What is left is a difference of flows 300 times as large, so that three times the accuracy is asked.
+    What is left is a difference of flows 300 times as large: it errs by no less than the gas trapped does, times that.
     """
     asked = ["effects.tip_leakage.gap=0.045 mm", "effects.interlobe_leakage.gap=0.148 mm"]
     scene = load(CONFIGS / "paper" / "point.yaml", [*asked, "operation.speed=410 rpm", "oil_supply.ratio=0.14"])
@@ -148,7 +148,7 @@ def test_next_to_no_delivery_is_estimated_by_all_chambers_together():
     true = simulate(replace(scene, numerics=finer), trace=False).performance
     assert 0.0 < true.volumetric_efficiency < estimate.BARELY
     off = relative_errors(simulate(scene, trace=False).performance, true)
-    assert worst(off)[1] < 3.0 * scene.numerics.accuracy  # it was 19 times
+    assert worst(off)[1] < scene.numerics.accuracy  # it was 19 times
 
 
 def test_no_estimate_is_made_where_none_is_wanted():

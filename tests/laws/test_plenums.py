@@ -5,8 +5,8 @@ import pytest
 from scenes import closed, make, run
 from scipy.integrate import solve_ivp
 
-from screwsim.effects.base import LineFlow
-from screwsim.effects.plenums import offset, pulsation
+from screwsim.effects.base import LineFlow, Turn
+from screwsim.effects.plenums import Behind, Parameters, offset, pulsation
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
@@ -68,6 +68,31 @@ def test_the_mean_drop_is_that_of_the_loss_coefficient():
     line = wave(1, 0.2)
     assert offset(line, 1e-3, 2.0) * line.p == pytest.approx(20e3)
     assert offset(line._replace(flow=-line.flow), 1e-3, 2.0) * line.p == pytest.approx(-20e3)
+
+
+def test_a_plenum_tells_each_turn_its_own_while_another_is_read():
+    """Two solutions of one series share its parts, and threads may read both: the other's turn comes in between."""
+
+    class Shared(Behind):
+        others = ()
+
+        def __setattr__(self, name, value):
+            super().__setattr__(name, value)
+            if name == "_last" and self.others:
+                other, self.others = self.others, ()
+                self.offset(other)
+
+    def turn(k):
+        line = wave(k, 0.2)
+        held = dict.fromkeys(plenum.names, 0.0)
+        return Turn(held, held, {}, {}, {}, 298.15, lambda to: line, 314.0, 1.2, True)
+
+    plenum = Shared("discharge", Parameters(discharge_volume=2e-3, discharge_area=1e-3, discharge_loss=1.0))
+    one, other = turn(1), turn(3)
+    alone = plenum.coefficient(0, one), plenum.coefficient(0, other)
+    assert alone[0] != alone[1]
+    plenum.others = other
+    assert plenum.coefficient(0, one) == alone[0]
 
 
 # ---- with the cycle ------------------------------------------------------------------------------------------------

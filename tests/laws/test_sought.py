@@ -1,5 +1,7 @@
 """Oil flow for a temperature at discharge, economizer in equilibrium: found with the cycle, as if stated."""
 
+from pathlib import Path
+
 import pytest
 from scenes import DROP, ECONOMIZER, make, run
 
@@ -10,6 +12,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study.local import sensitivities
 
+POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 ACCURACY = 3e-4
 LINES = {
     "operation.suction": DROP,
@@ -198,3 +201,17 @@ def test_auto_is_kept_in_the_scene_and_told():
 def test_what_cannot_be_found_is_refused(changes, told):
     with pytest.raises(SceneError, match=told):
         make(changes)
+
+
+def metered(delivered):
+    bore = f"effects={{own_effects.metered: {{delivered: {delivered!r}}}}}"
+    return simulate(screwsim.load(POINT, [bore]), trace=False)
+
+
+def test_an_effect_of_ones_own_may_leave_a_number_open_too():
+    """The core knows such numbers by what an effect says of them, not by its name."""
+    plain = float(simulate(screwsim.load(POINT), trace=False).performance.volumetric_efficiency)
+    found = metered(0.9 * plain)
+    assert (found.status, found.warnings) == ("ok", ())
+    assert found.performance.volumetric_efficiency == pytest.approx(0.9 * plain, rel=ACCURACY)
+    assert "the bore stands at its lowest" in metered(1.2 * plain).warnings

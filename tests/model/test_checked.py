@@ -28,7 +28,7 @@ def checked(monkeypatch):
                 self._checks = False
 
     monkeypatch.setattr(modules, "Module", Checked)
-    monkeypatch.setattr(modules, "_patience", math.inf)  # of the same bits
+    monkeypatch.setattr(modules, "PATIENCE", math.inf)  # of the same bits
     monkeypatch.setattr(modules, "_loaded", {})
     monkeypatch.setattr(leases, "_free", {})
     return modules._loaded

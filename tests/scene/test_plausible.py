@@ -1,5 +1,6 @@
 """What cannot be is refused at its path with a remedy, what hardly is so is warned of; shipped scenes are neither."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,15 @@ def test_what_hardly_is_so_is_taken_and_warned_of_at_its_path(override, what):
     assert warning.startswith(f"{override.partition('=')[0]}: ")
     assert what in warning
     assert "\n" not in warning
+
+
+def test_sizes_are_told_of_the_section_that_states_them_whatever_was_asked_before():
+    machine, effects = "machine.volume.max", "effects.blow_hole.area"
+    stated = [], [f"{machine}=5 cm^3"], [f"{effects}=40 cm^2"]
+    plain, small, wide = (load(CONFIGS / "paper" / "point.yaml", overrides=some) for some in stated)
+    both = replace(wide, machine=small.machine)
+    for scene, paths in 2 * [(plain, []), (small, [machine]), (wide, [effects]), (both, [machine, effects])]:
+        assert [line.partition(":")[0] for line in scene_warnings(scene)] == paths
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: str(path.relative_to(CONFIGS)))

@@ -24,7 +24,7 @@ from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
 from screwsim.model.series import keep
 from screwsim.numerics.remembered import Remembered
-from screwsim.scene.lines import Lines
+from screwsim.scene.lines import Lines, lines
 from screwsim.scene.types import ActiveEffect, Scene
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
@@ -46,19 +46,21 @@ class Stock:
     """
 
     def __init__(self) -> None:
-        self._gas: dict[int, tuple[GasSettings, Gas]] = {}  # by the settings' id
-        self._geometry: dict[int, MachineGeometry] = {}  # the same
+        self._gas: dict[tuple[Any, ...], tuple[GasSettings, Gas]] = {}  # by the settings' id, and what else tells it
+        self._geometry: dict[int, MachineGeometry] = {}  # by the settings' id
         self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
         self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
         self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
 
     def gas(self, scene: Scene) -> Gas:
-        """Return the gas of a scene; the same one where nothing but the scene's gas tells it."""
+        """Return the gas of a scene; the same one where the scene's gas tells it, with an ideal one's temperature."""
         settings = scene.gas
-        if (settings.model != "real" and settings.isentropic_exponent is None) or settings.relative_humidity:
+        told = settings.model == "real" or settings.isentropic_exponent is not None
+        if settings.relative_humidity or not (told or settings.model == "ideal"):
             return build_gas(scene)
-        found = self._gas.get(id(settings))
-        return found[1] if found else keep(self._gas, id(settings), (settings, build_gas(scene)))[1]
+        key = id(settings), None if told else lines(scene).T_s
+        found = self._gas.get(key)
+        return found[1] if found else keep(self._gas, key, (settings, build_gas(scene)))[1]
 
     def geometry(self, machine: MachineSettings) -> MachineGeometry:
         """Return the geometry of a machine."""

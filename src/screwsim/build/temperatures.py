@@ -15,6 +15,7 @@ from screwsim.effects.base import (
     PressureLosses,
 )
 from screwsim.fluid import constants
+from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import Fault, Unfound, UsageError
 from screwsim.numerics.remembered import Remembered
@@ -148,7 +149,7 @@ def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
     """Return first guesses: of a mixture that is warmer than suction gas, and of gas that does not condense."""
     at, T_c = lines(scene), scene.operation.condensing_temperature
     T = at.T_s + WARMED if kept.discharge is None else kept.discharge
-    if T_c is None and (scene.gas.model == "real" or _asking(scene)):
+    if T_c is None and (condenses(scene.gas) or _asking(scene)):
         with suppress(UsageError):  # above the critical pressure
             T_c = constants.saturation_temperature(scene.gas.name, at.p_d)
     mixture = T if T_c is None else max(T, T_c + COOLED)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import struct
+import threading
 import weakref
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -22,6 +23,7 @@ _FLOAT, _INTEGER, _TRUTH = range(3)
 _FLOATS, _INTEGERS = np.dtype(np.float64), np.dtype(np.int64)
 known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
 _contexts: dict[tuple[Any, ...], int] = {}
+_adding = threading.Lock()
 for _of in (FLOAT, INTEGER):
     KINDS += [array(_of, axes) for axes in range(1, MOST_AXES + 1)]
 
@@ -67,13 +69,20 @@ def take(argument: Any, kinds: list[int], words: list[float]) -> None:
             take(each, inner, words)
         names = getattr(argument, "_fields", ())
         key = (names, *inner)
-        if key not in _contexts:
-            KINDS.append(Kind("c", tuple(KINDS[one] for one in inner), names=names))
-            _contexts[key] = len(KINDS) - 1
-        kinds.append(_contexts[key])
+        number = _contexts.get(key)
+        kinds.append(_added(key, names, inner) if number is None else number)
     else:
         kinds.append(_number(argument))
         words.append(float(argument) if kinds[-1] == _FLOAT else int(argument))
+
+
+def _added(key: tuple[Any, ...], names: tuple[str, ...], inner: Sequence[int]) -> int:
+    """Return the number of a kind of context that is met for the first time, or was by another thread just now."""
+    with _adding:
+        if key not in _contexts:
+            KINDS.append(Kind("c", tuple(KINDS[one] for one in inner), names=names))
+            _contexts[key] = len(KINDS) - 1
+        return _contexts[key]
 
 
 def copied(arrays: Sequence[np.ndarray]) -> list[np.ndarray]:

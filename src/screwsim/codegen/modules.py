@@ -31,7 +31,7 @@ _libraries: dict[int, tuple[Module, Any]] = {}  # of the modules that were compi
 _writing = threading.RLock()
 MOST_LIBRARIES = 3
 PATIENCE = 5e-6  # [s a byte] that code which was written soon runs before it is written for speed: what that takes
-_patience = PATIENCE
+_measuring: list[object] = []  # who measures times: each step on it is one of the interpreter's own
 
 
 @cache
@@ -52,12 +52,12 @@ def module_name(text: str, of: str) -> str:
 @contextmanager
 def for_speed() -> Iterator[None]:
     """Write code for speed at once, in all threads: where times are measured."""
-    global _patience
-    before, _patience = _patience, 0.0
+    own = object()
+    _measuring.append(own)
     try:
         yield
     finally:
-        _patience = before
+        _measuring.remove(own)
 
 
 def load(text: str, of: str, fast: bool = False) -> Module:
@@ -199,7 +199,7 @@ class Function:
     def _made(self, key: tuple[int, ...]) -> _Calls:
         with self._alone:
             if key not in self._variants:
-                variant, size = self._compiled(key, self._module.fast or _patience == 0.0)
+                variant, size = self._compiled(key, self._module.fast or bool(_measuring))
                 self._variants[key] = _Tried(variant, self, key, size) if size else variant
             return self._variants[key]
 
@@ -225,7 +225,7 @@ class _Tried:
         started = time.perf_counter()
         found = self._variant(words)
         self._ran += time.perf_counter() - started
-        if self._ran > _patience * self._size:
+        if _measuring or self._ran > PATIENCE * self._size:
             self._function.hasten(self._key)
         return found
 

@@ -11,7 +11,17 @@ import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.model.composition import Composition
-from screwsim.model.slots import BETWEEN, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
+from screwsim.model.slots import (
+    BETWEEN,
+    DISCHARGE_OUT,
+    OF_HELD,
+    OF_OIL,
+    Q_HEAT,
+    Q_WALLS,
+    R_INJECTED,
+    R_PRESSURE,
+    R_TRAPPED,
+)
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
@@ -121,7 +131,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
 
 def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
     """Return (h, oil per gas, T_oil) of the outflow's flow-weighted mean; None when nothing flows out."""
-    mass, enthalpy, *of_oil = streams[3].tolist()
+    mass, enthalpy, *of_oil = streams[DISCHARGE_OUT].tolist()
     if not mass < 0.0:
         return None
     ratio = T_oil = 0.0
@@ -133,5 +143,5 @@ def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
 
 def discharge_held(streams: Array) -> float:
     """Return the gas [kg/kg] that the outflow's oil holds in the mean, 0 where it is no state or none flows out."""
-    out = streams[3]
-    return float(out[4] / out[2]) if len(out) == 5 and out[2] < 0.0 else 0.0
+    out = streams[DISCHARGE_OUT]
+    return float(out[OF_HELD] / out[OF_OIL]) if len(out) > OF_HELD and out[OF_OIL] < 0.0 else 0.0

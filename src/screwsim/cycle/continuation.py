@@ -152,31 +152,26 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     last = ALONE
     if len(known) < 2:
         return [last]
-    moved = known[0] != wanted
-    for each in known[1:]:
-        moved |= each != wanted
-    moving = list(zip(*(each[moved].tolist() for each in (*known, wanted)), strict=True))  # few: faster without numpy
-    scales = [max(map(abs, column)) for column in moving]
-    lasts = [(column[-2], scale) for column, scale in zip(moving, scales, strict=True)]
-    ways = [
-        [(x - last_x) / scale for x, (last_x, scale) in zip(point, lasts, strict=True)]
-        for point in zip(*moving, strict=True)
-    ]
-    line = [-x for x in ways[-3]] if ways else []  # from the last but one to the last
-    length = _product(line, line)
+    every = np.array([*known, wanted])
+    moved = np.logical_or.reduce(every[:-1] != wanted)
+    along, squares = [0.0] * len(every), [0.0] * len(every)
+    for column in every[:, moved].T.tolist():  # few: faster without numpy
+        scale, before, start = max(map(abs, column)), column[-3], column[-2]
+        line = (start - before) / scale  # from the last but one to the last
+        for i, x in enumerate(column):
+            way = (x - start) / scale
+            along[i] += way * line
+            squares[i] += way * way
+    length = squares[-3]
     if length == 0.0:
         return [last]
     places = []
-    for way in ways:
-        place, square = _product(way, line) / length, _product(way, way)
+    for product, square in zip(along, squares, strict=True):
+        place = product / length
         places.append(place if square - place * place * length <= ON_LINE**2 * square else None)
     if places[-1] is None:
         return [last]
     return [*_polynomials(places), last]
-
-
-def _product(a: list[float], b: list[float]) -> float:
-    return sum([x * y for x, y in zip(a, b, strict=True)])
 
 
 def _polynomials(places: list[float | None]) -> list[Array]:
@@ -188,7 +183,7 @@ def _polynomials(places: list[float | None]) -> list[Array]:
         nodes = [place for place in known[first:] if place is not None]
         if len(nodes) < len(known) - first or len(set(nodes)) < len(nodes):
             continue
-        weights = [prod((x - b) / (a - b) for b in nodes if b != a) for a in nodes]
+        weights = [prod([(x - b) / (a - b) for b in nodes if b != a]) for a in nodes]
         if max(map(abs, weights)) <= LARGEST:
             tame.append(np.array(weights))
     return tame

@@ -6,7 +6,7 @@ import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL
 from screwsim.model.composition import Composition
-from screwsim.model.slots import HELD
+from screwsim.model.slots import HELD, S_T_OIL, S_X_OIL
 
 Array = np.ndarray
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
@@ -19,10 +19,10 @@ def logarithms(states: Array, c: Composition) -> Array:
     """
     raw = states.reshape(-1, len(c.states))
     rows = np.maximum(raw, 1e-300)
-    some = c.carried and np.fmin.reduce(rows[:, 3]) <= LEAST_OIL
-    little = np.flatnonzero(rows[:, 3] <= LEAST_OIL) if some else ()
+    some = c.carried and np.fmin.reduce(rows[:, S_X_OIL]) <= LEAST_OIL
+    little = np.flatnonzero(rows[:, S_X_OIL] <= LEAST_OIL) if some else ()
     if some:
-        rows[little, 2:4] = 1.0, LEAST_OIL
+        rows[little, S_T_OIL], rows[little, S_X_OIL] = 1.0, LEAST_OIL
     logs = np.log(rows)
     if c.signed:
         signed = list(c.signed)
@@ -42,9 +42,9 @@ def states_of(mixed: Array, raw: Array, c: Composition) -> Array:
     if signed:
         states[:, signed] = rows[:, signed]
     if c.carried:
-        little = raw[:, 3] <= LEAST_OIL
+        little = raw[:, S_X_OIL] <= LEAST_OIL
         if little.any():
-            oil = slice(2, HELD + 1 if c.dissolves else HELD)
+            oil = slice(S_T_OIL, HELD + 1 if c.dissolves else HELD)
             states[little, oil] = raw[little, oil]
     return states.ravel()
 

@@ -23,9 +23,12 @@ from screwsim.inputs.faults import UsageError, own_number
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
+    DISCHARGE_IN,
+    DISCHARGE_OUT,
     DISSOLVED,
     ENTHALPY,
     FIRST_OWN,
+    OF_GAS,
     OIL_RATIO,
     OIL_TEMPERATURE,
     PLACE,
@@ -138,7 +141,7 @@ def _line_flows(
         """Return the flow over one pitch; its mean is that of the quadratures."""
         number = problem.parts.number(line)
         flow, volume = (each[number] for each in taken())
-        streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, 0]
+        streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, OF_GAS]
         mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
         h = float(life.R[number * PLACE + ENTHALPY])
         p, rho, _h, exponent, *_ = gas.place_of_enthalpy(float(life.R[number * PLACE + PRESSURE]), h)
@@ -197,7 +200,7 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
     if parts.held_back and mean is None:
         return plenum
     given = problem.scene.operation.discharge.temperature is not None
-    back, out = float(streams[2, 0]), -float(streams[3, 0])
+    back, out = float(streams[DISCHARGE_IN, OF_GAS]), -float(streams[DISCHARGE_OUT, OF_GAS])
     all_own = back <= max(out, 0.0) or parts.held_back
     own = 1.0 if all_own else out / back  # share of what flows back that had flowed out before
     if not given:

@@ -13,7 +13,7 @@ from screwsim.model import leases, speed
 from screwsim.model.exchange import station
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
-from screwsim.model.slots import PRESSURE
+from screwsim.model.slots import PRESSURE, S_T, S_X_OIL
 
 Array = np.ndarray
 TRACE = 1e-7  # oil per gas in a first guess where none is supplied
@@ -34,7 +34,7 @@ def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
     y = first_guess(parts, machinery, place[PRESSURE], suction.temperature(place, lines.T_s), lines.p_d)
     if c.carried and oil != 1.0:
         _share_of_oil(machinery, y, oil)
-    set_lines(problem, machinery, float(y[0]), float(y[3]) if c.carried else 0.0)
+    set_lines(problem, machinery, float(y[S_T]), float(y[S_X_OIL]) if c.carried else 0.0)
     return y
 
 
@@ -42,8 +42,8 @@ def _share_of_oil(machinery: Machinery, y: Array, share: float) -> None:
     """Leave a share of the oil in the state y [in place] and along the last history."""
     times, dense, quads, steps = machinery.last()
     states = dense[:steps, :, : machinery.n].copy()
-    states[:, :, 3] *= share
-    y[3] *= share
+    states[:, :, S_X_OIL] *= share
+    y[S_X_OIL] *= share
     machinery.install(times[: steps + 1].copy(), states, quads[:steps].copy())
 
 
@@ -55,7 +55,7 @@ def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess |
     station()
     if guess is not None:
         made = len(problem.entries)
-        set_lines(problem, machinery, float(guess.y[0]), 0.0, float(guess.made[0]))
+        set_lines(problem, machinery, float(guess.y[S_T]), 0.0, float(guess.made[0]))
         set_unknowns(problem, machinery, guess.made[:made])
         speed.put_back(machinery.composition, guess.made[made:])
     return guess

@@ -13,10 +13,12 @@ from screwsim.cycle.problem import Problem
 from screwsim.effects.base import PressureLosses, Turn
 from screwsim.fluid.moist_air import passed_on
 from screwsim.model.places import SOME_OIL
-from screwsim.model.slots import PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.slots import OF_OIL, PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
+from screwsim.numerics.at_once import at_once
 
 
+@at_once
 @dataclass(frozen=True)
 class CycleFigures:
     """What a power loss or a reading can ask of a closed cycle (SI units); `set_speed` to `turn` are for readings."""
@@ -61,6 +63,23 @@ def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
     return pitch_of(life, geometry, min(suction, p_d), float(q[0]) / geometry.pitch, max(suction, p_d))
 
 
+class LazyPitch:
+    """One pitch of all chambers of a life, found when it is first called for.
+
+    It knows nothing of who reads it: without a way back to that, a life which nobody reads any more is freed at once.
+    """
+
+    def __init__(self, problem: Problem, life: Trajectory, q: Array) -> None:
+        self._of = problem, life, q
+        self._found: Pitch | None = None
+
+    def __call__(self) -> Pitch:
+        """Return it."""
+        if self._found is None:
+            self._found = pitch_at(*self._of)
+        return self._found
+
+
 def known_of(
     problem: Problem, life: Trajectory, q: Array, pitch: Callable[[], Pitch] | None = None, turn: Turn | None = None
 ) -> CycleFigures:
@@ -71,7 +90,7 @@ def known_of(
     p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
     p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
-        injected = float(streams_of(problem.composition, q)[PORT_OIL, 2])
+        injected = float(streams_of(problem.composition, q)[PORT_OIL, OF_OIL])
         mass, pressure, lift = life.port_oil()
         if mass > 0.0:
             p_injection, p_delivery = pressure / mass, p_source + lift / mass
@@ -93,7 +112,7 @@ def known_of(
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
         oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
-        pitch=pitch or (lambda: pitch_at(problem, life, q)),
+        pitch=pitch or LazyPitch(problem, life, q),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
         leaked_oil_flow=_leaked_oil(problem, life),

@@ -21,7 +21,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.tangents import angles_of, linearised
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_INJECTION, P_PITCH
+from screwsim.model.slots import P_INJECTION, P_PITCH, S_RHO
 
 Array = np.ndarray
 STALE = 0.6  # change of a corrected turn over that of the one before, above which it is linearised anew ...
@@ -107,7 +107,7 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
 
 def _trapped(c: Composition, start: Array) -> float:
     """Return the relative change of the trapped gas: that of the density where oil is injected, or the largest."""
-    density, index = start.reshape(c.chambers, -1)[:, 1], round(c.P[P_INJECTION] / c.P[P_PITCH])
+    density, index = start.reshape(c.chambers, -1)[:, S_RHO], round(c.P[P_INJECTION] / c.P[P_PITCH])
     return float(density[index]) if index < c.chambers else float(np.abs(density).max())
 
 

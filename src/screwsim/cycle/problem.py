@@ -17,14 +17,17 @@ from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
 from screwsim.effects.base import FlowPath, Made, PressureLosses
 from screwsim.figures import called_for
+from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.composition import Composition
 from screwsim.model.exchange import station
-from screwsim.model.parts import Parts
+from screwsim.model.parts import Effects, Parts
 from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
+from screwsim.numerics.at_once import at_once
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
 from screwsim.numerics.once import once
+from screwsim.numerics.remembered import Remembered
 from screwsim.outputs import Figure
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
@@ -41,6 +44,7 @@ class Inlet(NamedTuple):
     enthalpy: float
 
 
+@at_once
 @dataclass(frozen=True, eq=False)
 class Problem:
     """What is to be solved, and with which numbers every solution of it begins (`composition.P`, read-only).
@@ -65,12 +69,7 @@ class Problem:
 
         It is the injection angle, or where what else is open to that line has closed: the slot of a slide, a bore.
         """
-        at, opens = self.parts.geometry.injection_angle, self.parts.geometry.discharge_opens
-        wide = [path for _, path in self.parts.all(FlowPath) if path.to == "suction" and not path.narrow]
-        closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
-        if closed <= at + NEARLY:
-            return at
-        return closed if opens is None or closed < opens else None
+        return _parted(self.parts.geometry, self.parts.effects)
 
     @once
     def rate(self) -> float:
@@ -178,6 +177,16 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     entries = _entries((*lines_of, *(part.entry for _, part in parts.all(Made))))
     wanted = wanted_of(scene.numerics, tuple(composition.P[composition.widths].tolist()))
     return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
+
+
+@Remembered
+def _parted(geometry: MachineGeometry, effects: Effects) -> float | None:
+    at, opens = geometry.injection_angle, geometry.discharge_opens
+    wide = [path for _, path in effects.all(FlowPath) if path.to == "suction" and not path.narrow]
+    closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
+    if closed <= at + NEARLY:
+        return at
+    return closed if opens is None or closed < opens else None
 
 
 def _h_isentropic(parts: Parts, at: Lines, inlet: Inlet) -> float:

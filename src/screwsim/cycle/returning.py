@@ -16,6 +16,7 @@ import numpy as np
 
 from screwsim.cycle.balances import streams_of
 from screwsim.cycle.problem import Problem
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, OF_OIL
 
 Array = np.ndarray
 MOST = 0.5  # share of what flows back, up to which it is believed that nothing else takes its heat
@@ -50,7 +51,8 @@ def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
         return NOTHING
     if problem.scene.operation.discharge.temperature is not None:
         return NOTHING
-    back, out = streams_of(problem.composition, q)[2:4, [0, 2]].tolist()  # of gas and oil [kg]
+    at_line = streams_of(problem.composition, q)[DISCHARGE_IN : DISCHARGE_OUT + 1]
+    back, out = at_line[:, [OF_GAS, OF_OIL]].tolist()  # [kg]
     gas, oil = parts.gas.c_p, parts.oil.heat_capacity
     comes, goes = (gas * flow[0] + oil * flow[1] for flow in (back, out))
     if not 0.0 < comes < -goes or oil * out[1] > LEAST * gas * out[0]:  # both are negative

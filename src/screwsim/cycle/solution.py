@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.model.slots import R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
+from screwsim.numerics.at_once import at_once
 
 if TYPE_CHECKING:
     from screwsim.cycle.balances import Residuals
 
 
+@at_once
 @dataclass(frozen=True, eq=False)
 class CycleSolution:
     """The outcome of closing: one chamber's life and its quadratures, how far it got, why it stopped.

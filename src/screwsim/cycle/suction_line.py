@@ -22,11 +22,14 @@ from screwsim.model.slots import (
     DENSITY,
     DISSOLVED,
     ENTHALPY,
+    OF_GAS,
     OIL_RATIO,
     OIL_TEMPERATURE,
     PLACE,
     R_DISCHARGE,
     R_SUCTION,
+    SUCTION_IN,
+    SUCTION_OUT,
 )
 from screwsim.numerics.roots import brentq
 
@@ -128,14 +131,14 @@ def _nozzle(place: list[float]) -> tuple[float, ...]:
 
 def back(problem: Problem, R: Array, streams: Array) -> Stream:
     """Return what comes to the suction line from the chambers and from leaks beside them."""
-    return Stream(*(-streams[1]).tolist()).plus(leak(problem, R))
+    return Stream(*(-streams[SUCTION_OUT]).tolist()).plus(leak(problem, R))
 
 
 def fresh(problem: Problem, R: Array, streams: Array) -> float:
     """Return the gas [kg] that the line takes from before it, net, a life: what is sucked less what came back."""
     if not problem.parts.suction_line:
-        return float(streams[0, 0] + streams[1, 0])
-    return Stream(*streams[0].tolist()).fluid - back(problem, R, streams).fluid
+        return float(streams[SUCTION_IN, OF_GAS] + streams[SUCTION_OUT, OF_GAS])
+    return Stream(*streams[SUCTION_IN].tolist()).fluid - back(problem, R, streams).fluid
 
 
 def heat(problem: Problem, power: float) -> float:
@@ -161,7 +164,7 @@ def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -
 
 def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Mixture | None:
     """Return what a life makes of the line; None where nothing is sucked. Raise UsageError where gas has no state."""
-    sucked, returned = Stream(*streams[0].tolist()).fluid, back(problem, R, streams)
+    sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, back(problem, R, streams)
     if not sucked > 0.0:
         return None
     share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0

@@ -26,7 +26,7 @@ from screwsim.effects.base import Effect, Faults, Given, Intake, LosesPressure, 
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.outputs import Figure, efficiency, names_of, over, power_figure
+from screwsim.outputs import CONDENSED, HUMID, Figure, efficiency, names_of, over, power_figure
 
 NAME = "air_package"
 SEPARATED = ("effects.separator",)
@@ -63,6 +63,17 @@ _named = (
     power_figure("package_heat", "heat that leaves the package but with its air", needs=SEPARATED),
 )
 FIGURES = (*_always, *_named)
+OF_WATER = (  # found with what else becomes of the water (M361)
+    Figure(
+        "package_vapour_flow",
+        "kg s-1",
+        "water that leaves as vapour at the package's outlet",
+        CONDENSED,
+        HUMID,
+        shown="kg h-1",
+    ),
+    Figure("package_dew_point", "K", "dew point of the air at the package's outlet", needs=HUMID),
+)
 
 
 def _loss() -> float:
@@ -251,5 +262,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    figures=FIGURES,
+    figures=(*FIGURES, *OF_WATER),
 )

@@ -29,6 +29,7 @@ from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Turn
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
 from screwsim.effects.parts.plenums import Drawn, Plenum, Site
 from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
+from screwsim.effects.parts.sought import Sought, Span
 from screwsim.effects.parts.states import ChamberState, HeatRate, Stops, Wall
 from screwsim.fluid.settings import OilProperties
 from screwsim.inputs.faults import Fault
@@ -67,6 +68,8 @@ __all__ = [  # all that an effect's file imports
     "Separator",
     "Shaft",
     "Site",
+    "Sought",
+    "Span",
     "Stops",
     "SuctionHeat",
     "SuctionLine",

@@ -51,7 +51,7 @@ def window(size: float, opens: float, closes: float, flow_coefficient: float) ->
     """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
     angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
     values, breakpoints = {"size": size, **angles}, tuple(angles.values())
-    return FlowPath("suction", area, values, breakpoints, flow_coefficient=flow_coefficient)
+    return FlowPath("suction", area, values, breakpoints, flow_coefficient=flow_coefficient, beside=True)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:

@@ -11,15 +11,17 @@ Parameters: temperature (saturation) or pressure, superheat, opens, closes, area
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
+from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
@@ -28,19 +30,22 @@ from screwsim.outputs import COOLED, Figure
 
 NAME = "economizer"
 GAIN = "economizer_capacity_gain"
+DRAW = "economizer_draw_ratio"
 DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
+PER_FOLD = 8.0  # [K] by which the temperature is about wrong where the port draws e times what there is
+APART = 0.5  # [K] at least, from both lines and from the liquid that is cooled
 FIGURES = (
     Figure("economizer_temperature", "K", "saturation temperature in the economizer"),
     Figure("economizer_pressure", "Pa", "pressure in the economizer"),
     Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer"),
     Figure("economizer_flow_ratio", "1", "economizer flow over net suction flow"),
-    Figure("economizer_draw_ratio", "1", "vapour that its port draws over that which the liquid makes", needs=COOLED),
+    Figure(DRAW, "1", "vapour that its port draws over that which the liquid makes", needs=COOLED),
     Figure(GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", needs=COOLED),
 )
 
 
 @dataclass(frozen=True)
-class Parameters(WindowParameters):
+class Parameters(WindowParameters, Sought):
     """The port, and the economizer behind it."""
 
     area: float = quantity("area", "area of the port", gt=0.0)
@@ -72,6 +77,59 @@ class Parameters(WindowParameters):
         if isinstance(self.pressure, Found) and self.temperature is None:
             object.__setattr__(self, "temperature", Found(self.pressure))
             object.__setattr__(self, "pressure", None)
+
+    # ---- a temperature that is found (M371) ----------------------------------------------------------------------
+
+    @property
+    def is_open(self) -> bool:
+        """Is the temperature found?"""
+        return isinstance(self.temperature, Found)
+
+    @property
+    def stands(self) -> float | None:
+        """The temperature [K]; None where it has no value yet."""
+        T = self.temperature
+        return float(T) if T is not None and T > 0.0 else None
+
+    def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
+        """Return the temperatures between evaporation and the liquid that an economizer can cool."""
+        operation, fluid = facts.operation, facts.gas.name
+        low = operation.evaporating_temperature or constants.saturation_temperature(fluid, suction_pressure())
+        cooler, T_c = operation.gas_cooler, operation.condensing_temperature
+        if cooler is not None:
+            limits = constants.limits(fluid)
+            most = cooler.outlet_temperature if limits is None else limits.T_critical - 1.0
+            liquid, warmest = cooler.outlet_temperature, most
+        else:
+            liquid = constants.condensed(fluid, T_c or 0.0) - (operation.subcooling or 0.0)
+            warmest = T_c or liquid
+        approach = self.approach if self.kind == "heat_exchanger" else 0.0
+        return Span(low + APART, max(min(liquid - approach, warmest) - APART, low + APART))
+
+    def first(self, span: Span) -> float:
+        """Return a first guess of the temperature [K]."""
+        return span.low + 0.4 * (span.high - span.low)
+
+    def placed(self, x: float) -> dict[str, Any]:
+        """Return the temperature."""
+        return {"temperature": Found(x)}
+
+    def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
+        """Return by how much the temperature is about wrong [K]: the port draws less of a warmer economizer's."""
+        ratio = figures.get(DRAW)
+        return None if ratio is None else (-PER_FOLD * math.log(max(ratio, 1e-2)), PER_FOLD)
+
+    def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
+        """Return that at no temperature the port draws what the liquid gives off."""
+        ratio = figures.get(DRAW)
+        if ratio is None:
+            return ""
+        what = "at no temperature does the economizer's port draw what the liquid gives off"
+        end = f"at {x - ZERO_CELSIUS:.1f} degC, the {'lowest' if lowest else 'highest'}"
+        remedy = (
+            "a smaller port, or one that opens later" if ratio > 1.0 else "a larger port, or one that opens earlier"
+        )
+        return f"{what}: {end}, it draws {ratio:.3g} times that ({remedy})"
 
 
 def saturation(parameters: Parameters, fluid: str) -> float:
@@ -110,7 +168,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     p, T = drawn.reservoir.p, saturation(parameters, site.fluid) + parameters.superheat
     evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
     none = "the economizer cools no liquid"
-    found["economizer_draw_ratio"] = evaporating / wanted if wanted > 0.0 else none
+    found[DRAW] = evaporating / wanted if wanted > 0.0 else none
     found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
     return found
 
@@ -121,7 +179,7 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     if flow < 0.0:
         what = f"{-flow:.3g} kg/s flow from the chambers back into the economizer, whose vapour is held at its pressure"
         yield f"{what} (an earlier port, or a higher effects.economizer.temperature or .pressure)"
-    ratio = found.get("economizer_draw_ratio") or 0.0
+    ratio = found.get(DRAW) or 0.0
     if ratio > 1.0 + DRAWN_TOO_MUCH:
         what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes"
         yield f"{what}: its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"

@@ -13,25 +13,35 @@ Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temp
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
-from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
+from screwsim.fluid.models import condenses
+from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES
 from screwsim.outputs import Figure, Scale
 
-NAME = "liquid_injection"
+NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
+DISCHARGE, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
 SHARP_EDGE = 0.61
+VALVE = 10.0  # [K] of a coordinate for a factor e of the valve's opening
+SHUT, FIRST_OPENING = 1e-4, 0.2  # of the valve
+LATENT = 200.0  # [K] by which as much liquid as gas would about cool the gas
+WARMS = 2.0  # heat capacity of oil over that of gas, about
 TENTH = 0.1  # of the net gas flow, over which at the least the liquid's errs: what a step errs by is of all that flows
 FIGURES = (
     Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", Scale(TENTH, ("gas_mass_flow",))),
-    Figure("liquid_injection_flow_ratio", "1", "injected liquid over net suction flow", Scale(TENTH)),
+    Figure(RATIO, "1", "injected liquid over net suction flow", Scale(TENTH)),
     Figure(
         "liquid_injection_opening",
         "1",
@@ -42,7 +52,7 @@ FIGURES = (
 
 
 @dataclass(frozen=True)
-class Parameters(WindowParameters):
+class Parameters(WindowParameters, Sought):
     """The bore."""
 
     area: float = quantity("area", "area of the bore", gt=0.0)
@@ -59,6 +69,57 @@ class Parameters(WindowParameters):
     )
     opening: float | None = number("share of area that the valve leaves open", None, gt=0.0, le=1.0)
 
+    # ---- an opening that is found (M391) -------------------------------------------------------------------------
+
+    @property
+    def is_open(self) -> bool:
+        """Is the valve's opening found?"""
+        return self.discharge_temperature is not None
+
+    @property
+    def stands(self) -> float | None:
+        """The logarithm of the opening times `VALVE`; None where it has no value yet."""
+        return VALVE * math.log(self.opening) if self.opening else None
+
+    def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
+        """Return the ends of the coordinate: all but shut, and wide open."""
+        return Span(VALVE * math.log(SHUT), 0.0)
+
+    def first(self, span: Span) -> float:
+        """Return a first guess of the coordinate."""
+        return VALVE * math.log(FIRST_OPENING)
+
+    def placed(self, x: float) -> dict[str, Any]:
+        """Return the opening."""
+        return {"opening": Found(math.exp(x / VALVE))}
+
+    def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
+        """Return by how much the coordinate is about wrong [K], of what the liquid cools."""
+        wanted, T, ratio = self.discharge_temperature or 0.0, _at_discharge(figures), figures.get(RATIO)
+        if T is None or ratio is None:
+            return None
+        oil = 0.0 if oil_follows else figures.get("oil_ratio") or 0.0
+        cools = max(ratio, 1e-6) * LATENT / (1.0 + WARMS * oil)
+        return VALVE * math.log(max(1.0 + (T - wanted) / cools, 1e-3)), VALVE
+
+    def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
+        """Return that the valve stays shut, or stands wide open, with the temperatures there and wanted."""
+        T = _at_discharge(figures)
+        if T is None:
+            return ""
+        comes, wanted = (f"{each - ZERO_CELSIUS:.1f} degC" for each in (T, self.discharge_temperature or 0.0))
+        if lowest:
+            what = f"the valve of injected liquid stays shut: without it the discharge comes to {comes}"
+            return f"{what}, not to {wanted} (lower effects.{NAME}.discharge_temperature, or none)"
+        what = f"no injected liquid brings the discharge to {wanted}: wide open it comes to {comes}"
+        return f"{what} (a larger effects.{NAME}.area, or a bore that opens earlier)"
+
+
+def _at_discharge(figures: Mapping[str, Any]) -> float | None:
+    """Return the temperature [K] that a sensor at discharge has: of gas and oil, where they come to one."""
+    T = figures.get(MIXTURE)
+    return figures.get(DISCHARGE) if T is None else T
+
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
     def state(site: Site) -> Reservoir:
@@ -66,22 +127,22 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
         return site.gas.liquid(site.p_d - parameters.pressure_loss, site.liquid_enthalpy)
 
     def figures(drawn: Drawn) -> dict[str, float | None]:
-        found = {"liquid_injection_mass_flow": drawn.flow, "liquid_injection_flow_ratio": drawn.ratio}
+        found = {"liquid_injection_mass_flow": drawn.flow, RATIO: drawn.ratio}
         return found if parameters.discharge_temperature is None else {**found, "liquid_injection_opening": opening}
 
     opening = parameters.opening
     bore = parameters if opening is None else replace(parameters, area=opening * parameters.area)
-    return [window_path(NAME, bore), Plenum(NAME, state, figures)]
+    return [window_path(NAME, bore), Plenum(NAME, state, figures, evaporates=True)]
 
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
-    if facts.gas.model != "real":
+    if not condenses(facts.gas):
         yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
     if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
         yield Fault(f"effects.{NAME}", what)
-    elif facts.gas.model == "real" and facts.operation.gas_cooler is None:
+    elif condenses(facts.gas) and facts.operation.gas_cooler is None:
         yield from _loss(parameters.pressure_loss, facts)
         yield from _thermostat(parameters, facts)
 

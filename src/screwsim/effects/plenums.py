@@ -173,7 +173,8 @@ class Behind:
 
     def _found(self, turn: Turn) -> tuple[Mean | None, list[float]]:
         """Return what a turn makes of a plenum with a valve (without: None), and its coefficients; once a turn."""
-        if self._last[0] is not turn.line:
+        of, mean, coefficients = self._last  # at once: threads that read other turns share it
+        if of is not turn.line:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
             before, frequency = held[:, 0] - 1j * held[:, 1], 2.0 * pi * turn.omega / turn.pitch
             line, mean = turn.line(self.to), None
@@ -182,8 +183,9 @@ class Behind:
             else:
                 mean = self._valved(self.valve, line, before, turn, frequency)
                 found = mean.amplitudes
-            self._last = turn.line, mean, np.column_stack([np.real(found), -np.imag(found)]).ravel().tolist()
-        return self._last[1:]
+            coefficients = np.column_stack([np.real(found), -np.imag(found)]).ravel().tolist()
+            self._last = turn.line, mean, coefficients
+        return mean, coefficients
 
     def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> Mean:
         """Return what a turn makes of a plenum with a check valve (M220–M222), met at an offset that was held."""

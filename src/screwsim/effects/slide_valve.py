@@ -59,7 +59,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
     """Return the slot to suction of an area by angle."""
     coefficient, tables = parameters.flow_coefficient, {"curve": curve}
-    return FlowPath("suction", table_area, {}, own, flow_coefficient=coefficient, tables=tables)
+    return FlowPath("suction", table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
 
 
 def _stated(parameters: Parameters, machine) -> list[FlowPath]:
@@ -75,8 +75,10 @@ def _stated(parameters: Parameters, machine) -> list[FlowPath]:
     if parameters.radial_area is not None:
         opens = (1.0 - x) * (parameters.radial_opens or 0.0) + x * (parameters.radial_opens_moved or 0.0)
         angles = {"opens": opens, "full": opens + 2.0 * RAMP, "falls": machine.life - RAMP, "closes": machine.life}
-        values, coefficient = {"size": parameters.radial_area, **angles}, parameters.flow_coefficient
-        found.append(FlowPath("discharge", area, values, tuple(angles.values()), flow_coefficient=coefficient))
+        sized, coefficient = {"size": parameters.radial_area, **angles}, parameters.flow_coefficient
+        found.append(
+            FlowPath("discharge", area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
+        )
     return found
 
 

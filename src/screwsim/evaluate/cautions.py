@@ -13,7 +13,7 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
-from screwsim.model.slots import R_OIL_BEFORE
+from screwsim.model.slots import OF_ENERGY, OF_GAS, OF_OIL, OF_OIL_HEAT, R_OIL_BEFORE, SUCTION_OUT
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Found
@@ -100,14 +100,14 @@ def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str,
 
 def _lost_to_suction(of: Evaluation) -> Iterator[str]:
     """Yield a warning where a good part of the shaft power leaves to the suction line, and is not followed there."""
-    parts, power, out = of.problem.parts, of.figures["shaft_power"], of.streams[1]
+    parts, power, out = of.problem.parts, of.figures["shaft_power"], of.streams[SUCTION_OUT]
     delivers = power > 0.0 and (of.figures["gas_mass_flow"] or 0.0) > 0.0
     if parts.suction_line or parts.geometry.expands or not of.problem.composition.carried or not delivers:
         return
     assert parts.oil is not None  # carried
     T_s = of.problem.lines.T_s + of.problem.pressed(of.problem.lines.p_s)
-    heat = -float(out[1] - of.problem.inlet.enthalpy * out[0])
-    heat -= parts.oil.heat_capacity * float(out[3] - T_s * out[2])
+    heat = -float(out[OF_ENERGY] - of.problem.inlet.enthalpy * out[OF_GAS])
+    heat -= parts.oil.heat_capacity * float(out[OF_OIL_HEAT] - T_s * out[OF_OIL])
     heat *= of.problem.rate
     if abs(heat) > LOST * power:
         brings = "warms" if heat > 0.0 else "cools"

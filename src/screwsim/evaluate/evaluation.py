@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
-from screwsim.cycle.known import CycleFigures, known_of, pitch_at
+from screwsim.cycle.known import CycleFigures, LazyPitch, known_of
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.powers import oil_lift, power_losses, shaft_power
 from screwsim.cycle.problem import Problem
@@ -19,10 +19,12 @@ from screwsim.figures import Performance
 from screwsim.model.exchange import station
 from screwsim.model.slots import R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
+from screwsim.numerics.at_once import at_once
 from screwsim.numerics.once import once
 from screwsim.outputs import Figures
 
 
+@at_once
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """A life of a problem's chambers, and its quadratures q; where closing knows them, what it left open and made."""
@@ -53,14 +55,19 @@ class Evaluation:
     @once
     def pitch(self) -> Pitch:
         """One pitch of all chambers."""
-        return pitch_at(self.problem, self.life, self.q)
+        return self.lazy_pitch()
+
+    @once
+    def lazy_pitch(self) -> LazyPitch:
+        """The same, to be called where it is wanted."""
+        return LazyPitch(self.problem, self.life, self.q)
 
     @once
     def known(self) -> CycleFigures:
         """What a power loss or a reading can ask."""
         parts = self.problem.parts
         turn = self.turn if parts.made or parts.all(Reading) else None
-        return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
+        return known_of(self.problem, self.life, self.q, self.lazy_pitch, turn)
 
     @once
     def losses(self) -> dict[str, float]:

@@ -19,7 +19,7 @@ from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
 from screwsim.model.exchange import station
-from screwsim.model.slots import ENTHALPY, Q_WALLS, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED
+from screwsim.model.slots import ENTHALPY, OF_GAS, Q_WALLS, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED, S_X_OIL
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
 
@@ -136,7 +136,7 @@ def _built_in(problem: Problem, life: Trajectory) -> float | None:
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
     """Return the figures of the oil; its ratio is that at the injection angle, or where a port's injection ends."""
     port, ratio = problem.parts.oil_port, known.oil_mass_flow / flow if flow > 0.0 else math.inf
-    d = life.R[R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, 3]
+    d = life.R[R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, S_X_OIL]
     return {
         "oil_mass_flow": known.oil_mass_flow,
         "oil_ratio": float(d),
@@ -198,7 +198,7 @@ def _of_plenums(
     problem: Problem, sucked: float, streams: Array, about: dict[str, Figure]
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """Return what effects say of the cycle by their own plenums, and why some nothing; `sucked` [kg] a life, net."""
-    found, notes, parts, gas = {}, {}, problem.parts, streams[:, 0]
+    found, notes, parts, gas = {}, {}, problem.parts, streams[:, OF_GAS]
     suction = sucked * problem.rate * (1.0 - problem.suction.returned)
     why = "" if suction > 0.0 else performance.NONE_DELIVERED
     for name, plenum in parts.all(Plenum):

@@ -18,7 +18,7 @@ from screwsim.evaluate.performance import NONE_DELIVERED
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
-from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, R_TRAPPED
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.scene.units import ZERO_CELSIUS
 
@@ -109,7 +109,7 @@ def _out(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | 
         return circuit.outflow.gas_flow
     leak = suction_line.leak(problem, life.R).gas
     returned = problem.suction.returned * suction_line.fresh(problem, life.R, streams)
-    return problem.rate * (-float(streams[DISCHARGE_IN, 0] + streams[DISCHARGE_OUT, 0]) - leak - returned)
+    return problem.rate * (-float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak - returned)
 
 
 def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: float = np.inf) -> float:

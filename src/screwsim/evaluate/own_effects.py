@@ -19,7 +19,19 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Stops
 from screwsim.model.parts import Parts
-from screwsim.model.slots import LOOSE, P_PORT_WIDTH, PLACE, PRESSURE, R_DISCHARGE, R_RATIO, R_SUCTION
+from screwsim.model.slots import (
+    LOOSE,
+    P_PORT_WIDTH,
+    PLACE,
+    PRESSURE,
+    R_DISCHARGE,
+    R_RATIO,
+    R_SUCTION,
+    S_RHO,
+    S_T,
+    S_T_OIL,
+    S_X_OIL,
+)
 from screwsim.model.trajectory import Trajectory
 from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value
@@ -89,7 +101,7 @@ def _first(asked: Asked, points: Sequence[Point]) -> str:
 
 
 def _told(effect: str, what: str, unit: str, point: Point, value: float) -> str:
-    states = f", T = {point.y[0]:.5g} K, p = {point.p / 1e5:.5g} bar" if point.m else ""
+    states = f", T = {point.y[S_T]:.5g} K, p = {point.p / 1e5:.5g} bar" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
     where = f"at {math.degrees(point.phi):.2f} deg{states}"
     return f"effects.{effect}: its {what} is {shown} {where}, which cannot be; mend that module"
@@ -136,17 +148,17 @@ def _stopped(parts: Parts, cycle: CycleSolution) -> tuple[list[Point], list[Poin
             for more in BEYOND:
                 phi = min(cycle.angle + j * geometry.pitch + float(more), geometry.life)
                 state = np.array(y)
-                state[0] *= factor
+                state[S_T] *= factor
                 (here if factor == 1.0 else around).append(_point(parts, cycle.trajectory, phi, state))
     return here, around
 
 
 def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None = None) -> Point:
     c, module, oil = life.composition, life.module, parts.oil
-    V, rho = module.volume_at(phi, c.P, c.TAB), float(y[1])
+    V, rho = module.volume_at(phi, c.P, c.TAB), float(y[S_RHO])
     if p is None:
-        p = float(module.gas_state(float(y[0]), rho, c.P, c.TAB)[0])
-    room = 1.0 + float(y[3]) * rho / oil.density if c.oil_room and oil is not None else 1.0
+        p = float(module.gas_state(float(y[S_T]), rho, c.P, c.TAB)[0])
+    room = 1.0 + float(y[S_X_OIL]) * rho / oil.density if c.oil_room and oil is not None else 1.0
     return Point(phi, y, p, V, rho * V / room)
 
 
@@ -177,13 +189,13 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
     def oil_of(point: Point) -> float:
         """Return oil per gas of a chamber."""
         if c.carried:
-            return float(point.y[3])
+            return float(point.y[S_X_OIL])
         return float(R[R_RATIO]) if point.phi >= parts.geometry.injection_angle else 0.0
 
     for i, (name, _) in enumerate(parts.all(HeatRate)):
 
         def heat(point: Point, i=i) -> float:
-            T, rho, T_oil = (float(value) for value in point.y[:3])
+            T, rho, T_oil = (float(value) for value in point.y[: S_T_OIL + 1])
             oil = oil_of(point) * point.m
             around = point.m, point.p, rho, point.V, point.phi
             return float(module.heat_part(i, T, *around, T_oil, oil, float(R[R_RATIO]), P))
@@ -192,14 +204,14 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
     for i, (name, _) in enumerate(parts.walls):
 
         def conductance(point: Point, i=i) -> float:
-            T, rho = float(point.y[0]), float(point.y[1])
+            T, rho = float(point.y[S_T]), float(point.y[S_RHO])
             return float(module.wall_conductance(i, T, point.m, point.p, rho, point.V, point.phi, P))
 
         yield Asked(name, "conductance", "W/K", conductance, 0.0)
     for i, (name, part) in enumerate(parts.all(ChamberState)):
 
         def rate(point: Point, i=i) -> float:
-            T, rho = float(point.y[0]), float(point.y[1])
+            T, rho = float(point.y[S_T]), float(point.y[S_RHO])
             return float(module.state_rate(i, T, point.m, point.p, rho, point.V, point.phi, *lines, point.y, 0, P))
 
         yield Asked(name, f"rate of {part.name}", "1/s", rate)
@@ -234,7 +246,7 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
 
         def share(point: Point, i=i) -> float:
             """Return the share furthest from what can be."""
-            rho = float(point.y[1])
+            rho = float(point.y[S_RHO])
             found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
             return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)
 

@@ -16,6 +16,7 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import own_number
 from screwsim.model.parts import Parts
+from screwsim.model.slots import OF_GAS
 from screwsim.scene.lines import Lines
 
 Array = np.ndarray
@@ -76,7 +77,7 @@ def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reserv
     """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
     rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
-    return [(float(streams[i, 0] + streams[i + 1, 0]) * rate, state) for i, state in rows]
+    return [(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]) * rate, state) for i, state in rows]
 
 
 def refrigeration(

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from screwsim.effects.base import FlowPath, HeatRate, Wall
+from screwsim.effects.base import FlowPath, HeatRate, Plenum, Wall
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
 from screwsim.scene.lines import Lines
@@ -23,7 +23,6 @@ BACK = 0.5  # of the displacement, that flows back through leaks beyond what is 
 HOT = 700.0  # [K] that oil, seals and rotors do not stand
 BURST = 20.0  # times the higher line's pressure
 NO_MACHINE = "and no machine does so (check its effects)"
-BESIDE = ("slide_valve", "bypass")  # lead to the suction line, and let no gas in
 
 
 class Doubt(NamedTuple):
@@ -65,7 +64,7 @@ def _isothermal(told: Told) -> Iterator[Doubt]:
             f"{words}: the oil comes in at {oil.temperature:.5g} K, colder than the suction gas of {T_s:.5g} K, and "
             "the figure's ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
         )
-    elif told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
+    elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
         yield Doubt(f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?")
     else:
         what = f"{words}: nothing in the scene is colder than the suction gas, {NO_MACHINE}"
@@ -82,7 +81,7 @@ def _isentropic(told: Told) -> Iterator[Doubt]:
         yield Doubt(f"{words}: no expander gives more than that (check its effects)", "isentropic_efficiency")
     elif told.parts.all(HeatRate):
         yield Doubt(f"{words}: oil cools {ideal}")
-    elif told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
+    elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
         yield Doubt(f"{words}: walls or liquid cool {ideal}")
     else:
         yield Doubt(f"{words}: nothing in the scene cools the gas, {NO_MACHINE}", "isentropic_efficiency")
@@ -147,7 +146,7 @@ def doubts(told: Told) -> tuple[Doubt, ...]:
 
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
     """Return that nothing leads from the suction line into a chamber, or from it to the discharge line."""
-    found, leads = [], {path.to for name, path in parts.all(FlowPath) if name not in BESIDE}
+    found, leads = [], {path.to for _, path in parts.all(FlowPath) if not path.beside}
     ports = ("suction_port", "discharge_port")
     for line, port in zip(("suction", "discharge"), reversed(ports) if parts.geometry.expands else ports, strict=True):
         if line in leads:

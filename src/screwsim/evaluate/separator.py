@@ -24,6 +24,11 @@ from screwsim.model.slots import (
     DISCHARGE_OUT,
     ENTHALPY,
     FIRST_OWN,
+    OF_ENERGY,
+    OF_GAS,
+    OF_HELD,
+    OF_OIL,
+    OF_OIL_HEAT,
     PORT_OIL,
     Q_HEAT,
     R_DISCHARGE,
@@ -96,9 +101,9 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     oil = parts.oil
     assert oil is not None
     streams = rate * streams_of(c, q)
-    beyond = (streams[:, 1] - h_ref * streams[:, 0]).tolist()  # [W] of every stream, over gas of the suction line
+    beyond = (streams[:, OF_ENERGY] - h_ref * streams[:, OF_GAS]).tolist()  # [W], over gas of the suction line
     leak = suction_line.leak(problem, life.R).times(rate)
-    out = -float(streams[DISCHARGE_IN, 0] + streams[DISCHARGE_OUT, 0]) - leak.gas
+    out = -float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak.gas
     energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT]) - (leak.enthalpy - h_ref * leak.gas)
     returned = problem.suction.returned * suction_line.fresh(problem, life.R, streams / rate) * rate
     sent_back = returned * (float(life.R[R_DISCHARGE + ENTHALPY]) - h_ref)
@@ -107,26 +112,26 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     supplied = beyond[SUCTION_IN] + beyond[SUCTION_OUT] - sent_back + rate * float(q[0])
     supplied += sum(beyond[2 * i] + beyond[2 * i + 1] for i in own if i not in flashing)
     supplied += rate * float(walls_of(c, q)[:, 0].sum())
-    absorbed = sum(float(streams[2 * i, 0] + streams[2 * i + 1, 0]) for i in flashing)
+    absorbed = sum(float(streams[2 * i, OF_GAS] + streams[2 * i + 1, OF_GAS]) for i in flashing)
     taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
-    injected = rate * float(streams_of(c, q)[PORT_OIL, 2] if c.ported else life.R[R_INJECTED])
+    injected = rate * float(streams_of(c, q)[PORT_OIL, OF_OIL] if c.ported else life.R[R_INJECTED])
     if c.carried:
         T_in = oil.temperature + problem.pressed(max(oil.source_pressure, float(life.R[R_PRESSURE])))
         if c.ported:
             T_in = float(c.P[oil_places(parts)["P_H_PORT"]])
-            taken_up += oil.heat_capacity * float(streams[PORT_OIL, 3] - T_in * streams[PORT_OIL, 2])
+            taken_up += oil.heat_capacity * float(streams[PORT_OIL, OF_OIL_HEAT] - T_in * streams[PORT_OIL, OF_OIL])
         of_line = (SUCTION_IN, SUCTION_OUT) if parts.suction_line else ()
         lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL, *of_line)]
-        energy -= oil.heat_capacity * float((streams[lines, 3] - T_in * streams[lines, 2]).sum())
+        energy -= oil.heat_capacity * float((streams[lines, OF_OIL_HEAT] - T_in * streams[lines, OF_OIL]).sum())
         if parts.suction_line:
             # what comes to the line and is sucked again, and the leak to it, which leaves before the separator
             back = streams[SUCTION_IN] + streams[SUCTION_OUT]
-            kept = oil.heat_capacity * float(back[3] - T_in * back[2])
+            kept = oil.heat_capacity * float(back[OF_OIL_HEAT] - T_in * back[OF_OIL])
             leaked = oil.heat_capacity * (leak.oil_heat - T_in * leak.oil)
             energy -= leaked
             supplied += kept - leaked - (leak.enthalpy - h_ref * leak.gas)
         if isinstance(parts.oil_content, OilSolution) and parts.suction_line:
-            flashed = leak.held - float(streams[SUCTION_IN, 4] + streams[SUCTION_OUT, 4])  # in the line (M272)
+            flashed = leak.held - float(streams[SUCTION_IN, OF_HELD] + streams[SUCTION_OUT, OF_HELD])  # M272
             absorbed += flashed
             taken_up += flashed * (parts.oil_content.enthalpy - h_ref)
             supplied -= flashed * (parts.oil_content.enthalpy - h_ref)

@@ -8,8 +8,9 @@ import numpy as np
 
 from screwsim.effects.base import FlowPath, Reading
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.model.slots import FIRST_OWN, HELD, R_RATIO
+from screwsim.model.slots import FIRST_OWN, R_RATIO
 from screwsim.model.speed import slowness
+from screwsim.model.trace import SAMPLED
 
 TRACE_STEP = 1.0  # degree
 
@@ -20,22 +21,22 @@ def traces(of: Evaluation) -> dict[str, np.ndarray]:
     geometry = parts.geometry
     degrees = trace_angles(geometry.life)
     out, flows = life.sample(np.minimum(np.radians(degrees), geometry.life))
-    found = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
-    found |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
+    seen, states = dict(zip(SAMPLED, out.T, strict=False)), dict(zip(c.states, out.T[len(SAMPLED) :], strict=True))
+    found = {"angle": degrees, **{name: seen[name] for name in ("volume", "pressure", "work")}}
+    found |= {"gas_temperature": states["T"], "gas_mass": states["rho"] * seen["volume"]}
     if c.oil_room and parts.oil is not None:
-        found["gas_mass"] /= 1.0 + out[:, 7] * out[:, 5] / parts.oil.density
+        found["gas_mass"] /= 1.0 + states["x_oil"] * states["rho"] / parts.oil.density
     if "T_oil" in c.states:
         present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
-        found["oil_temperature"] = np.where(present, out[:, 6], np.nan)
-        ratio = out[:, 7] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
+        found["oil_temperature"] = np.where(present, states["T_oil"], np.nan)
+        ratio = states["x_oil"] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
         found["oil_mass"] = ratio * found["gas_mass"]
     if parts.dissolves:
-        found["dissolved_gas_ratio"] = out[:, 4 + HELD]
-    first = out.shape[1] - len(c.own_states)
-    found |= {name: out[:, first + i] for i, name in enumerate(c.own_states)}
+        found["dissolved_gas_ratio"] = states["w_gas"]
+    found |= {name: states[name] for name in c.own_states}
     plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
     to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN and not path.narrow]
-    _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
+    _smooth_plenum_flows(flows, to_lines, parts.omega * seen["mass_rate"])
     films = life.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
     if c.speed_curve is not None:  # the model's flows are those over the mean speed
         slow = np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])

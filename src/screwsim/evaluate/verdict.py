@@ -16,7 +16,7 @@ from screwsim.fluid.limits import Limit, Outside
 from screwsim.machine.kinds import find_machine
 from screwsim.model.impacts import MOST_IMPACTS
 from screwsim.model.pulsation import LOWEST
-from screwsim.model.slots import R_LOCK
+from screwsim.model.slots import R_LOCK, S_RHO, S_T, S_X_OIL
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 
@@ -138,7 +138,7 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     if cycle.impacts > MOST_IMPACTS:
         return f"the turn was left at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
     n, gas = len(problem.composition.states), problem.parts.gas
-    for i, (T, rho) in enumerate(zip(cycle.y[::n], cycle.y[1::n], strict=True)):  # coupled chambers: of each
+    for i, (T, rho) in enumerate(zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True)):  # coupled chambers: of each
         reason = gas.why_outside(float(T), float(rho))
         if reason is not None:
             angle = cycle.angle + i * problem.parts.geometry.pitch
@@ -158,7 +158,7 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     if not parts.oil_room or parts.oil is None:
         return ""
     angle = cycle.angle
-    rho, x = cycle.y[1::n], cycle.y[3::n]
+    rho, x = cycle.y[S_RHO::n], cycle.y[S_X_OIL::n]
     shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
     if R[R_LOCK] > 0.0:
         angle, share = parts.geometry.injection_angle, 1.0

@@ -27,7 +27,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     lines = [
         f"# {found.title}: {found.fluid}",
         f"# {document(found)['formula']}",
-        f"# S evaporating (dew), D condensing (bubble) temperature, {degree}",
+        f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *(f"# {path} = {value:.6g} (SI)" for path, value in found.conditions.items()),
         "table,map,figure,unit," + ",".join(NAMES) + ",largest_error,left_out_error",
     ]

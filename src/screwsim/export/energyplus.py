@@ -112,7 +112,8 @@ def _text(value: Any) -> str:
 def notes(found: Polynomials) -> list[str]:
     """Return what stands before the objects: what they are, where they hold, how far they are off."""
     lines = [f"{found.title}: {found.fluid}; written by screwsim"]
-    lines.append("x: saturated suction temperature (dew), y: saturated discharge temperature (bubble), deg C; W")
+    y = f"saturated discharge temperature ({found.condensing})"
+    lines.append(f"x: saturated suction temperature (dew), y: {y}, deg C; W")
     for one in found.maps:
         errors = ", ".join(f"{figure.replace('_', ' ')} {100 * fit.largest:.2g} %" for figure, fit in one.fits.items())
         over = "/".join(f"{T:g}" for T in rated(one))

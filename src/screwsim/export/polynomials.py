@@ -15,6 +15,7 @@ import numpy as np
 
 from screwsim.export.inputs import Input, read_inputs, spread
 from screwsim.export.source import is_results
+from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, scene_text
@@ -37,6 +38,7 @@ class Polynomials:
     units: dict[str, str]
     conditions: dict[str, float]
     axes: dict[str, str]  # SI units of the other axes
+    condensing: str = "bubble"  # of which point the condensing temperature is: of a blend "dew" (M316)
 
     def name(self, one: PerformanceMap) -> str:
         """Return what tells a map from the others, as part of a name: 'speed_308.923'."""
@@ -86,18 +88,22 @@ def swept(
 
 def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     """Return the polynomials of some figures; raise UsageError where none can be had."""
+    if any(axis.values.dtype.kind != "f" for axis in results.axis_list):
+        raise UsageError(f"{results.path}: has an axis of words (export a sweep of one of them)")
     maps = tuple(one for one in performance_maps(results, figures) if not one.message)
     axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
-    return Polynomials(str(results.attributes["title"]), fluid_of(results), maps, units, conditions(results), axes)
+    fluid, blend = fluid_of(results)
+    point = "dew" if blend else "bubble"
+    return Polynomials(str(results.attributes["title"]), fluid, maps, units, conditions(results), axes, point)
 
 
-def fluid_of(results: Results) -> str:
-    """Return the name of the fluid in the scene of results."""
+def fluid_of(results: Results) -> tuple[str, bool]:
+    """Return the name of the fluid in the scene of results, and whether it is a blend."""
     from ruamel.yaml import YAML
 
     fluid = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]["fluid"]
-    return fluid if isinstance(fluid, str) else "/".join(fluid)
+    return (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
 
 
 def limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -157,7 +163,7 @@ def document(found: Polynomials) -> dict[str, Any]:
         "fluid": found.fluid,
         "formula": "X = C1 + C2 S + C3 D + C4 S^2 + C5 S D + C6 D^2 + C7 S^3 + C8 D S^2 + C9 S D^2 + C10 D^3",
         "S": "evaporating temperature (dew point), degC",
-        "D": "condensing temperature (bubble point), degC",
+        "D": f"condensing temperature ({found.condensing} point), degC",
         "units": found.units,
         "conditions": found.conditions,
     }

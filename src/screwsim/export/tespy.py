@@ -38,6 +38,10 @@ def tespy_document(results: Results) -> dict[str, Any]:
     if lacking:
         raise UsageError(f"{results.path}: has no {lacking[0]}, which TESPy's compressor needs")
     found = polynomials(results, FIGURES)
+    if found.condensing == "dew":
+        what = f"is of the blend {found.fluid}, whose condensing temperature is that of its dew point"
+        theirs = "TESPy's compressor reckons with that of the bubble point (export en12900 or csv)"
+        raise UsageError(f"{results.path}: {what}; {theirs}")
     return document(found) | {
         "for": "tespy.components.PolynomialCompressor: set_attr(**attributes), then frequency as given or another",
         "maps": [_map(results, found, number) for number in range(len(found.maps))],

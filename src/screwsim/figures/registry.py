@@ -14,6 +14,7 @@ from screwsim.effects import catalogue, imported
 from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
 from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model.parts import Parts
+from screwsim.numerics.remembered import Remembered
 from screwsim.outputs import (
     CHANGED,
     CYCLE,
@@ -150,6 +151,7 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     return dict(found)
 
 
+@Remembered
 def _stated(part: Any) -> Any:
     """Return which values a section states, in words or at all: what figures are called for by."""
     if isinstance(part, float) or part is None:  # most of them

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import re
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -20,9 +19,9 @@ from itertools import count
 from typing import Any, NamedTuple
 
 from screwsim.fluid.blend_border import BlendBorder, blend_border
-from screwsim.fluid.blend_flash import dome, table_name
+from screwsim.fluid.blend_flash import table_name
 from screwsim.fluid.blend_wet import blend_wet
-from screwsim.fluid.composition import ENDING, is_blend, predefined
+from screwsim.fluid.composition import is_blend
 from screwsim.fluid.kept import no_fluid
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.store import append_line, read_lines
@@ -60,7 +59,8 @@ def _known() -> dict[str, Any]:
     return dict(json.loads(line) for line in read_lines(_file(), _FULL))
 
 
-def _ask(key: str, question: Callable[[], Any]) -> Any:
+def ask(key: str, question: Callable[[], Any]) -> Any:
+    """Return the answer to a question to CoolProp, which is asked where it is not known by its key."""
     found = _known().get(key)  # at once: what is there stays what it is
     if found is not None:
         return found
@@ -95,7 +95,7 @@ def limits(fluid: str) -> Limits | None:
     """Return the limits of a fluid, those of a blend by its dew line; None for a fluid that is not known."""
     try:
         mixed = _blend(fluid)
-    except UsageError:  # `why_no_blend` says it
+    except UsageError:  # `names.why_no_blend` says it
         return None
     if mixed is not None:
         found = mixed.lines
@@ -112,53 +112,8 @@ def limits(fluid: str) -> Limits | None:
         except (UsageError, ValueError):
             return None
 
-    asked = _ask(f"{fluid} limits", question)
+    asked = ask(f"{fluid} limits", question)
     return None if asked is None else Limits(*asked)
-
-
-def why_no_blend(fluid: str) -> str | None:
-    """Return why a blend is not known, in one line; None for one that is, and for a name of anything else."""
-    try:
-        _blend(fluid)
-    except UsageError as error:
-        return str(error).removeprefix("gas.fluid: ")
-    return None
-
-
-def same_fluid(name: str) -> str | None:
-    """Return the name or alias of the fluid that differs in case, blanks or hyphens only: 'r-134A' gives 'R134a'.
-
-    A name that is merely near belongs to another fluid: R134z is not R134a, and R454B not R404A.
-    """
-
-    def question() -> list[list[str]]:
-        import CoolProp.CoolProp as coolprop
-
-        names = coolprop.get_global_param_string("FluidsList").split(",")
-        return [[each, *coolprop.get_fluid_param_string(each, "aliases").split(",")] for each in names]
-
-    wanted = _bare(name)
-    found = [[each for each in known if _bare(each) == wanted] for known in _ask("fluids", question) if wanted]
-    found = [names for names in found if names]
-    return found[0][0] if len(found) == 1 else None
-
-
-def _bare(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.lower())
-
-
-def blend(name: str) -> str | None:
-    """Return what to write for a blend that is not called as it should be; None for a name that is none of a blend."""
-    wanted = _bare(name.removesuffix(ENDING))
-    for each in predefined():
-        if wanted and wanted == _bare(each.removesuffix(ENDING)):
-            return f"did you mean '{each}'?"
-    if "&" in name or "/" in name:
-        return "write a blend of your own as fluid: [NAME, NAME], with mass_fractions or mole_fractions"
-    if re.fullmatch(r"r[45][0-9]{2}[a-z]?", wanted):
-        what = "R4xx and R5xx are numbers of blends, and CoolProp has none of this one"
-        return f"{what} (write its components as fluid: [NAME, NAME], with mass_fractions)"
-    return None
 
 
 def gas_constant(fluid: str) -> float:
@@ -171,7 +126,7 @@ def gas_constant(fluid: str) -> float:
         state, _ = _abstract_state(fluid)
         return state.gas_constant() / state.molar_mass()
 
-    return _ask(f"{fluid} R", question)
+    return ask(f"{fluid} R", question)
 
 
 def ideal_heat_capacity(fluid: str, T: float) -> float:
@@ -188,7 +143,7 @@ def ideal_heat_capacity(fluid: str, T: float) -> float:
         state.unspecify_phase()
         return value
 
-    return _ask(f"{fluid} cp0 {T!r}", question)
+    return ask(f"{fluid} cp0 {T!r}", question)
 
 
 def isentropic_exponent(fluid: str, T: float) -> float:
@@ -278,17 +233,8 @@ def wet_temperature(fluid: str, p: float, quality: float) -> float:
 
 def _wet(fluid: str, p: float, quality: float) -> tuple[float, float]:
     """Return (T [K], ρ [kg/m³]) of a blend in two phases."""
-    T, rho = _ask(f"{table_name(fluid)} wet {p!r} {quality!r}", lambda: blend_wet(fluid).of_quality(p, quality))
+    T, rho = ask(f"{table_name(fluid)} wet {p!r} {quality!r}", lambda: blend_wet(fluid).of_quality(p, quality))
     return T, rho
-
-
-def why_no_dome(fluid: str) -> str | None:
-    """Return why two phases in equilibrium of a blend are not known, in one line; None where they are."""
-    try:
-        dome(fluid)
-    except UsageError as error:
-        return str(error).removeprefix("gas.two_phase: ")
-    return None
 
 
 def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) -> float:
@@ -302,7 +248,7 @@ def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) 
             what = f"{fluid} has no saturation at {at} (critical: {state.p_critical():.6g} Pa)"
             raise UsageError(f"gas.fluid: {what}") from None
 
-    return _ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
+    return ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
 
 
 def vapour_enthalpy(fluid: str, p: float, T: float) -> float:
@@ -353,7 +299,7 @@ def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
         finally:
             state.unspecify_phase()
 
-    return _ask(f"{fluid} hmass {phase} {p!r} {T!r}", question)
+    return ask(f"{fluid} hmass {phase} {p!r} {T!r}", question)
 
 
 def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
@@ -374,5 +320,5 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
                 return [state.conductivity(), state.viscosity(), state.Prandtl()]
         raise UsageError(f"CoolProp has no transport properties of {fluid} at {p:.6g} Pa, {T:.6g} K")
 
-    conductivity, viscosity, prandtl = _ask(f"{fluid} transport {p!r} {T!r}", question)
+    conductivity, viscosity, prandtl = ask(f"{fluid} transport {p!r} {T!r}", question)
     return conductivity, viscosity, prandtl

@@ -12,6 +12,7 @@ from screwsim.fluid.limits import Outside
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import kernel
+from screwsim.numerics.once import once
 
 T_ZERO = 273.15  # [K] where the entropy's reference is
 
@@ -45,7 +46,7 @@ class IdealGas:
     @property
     def values(self) -> dict[str, float]:
         """Numbers behind the kernel's argument names."""
-        choke, choked = choking(self.k)
+        choke, choked = self.choked
         return {
             "R_gas": self.R,
             "c_v_gas": self.c_v,
@@ -55,12 +56,17 @@ class IdealGas:
             "choked_gas": choked,
         }
 
-    @property
+    @once
+    def choked(self) -> tuple[float, float]:
+        """Drop and ψ² of choking."""
+        return choking(self.k)
+
+    @once
     def c_p(self) -> float:
         """Specific heat capacity at constant pressure [J/(kg K)]."""
         return self.R * self.k / (self.k - 1.0)
 
-    @property
+    @once
     def c_v(self) -> float:
         """Specific heat capacity at constant volume [J/(kg K)]."""
         return self.R / (self.k - 1.0)
@@ -91,7 +97,7 @@ class IdealGas:
 
     def place(self, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum."""
-        return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *choking(self.k)
+        return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *self.choked
 
     def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
         """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""

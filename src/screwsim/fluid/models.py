@@ -14,6 +14,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
+from screwsim.fluid.settings import GasSettings
 from screwsim.numerics.trial import own_module
 
 
@@ -31,9 +32,13 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True)
 class GasModel:
-    """A model by what makes a gas of what a scene says; what it cannot make raises ValueError in words."""
+    """A model by what makes a gas of what a scene says; what it cannot make raises ValueError in words.
+
+    One that `condenses` does so where CoolProp's fluid of that name saturates: a line's gas must lie above that.
+    """
 
     make: Callable[[Asked], Gas]
+    condenses: bool = False
 
 
 def _ideal(asked: Asked) -> IdealGas:
@@ -48,7 +53,7 @@ def _real(asked: Asked) -> RealGas:
     return RealGas(asked.fluid, asked.two_phase)
 
 
-MODELS: dict[str, GasModel] = {"ideal": GasModel(_ideal), "real": GasModel(_real)}
+MODELS: dict[str, GasModel] = {"ideal": GasModel(_ideal), "real": GasModel(_real, condenses=True)}
 
 
 def find_gas_model(name: str) -> GasModel:
@@ -59,6 +64,11 @@ def find_gas_model(name: str) -> GasModel:
     if not isinstance(found, GasModel):
         raise ImportError(f"module {name} defines no GAS")
     return found
+
+
+def condenses(settings: GasSettings) -> bool:
+    """Tell whether the gas of a scene condenses where its fluid saturates."""
+    return find_gas_model(settings.model).condenses
 
 
 def lacking(gas: object) -> list[str]:

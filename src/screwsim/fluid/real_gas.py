@@ -13,57 +13,24 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, log
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from screwsim.codegen.modules import load
-from screwsim.fluid import isobar, limits
-from screwsim.fluid.blend_dome import blend_equilibrium_kernels
 from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.description import Description, describe
-from screwsim.fluid.dome import EquilibriumKernels, equilibrium_kernels, margin_kernel, saturation_kernels
-from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
+from screwsim.fluid.dome import margin_kernel
 from screwsim.fluid.limits import Limit, Outside
+from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phases
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
-from screwsim.inputs.faults import UsageError
-from screwsim.numerics.kept_text import flat_module
+from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kernel import Kernel
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
 LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as saturated
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
-
-
-def two_phases(fluid: str, two_phase: str) -> EquilibriumKernels | None:
-    """Return the kernels of two phases in equilibrium; None where one phase goes on."""
-    if not describe(fluid).glides:
-        return equilibrium_kernels(fluid)
-    return blend_equilibrium_kernels(fluid) if two_phase == "equilibrium" else None
-
-
-@lru_cache(maxsize=64)
-def border(fluid: str, two_phase: str) -> ModuleType:
-    """Return the compiled module of a fluid for use from Python."""
-    known = saturation_kernels(fluid)
-    single = state_kernel(fluid), entropy_kernel(fluid)
-    slots = {
-        "single_state": single[0].flat_name,
-        "single_entropy": single[1].flat_name,
-        "saturated_vapour": known.vapour.flat_name,
-        "saturated_liquid": known.liquid.flat_name,
-        "saturation_temperature": known.temperature.flat_name,
-        "saturation_pressure": known.pressure.flat_name,
-        "margin": margin_kernel(fluid).flat_name,
-    }
-    equilibrium = two_phases(fluid, two_phase)
-    kernels = single if equilibrium is None else (*single, equilibrium.state, equilibrium.entropy)
-    kernels += (known.vapour, known.liquid, known.temperature, known.pressure)
-    calling = (isobar.density, isobar.at_pressure, limits.first_outside)
-    return load(flat_module((*kernels, margin_kernel(fluid)), calling, slots), "fluid")
 
 
 @dataclass(frozen=True)
@@ -113,8 +80,7 @@ class RealGas:
     @property
     def state(self) -> Kernel:
         """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        known = two_phases(self.fluid, self.two_phase)
-        return state_kernel(self.fluid) if known is None else known.state
+        return state_of(self.fluid, self.two_phase)
 
     @property
     def phased_state(self) -> tuple[Kernel, Kernel] | None:
@@ -125,8 +91,7 @@ class RealGas:
     @property
     def specific_entropy(self) -> Kernel:
         """Kernel (T, rho) → s [J/(kg K)]."""
-        known = two_phases(self.fluid, self.two_phase)
-        return entropy_kernel(self.fluid) if known is None else known.entropy
+        return entropy_of(self.fluid, self.two_phase)
 
     @property
     def margin(self) -> Kernel:
@@ -160,7 +125,7 @@ class RealGas:
 
     @cached_property
     def _kernels(self) -> dict[str, Callable[..., Any]]:
-        return _compiled(self)
+        return compiled(self.fluid, self.two_phase)
 
     @cached_property
     def _isobar(self) -> tuple[bool, Callable[..., Any], tuple[float, ...]]:
@@ -263,13 +228,14 @@ class RealGas:
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
 
-        Raises UsageError where a fluid with glide would be wet and that is refused.
+        Raises Unfound where a fluid with glide would be wet and that is refused.
         """
         T, rho = self._at(p, s, True)
         below = self.known.glides and self.two_phase == "refuse" and T < saturation(self.fluid).T_c
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
-            raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
+            what = f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K), where an isentrope ends, is wet"
+            raise Unfound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
@@ -354,7 +320,7 @@ class RealGas:
 @lru_cache(maxsize=64)  # a few states of the lines are asked for again and again
 def _vapour_density(gas: RealGas, p: float, T: float) -> float:
     found = saturation(gas.fluid)
-    return float(_compiled(gas)["density"](p, T, gas.R, found.T_c, found.rho_c))
+    return float(gas._kernels["density"](p, T, gas.R, found.T_c, found.rho_c))
 
 
 @lru_cache(maxsize=64)
@@ -377,22 +343,3 @@ def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[
     if wet is not None:
         return wet
     return at_pressure(p, wanted, entropy, *numbers)
-
-
-@lru_cache(maxsize=64)
-def _compiled(gas: RealGas) -> dict[str, Callable[..., Any]]:
-    """Return the compiled kernels of a gas by what they give."""
-    module, known = border(gas.fluid, gas.two_phase), saturation_kernels(gas.fluid)
-    kernels = {
-        "state": gas.state,
-        "single state": state_kernel(gas.fluid),
-        "entropy": gas.specific_entropy,
-        "vapour": known.vapour,
-        "liquid": known.liquid,
-        "pressure": known.pressure,
-        "temperature": known.temperature,
-        "density": isobar.density,
-        "at_pressure": isobar.at_pressure,
-        "first_outside": limits.first_outside,
-    }
-    return {what: getattr(module, kernel.flat_name) for what, kernel in kernels.items()}

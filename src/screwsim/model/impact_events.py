@@ -1,4 +1,4 @@
-"""Meetings of seat and stop under scipy's integrators, which find them as terminal events of their own.
+"""Impacts on seat and stop under scipy's integrators, which find them as terminal events of their own.
 
 Source: docs/reference/slider-crank.md S32, S33. What happens there is that of `model.impacts`: only the place is found
 otherwise.
@@ -18,7 +18,7 @@ from screwsim.model.places import SHARP
 Array = np.ndarray
 
 
-class Meetings:
+class ImpactEvents:
     """What the pairs of positions and speeds of one chamber meet during a turn."""
 
     def __init__(

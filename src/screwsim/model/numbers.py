@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from screwsim.machine.protocol import MachineSettings
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OIL_NUMBERS, P_FIRST_OIL
+from screwsim.numerics.remembered import Remembered
 from screwsim.numerics.spline import pack_curve
 
 # names that a kernel has for the numbers of the injection orifice
@@ -55,7 +57,7 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     """Return the numbers of the scene that any kernel can ask for by name (docs/reference/nomenclature.md)."""
     settings = parts.geometry.settings
     found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
-    found |= settings.symbols()
+    found |= _of_machine(settings)
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity
@@ -64,11 +66,18 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     return found
 
 
+@Remembered
+def _of_machine(settings: MachineSettings) -> dict[str, float]:
+    return settings.symbols()
+
+
 def operating(parts: Parts) -> dict[str, float]:
     """Return the numbers of P that may change while machine, gas and effects stay, by names of their own."""
-    found = symbols_of(parts) | {SPAN: parts.geometry.pitch / parts.omega}
-    supply = parts.oil.supply if parts.oil is not None else {}
-    return found | {SUPPLY + name: value for name, value in supply.items()}
+    found = symbols_of(parts)
+    found[SPAN] = parts.geometry.pitch / parts.omega
+    for name, value in parts.oil.supply.items() if parts.oil is not None else ():
+        found[SUPPLY + name] = value
+    return found
 
 
 def oil_places(parts: Parts) -> dict[str, int]:

@@ -22,6 +22,7 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
+from screwsim.numerics.at_once import at_once
 from screwsim.numerics.once import once
 
 # of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
@@ -69,6 +70,7 @@ class Effects(dict[str, Sequence[Any]]):
         return self.by_type
 
 
+@at_once
 @dataclass(frozen=True)
 class Parts:
     """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.

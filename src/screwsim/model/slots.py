@@ -120,6 +120,9 @@ E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 # or oil ports also the oil that comes through ports, then in and out of each own plenum: 2 i and 2 i + 1 of plenum i
 SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
 
+# what each carries: gas [kg], its enthalpy [J], oil [kg], that times its temperature, gas that the oil holds [kg]
+OF_GAS, OF_ENERGY, OF_OIL, OF_OIL_HEAT, OF_HELD = range(5)
+
 # quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
 # mass, enthalpy (oil mass, oil mass × T_oil, gas that it holds)
 Q_WORK, Q_HEAT, Q_WALLS = range(3)

@@ -36,6 +36,8 @@ from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_value
 
+SAMPLED = ("volume", "pressure", "work", "mass_rate")  # what `sample` gives beside the states: m³, Pa, J, kg/rad
+
 
 @kernel
 def peak_pressure(times, dense, steps, limit, context):
@@ -71,7 +73,7 @@ def areas_along(angles, i, to_plenum, P, TAB, out):
 
 @kernel
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
-    """Fill out[i] = (V, p, work, dm/dφ, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad].
+    """Fill out[i] = (SAMPLED, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad].
 
     dm/dφ is that by the paths: without gas that oil gives off.
     """

@@ -16,6 +16,7 @@ from screwsim.codegen.calls import Context, copied
 from screwsim.model import compiled, ledger
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext
+from screwsim.model.trace import SAMPLED
 
 Array = np.ndarray
 
@@ -95,9 +96,9 @@ class Trajectory(NamedTuple):
         return (float(self.quads[i, quadrature]) - before) / (ended - began) * (angle - began) + before
 
     def sample(self, angles: Array) -> tuple[Array, Array]:
-        """Return rows of (V, p, work, dm/dφ, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
+        """Return rows of (SAMPLED, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
         c = self.composition
-        out = np.empty((len(angles), 4 + len(c.states)))
+        out = np.empty((len(angles), len(SAMPLED) + len(c.states)))
         flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
         rows = self.times, self.dense, self.quads, self.steps
         with self.alone:

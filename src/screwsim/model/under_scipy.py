@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from screwsim.model.impact_events import Meetings
+from screwsim.model.impact_events import ImpactEvents
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import Slopes, integrate
@@ -28,13 +28,13 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
     held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
-    meetings = None
+    impacts = None
     if c.stops:
-        meetings = Meetings(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
-        meetings.begin(y, rtol)
+        impacts = ImpactEvents(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
+        impacts.begin(y, rtol)
     kernels = module.surroundings__around_chamber, module.chamber__rates, module.chamber__jacobian
     slopes = _slopes(machinery, kernels, context, (own[PLACE : PLACE + 1], own[held]), len(y), c.n_E, machinery.nq)
-    end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, meetings)
+    end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, impacts)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls, path.jacobians])

@@ -9,8 +9,9 @@ import json
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
+from typing import Any
 
 from screwsim.numerics.folder import tell
 from screwsim.numerics.store import keep, read
@@ -24,6 +25,14 @@ class _Wait:
     def __init__(self, kind: str, what: str, usual: str) -> None:
         self._kind, self._what, self._usual = kind, what, usual
         self._began: float | None = None
+
+    def __enter__(self) -> None:
+        self._before = _now.set(self)
+
+    def __exit__(self, kind: type[BaseException] | None, *_: Any) -> None:
+        _now.reset(self._before)
+        if kind is None:
+            self.end()
 
     def begin(self) -> None:
         """Say that something is compiled, once."""
@@ -49,19 +58,12 @@ def _times() -> dict[str, float]:
     return json.loads(read(TIMES) or b"{}")
 
 
-@contextmanager
-def announced(kind: str, what: str, usual: str) -> Iterator[None]:
+def announced(kind: str, what: str, usual: str) -> AbstractContextManager[None]:
     """Say on stderr that `what` is compiled, where something within must be, and how long one of its kind takes.
 
     `usual` says that in words where none was compiled here before.
     """
-    wait = _Wait(kind, what, usual)
-    before = _now.set(wait)
-    try:
-        yield
-    finally:
-        _now.reset(before)
-    wait.end()
+    return _Wait(kind, what, usual)
 
 
 @contextmanager

@@ -7,9 +7,11 @@ an effect gives it declares itself. A result has those that its scene calls for:
 
 from screwsim.outputs.core import (
     CHANGED,
+    CONDENSED,
     COOLED,
     HEATED,
     HELD,
+    HUMID,
     PERFORMANCE,
     WALLED,
 )
@@ -50,11 +52,13 @@ from screwsim.outputs.variables import (
 __all__ = [
     "BALANCE",
     "CHANGED",
+    "CONDENSED",
     "COOLED",
     "CYCLE",
     "EFFICIENCY",
     "HEATED",
     "HELD",
+    "HUMID",
     "ITSELF",
     "KNOCK_OUT",
     "KNOCK_OUT_STATUSES",

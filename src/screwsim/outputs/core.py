@@ -15,7 +15,6 @@ WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a W
 HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
 
 HUMID = ("gas.relative_humidity",)
-HUMID_PACKAGE = ("gas.relative_humidity and effects.air_package",)
 # of what condenses: saturation changes by 15 and more times what the temperature does
 CONDENSED = Scale(15.0, ("water_flow",))
 
@@ -110,15 +109,6 @@ _CORE = (
         ("operation.aftercooler_temperature", "gas.relative_humidity and effects.air_package.aftercooler"),
         shown="kg h-1",
     ),
-    Figure(
-        "package_vapour_flow",
-        "kg s-1",
-        "water that leaves as vapour at the package's outlet",
-        CONDENSED,
-        HUMID_PACKAGE,
-        shown="kg h-1",
-    ),
-    Figure("package_dew_point", "K", "dew point of the air at the package's outlet", needs=HUMID_PACKAGE),
     _humid(
         "chamber_condensate_share",
         "1",

@@ -131,7 +131,7 @@ class Results(Brief):
 
 
 def open_results(path: str | Path) -> Results:
-    """Return the results in a file; raise UsageError, in one line, when it is not a results file of ours."""
+    """Return the results in a file; raise UsageError if screwsim did not write it."""
     path = Path(path)
     with opened(path) as file:
         return _results(path, file, _root(path, file))

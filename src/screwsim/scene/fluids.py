@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from screwsim.fluid import constants
+from screwsim.fluid import constants, names
 from screwsim.fluid.composition import is_blend, own_blend, stated
 from screwsim.fluid.description import describe
 from screwsim.fluid.settings import GasSettings
@@ -26,7 +26,7 @@ def fluid_faults(gas: GasSettings) -> Iterator[Fault]:
     found = list(_stated(gas))
     yield from found
     if not found and constants.limits(gas.name) is None:
-        yield Fault("gas.fluid", constants.why_no_blend(gas.name) or _unknown_fluid(gas.name))
+        yield Fault("gas.fluid", names.why_no_blend(gas.name) or _unknown_fluid(gas.name))
 
 
 def listed_fluid(raw: Any) -> str:
@@ -114,7 +114,7 @@ def _component(name: str) -> str | None:
 def _unknown_fluid(fluid: str, such: str = "R134a, R1234yf, R32, R744, Ammonia or R454B") -> str:
     """Return what is wrong with the name of a fluid; another fluid is never offered for it."""
     shown = repr(fluid[:40])
-    same, blend = constants.same_fluid(fluid), constants.blend(fluid)
+    same, blend = names.same_fluid(fluid), names.blend(fluid)
     if same is not None:
         return f"{shown} {_PURE}; did you mean '{same}'?"
     if blend is not None:

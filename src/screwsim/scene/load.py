@@ -37,8 +37,8 @@ def load(
 ) -> Scene:
     """Return the scene of a YAML file, changed by `PATH=VALUE` overrides and without the named effects.
 
-    `stage` stands before the paths of overrides where they are told of, as it did where they were given ('first.').
-    Raises `SceneError` with one line a fault, `UsageError` for an override or effect name that makes no sense.
+    `stage` is put before the path of an override in messages, as the user wrote it ('first.'). Raises `SceneError` with
+    one line for each fault, and `UsageError` for an override or an effect's name that makes no sense.
     """
     name = shipped(path)
     problems: list[Problem] = []
@@ -57,7 +57,7 @@ def loads(
 ) -> Scene:
     """Return the scene of a YAML text; files and a base are found relative to `folder`.
 
-    `told` stands before an override where its faults are told of.
+    `told` is put before an override in messages about its faults.
     """
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.abspath(folder))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from operator import attrgetter
 
-from screwsim.fluid import constants
+from screwsim.fluid import constants, names
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
+from screwsim.fluid.models import condenses
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.scene.fluids import fluid_faults
@@ -59,7 +60,7 @@ def _gas(scene: Scene) -> Iterator[Fault]:
     if gas.model != "real" and gas.two_phase == "equilibrium":
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
     elif gas.two_phase == "equilibrium" and is_blend(gas.name) and constants.limits(gas.name) is not None:
-        why = constants.why_no_dome(gas.name)
+        why = names.why_no_dome(gas.name)
         if why is not None:
             yield Fault("gas.two_phase", why)
     if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
@@ -167,7 +168,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
         shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
         what = f"{scene.gas.name} has no saturation at the suction pressure {shown}: its {name} pressure is "
         yield Fault(path, f"{what}{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)")
-    if scene.gas.model == "real":
+    if condenses(scene.gas):
         yield from _liquid(scene, T_S, p_s, suction.temperature)
         yield from _liquid(scene, T_D, p_d, scene.operation.discharge.temperature)
 

@@ -14,6 +14,7 @@ from itertools import chain
 from typing import Any
 
 from screwsim.fluid import constants
+from screwsim.fluid.models import condenses
 from screwsim.inputs.declare import ANY, KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import Profile, unread
@@ -130,7 +131,7 @@ def _critical(scene: Scene) -> float:
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield that the oil is so cold that a real gas condenses on it at the discharge pressure."""
     supply = scene.oil_supply
-    if supply is None or supply.temperature is None or scene.gas.model != "real" or not _exchanges(scene):
+    if supply is None or supply.temperature is None or not condenses(scene.gas) or not _exchanges(scene):
         return
     p_d = lines(scene).p_d
     with suppress(UsageError):  # above the critical pressure

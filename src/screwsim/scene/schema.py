@@ -54,7 +54,7 @@ _FLUIDS = {"type": "array", "items": {"anyOf": [{"type": "string"}, _BLEND]}, "m
 
 
 def schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12). What a scene must have is demanded only where it has no base."""
+    """Return the JSON Schema (draft 2020-12). Required keys are required only in a scene without a base."""
     section = scene_section()
     effects = {name: section_of(effect.parameters) for name, effect in catalogue().items()}
     base = "another scene's file, whose paths this one changes"

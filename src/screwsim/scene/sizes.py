@@ -10,21 +10,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache
+from itertools import groupby
 from typing import Any
 
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import Size, Speed
+from screwsim.numerics.remembered import Remembered
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
 RPM = 30.0 / math.pi
 
 
-def _shares(scene: Scene) -> Iterator[tuple[Size, float]]:
-    """Yield each size that the scene states, and its share of what it is measured by."""
-    for size in kind_of(scene.machine).sizes:
+def _shares(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
+    """Yield each of these sizes that the scene states, and its share of what it is measured by."""
+    for size in sizes:
         value = _value(scene, size.path)
         if value is not None:
             yield size, value / size.of(scene.machine)
@@ -60,7 +62,8 @@ def _words(scene: Scene, fast: float, known: Speed) -> str:
 
 def size_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the sizes that do not fit into the machine, and a speed that no machine stands."""
-    yield from _of_sections(scene)[0]
+    for faults, _ in _of_sections(scene):
+        yield from faults
     fast, known = _fast(scene)
     if fast > known.most:
         what = f"{_words(scene, fast, known)}, and no machine stands {known.most:g} m/s (a lower speed; {known.why})"
@@ -78,37 +81,46 @@ def area_fault(scene: Scene, largest: float) -> str | None:
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of sizes that machines hardly have, and of a speed that they hardly reach."""
-    yield from _of_sections(scene)[1]
+    for _, doubts in _of_sections(scene):
+        yield from doubts
     fast, known = _fast(scene)
     if fast > known.usual:
         yield "operation.speed", f"{_words(scene, fast, known)} (usual: at most {known.usual:g} m/s)"
 
 
 _Told = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]
-_last: tuple[Any, Any, Any, _Told] = None, None, None, ((), ())  # sections that state sizes, and what is of them
+_last: dict[int, tuple[Any, Any, _Told]] = {}  # by number of a section: machine and section that were looked at last
 
 
-def _of_sections(scene: Scene) -> _Told:
-    """Return faults and doubts of the sizes; cases that share the sections which state sizes share these, too."""
-    global _last
-    machine, effects, supply, found = _last  # at once: threads share it
-    if not (scene.machine is machine and scene.effects is effects and scene.oil_supply is supply):
-        found = tuple(_beyond(scene)), tuple(_unusual(scene))
-        _last = scene.machine, scene.effects, scene.oil_supply, found
-    return found
+def _of_sections(scene: Scene) -> Iterator[_Told]:
+    """Yield faults and doubts of the sizes of each section; cases that share machine and section share these, too."""
+    machine = scene.machine
+    for number, (head, sizes) in enumerate(_by_section(kind_of(machine).sizes)):
+        part = getattr(scene, head)
+        last = _last.get(number)  # at once: threads share it
+        if last is None or last[0] is not machine or last[1] is not part:
+            told = tuple(_beyond(scene, sizes)), tuple(_unusual(scene, sizes))
+            last = _last[number] = machine, part, told
+        yield last[2]
 
 
-def _beyond(scene: Scene) -> Iterator[Fault]:
+@Remembered
+def _by_section(sizes: tuple[Size, ...]) -> tuple[tuple[str, tuple[Size, ...]], ...]:
+    """Return sizes in their order, by the section of a scene that states them."""
+    return tuple((head, tuple(each)) for head, each in groupby(sizes, lambda size: _keys(size.path)[0]))
+
+
+def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
     """Yield the sizes that do not fit into the machine."""
-    for size, share in _shares(scene):
+    for size, share in _shares(scene, sizes):
         if share > size.most:
             what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which cannot be"
             yield Fault(size.path, f"{what} ({size.remedy})")
 
 
-def _unusual(scene: Scene) -> Iterator[tuple[str, str]]:
+def _unusual(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of sizes that machines hardly have."""
-    for size, share in _shares(scene):
+    for size, share in _shares(scene, sizes):
         low, high = size.usual
         if not low <= share <= high:
             bound = f"at most {high:g}" if share > high else f"at least {low:g}"

@@ -122,7 +122,7 @@ class Operation:
         "temperature", "dew point at p_s, instead of suction.pressure", None, gt=0.0
     )
     condensing_temperature: float | None = quantity(
-        "temperature", "bubble point at p_d, instead of discharge.pressure", None, gt=0.0
+        "temperature", "bubble point (of a blend: dew point) at p_d, instead of discharge.pressure", None, gt=0.0
     )
     superheat: float | None = quantity(
         "temperature_difference",

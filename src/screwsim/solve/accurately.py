@@ -20,6 +20,7 @@ from screwsim.figures.errors import worst
 from screwsim.model import speed
 from screwsim.model.exchange import here, station
 from screwsim.model.run import Machinery
+from screwsim.model.slots import S_RHO, S_T
 from screwsim.numerics.compiling import clock
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
@@ -167,7 +168,7 @@ def _outside(problem: Problem, cycle: CycleSolution) -> bool:
     gas, n = problem.parts.gas, len(problem.composition.states)
     if cycle.status == "failed":
         first = cycle.how == "coupled" and cycle.turns * problem.composition.chambers <= 1.0
-        states = zip(cycle.y[::n], cycle.y[1::n], strict=True) if first else [cycle.y[:2]]
+        states = zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True) if first else [cycle.y[:2]]
         return any(gas.why_outside(float(T), float(rho)) is not None for T, rho in states)
     return gas.first_outside(*cycle.trajectory.ends) is not None
 

@@ -30,7 +30,7 @@ from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slices import INSIDE
-from screwsim.model.slots import P_INJECTION, P_PITCH, R_TRAPPED
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, P_INJECTION, P_PITCH, R_TRAPPED, SUCTION_OUT
 from screwsim.model.trajectory import Array
 from screwsim.outputs import Figures
 
@@ -49,6 +49,7 @@ FAITHFUL = 0.15  # share that corrections missed when closing, below which where
 DELIVERS = 0.2  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 BARELY = 0.03  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
+BY_CHANCE = 0.3  # of what the gas trapped errs by: what is delivered, a small part of it, errs by no less
 
 
 class Finer(NamedTuple):
@@ -91,6 +92,8 @@ def estimated_errors(
     for name, size in errors.items():
         errors[name] = whole * size + left if size is not None else None
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
+    if _hidden(of, cycle) and _filling(found) > 0.0:
+        lost_flow["by_flow"] = BY_CHANCE * (errors.get("trapped_mass") or 0.0) / _filling(found)
     for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
         for name, size in flow_errors(found, lost, by).items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
@@ -299,8 +302,9 @@ class _Lives:
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
         streams = streams_of(c, sums)
-        passed = abs(streams[2:4, 0].sum() / max(float(machinery.R[R_TRAPPED]), 1e-300))
-        streams[:2, 0] = 0.0
+        out = streams[DISCHARGE_IN : DISCHARGE_OUT + 1, OF_GAS].sum()
+        passed = abs(out / max(float(machinery.R[R_TRAPPED]), 1e-300))
+        streams[: SUCTION_OUT + 1, OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.made)
         at, n = float(c.P[P_INJECTION]), machinery.n
         y = np.zeros(c.chambers * n)

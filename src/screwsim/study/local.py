@@ -115,9 +115,8 @@ def sensitivities(
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
 
-    `result` is that of the scene, where it is known. Derivatives that need not be `fine` are good to 1e-3 where those
-    are to 1e-5, and cost less (docs/explanation/numerics.md). Raises UsageError for a path or a figure that is not
-    there.
+    Pass the scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and
+    cost less (docs/explanation/numerics.md). Raises UsageError for a path or a figure that does not exist.
     """
     scene = scene_of(scene)
     every, left_out = numeric_paths(scene)

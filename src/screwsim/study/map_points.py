@@ -39,8 +39,8 @@ def evaluate_map(
 ) -> dict[str, float]:
     """Return figures [SI] of a sweep's map at evaporating and condensing temperature [K].
 
-    Where the sweep has other axes `others` are their values [SI], by the last word of their paths (speed=309.0). Raise
-    UsageError, in one line, outside the envelope, where the polynomial says nothing.
+    If the sweep has other axes, `others` gives their values [SI] by the last word of their paths (speed=309.0). Raises
+    UsageError outside the envelope, where the polynomial does not hold.
     """
     of = results if isinstance(results, Results) else open_results(results)
     maps = performance_maps(of, tuple(figures))

@@ -17,7 +17,7 @@ from screwsim.simulate import simulate as simulated
 
 
 def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
-    """Return the result of one scene; bad physics gives a status and what there is, never an exception.
+    """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
     The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file.
     `trace` keeps the cycle over the angle and the ledger, 'ledger' that alone; the ledger is left out without it where

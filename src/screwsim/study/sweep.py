@@ -135,13 +135,13 @@ def sweep(
         data = screwsim.sweep("study.yaml")
         data.shaft_power.sel(operation_speed=314.159, method="nearest")
 
-    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a
-    bar or a line on stderr, None: a bar where a notebook shows it, False: nothing.
+    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. `progress`: True
+    shows a bar or a line on stderr, None a bar in a notebook, False nothing.
 
     Dimensions are those of the sweep (docs/how-to/sweeps.md), named by their paths with `_` for each dot, values in SI;
     `case` and `sample` where paths vary together. Names of balance, error, numerics, cycle and ledger carry their group
-    as prefix. `jobs` workers (default: all cores); `options` as of `run_sweep`, e.g. `scheduler="tcp://…"`. For results
-    that do not fit into memory sweep into a file and open that lazily.
+    as prefix. `jobs` workers (default: all cores); `options` as of `run_sweep`, e.g. `scheduler="tcp://…"`. If the
+    results do not fit into memory, use `run_sweep` and open its file lazily.
     """
     scene = scene_of(scene)
     if not scene.sweep:

@@ -122,7 +122,9 @@ def uncertainty(
     jobs: int | None = 1,
     progress: Progress | bool | None = None,
 ) -> Uncertainty:
-    """Return what the tolerances of a scene's inputs make of its figures; raise UsageError where it has none."""
+    """Return the uncertainty of each figure that follows from the tolerances of a scene's inputs.
+
+    Raises UsageError if the scene states no tolerances."""
     scene = scene_of(scene)
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")

@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.fluid import constants
+from screwsim.fluid import constants, names
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
@@ -55,7 +55,7 @@ def asked_of(
 ) -> Asked:
     """Return what is asked for; raise UsageError, in one line, for what cannot be."""
     if fluid is not None and constants.limits(fluid) is None:
-        other = constants.same_fluid(fluid)
+        other = names.same_fluid(fluid)
         raise UsageError(
             f"--fluid {fluid}: is no fluid or blend of CoolProp{f'; did you mean {other!r}?' if other else ''}"
         )

@@ -60,3 +60,4 @@ class Plenum:
     figures: Callable[[Drawn], Given] | None = None
     gain: str = ""
     product: bool = True  # does what it gives count as gas that the machine compresses (M101)
+    evaporates: bool = False  # is it liquid, which cools the gas

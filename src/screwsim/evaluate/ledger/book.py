@@ -10,7 +10,7 @@ from screwsim.cycle.known import pressure_behind
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
-from screwsim.model.slots import FIRST_OWN
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, FIRST_OWN, OF_GAS
 from screwsim.numerics.once import once
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
@@ -80,7 +80,7 @@ class Cycle:
         self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
         operation = of.problem.scene.operation
         self.T_0, self.shaft_power = operation.ambient_temperature, of.figures["shaft_power"]
-        delivers = of.streams[2, 0] + of.streams[3, 0] < 0.0
+        delivers = of.streams[DISCHARGE_IN, OF_GAS] + of.streams[DISCHARGE_OUT, OF_GAS] < 0.0
         self.line_given = operation.discharge.temperature is not None or not delivers
 
     @property
@@ -122,4 +122,4 @@ class Cycle:
     def drawn(self) -> Iterator[tuple[float, Reservoir]]:
         """Yield the net flow [kg/s] from each own plenum, and its state."""
         for i, own in enumerate(self.parts.plenums.values(), FIRST_OWN):
-            yield float(self.streams[2 * i, 0] + self.streams[2 * i + 1, 0]) * self.rate, own
+            yield float(self.streams[2 * i, OF_GAS] + self.streams[2 * i + 1, OF_GAS]) * self.rate, own

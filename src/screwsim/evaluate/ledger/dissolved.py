@@ -12,7 +12,7 @@ from screwsim.effects.base import OilSolution
 from screwsim.evaluate.ledger.book import Cycle, State
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model import ledger as kernels
-from screwsim.model.slots import DISSOLVED, PORT_OIL, R_DISCHARGE
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, DISSOLVED, OF_HELD, OF_OIL, PORT_OIL, R_DISCHARGE
 
 
 class Held:
@@ -69,14 +69,14 @@ class Held:
 
     def flow_out(self) -> tuple[float, float]:
         """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] that it holds."""
-        out = self.cycle.streams[3]
-        return -self.cycle.rate * float(out[2]), -self.cycle.rate * float(out[4])
+        out = self.cycle.streams[DISCHARGE_OUT]
+        return -self.cycle.rate * float(out[OF_OIL]), -self.cycle.rate * float(out[OF_HELD])
 
     def rise(self) -> float:
         """Return the exergy [W] of what leaves to the discharge line over that of what comes with the oil."""
         cycle = self.cycle
         out, held = self.flow_out()
-        back, supplied = cycle.rate * float(cycle.streams[2, 2]), cycle.rate * float(cycle.streams[PORT_OIL, 2])
+        back, supplied = (cycle.rate * float(cycle.streams[row, OF_OIL]) for row in (DISCHARGE_IN, PORT_OIL))
         w_line = float(cycle.R[R_DISCHARGE + DISSOLVED])
         found = self.of_oil(out, held / out) if out > 0.0 else 0.0
         return found - self.of_oil(back, w_line) - self.of_oil(supplied, self.content.supply)

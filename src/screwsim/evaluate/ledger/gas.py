@@ -8,7 +8,7 @@ from screwsim.cycle import suction_line
 from screwsim.effects.base import Intake, Pulsation
 from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
-from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
+from screwsim.model.slots import DENSITY, DISCHARGE_IN, DISCHARGE_OUT, ENTHALPY, OF_ENERGY, OF_GAS, R_DISCHARGE
 from screwsim.model.trajectory import Array
 
 
@@ -40,7 +40,7 @@ def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: S
     def exergy(state: State) -> float:
         return state.h - suction.h - cycle.T_0 * (state.s - suction.s)
 
-    back, out = (float(cycle.streams[row, 0]) * cycle.rate for row in (2, 3))
+    back, out = (float(cycle.streams[row, OF_GAS]) * cycle.rate for row in (DISCHARGE_IN, DISCHARGE_OUT))
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
         book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
@@ -61,9 +61,10 @@ def enter_pulsations(
         before, after = suction if part.to == "suction" else discharge
         sums = cycle.rate * cycle.streams[row : row + 2]
         h = before.h if part.to == "suction" else line.h
-        pulsation = float(sums[0, 1] - sums[0, 0] * h)
-        throttled = abs(float(sums[:, 0].sum())) * (after.s - before.s)
-        book.add(name, gas=abs(float(sums[:, 0].sum())), energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
+        pulsation = float(sums[0, OF_ENERGY] - sums[0, OF_GAS] * h)
+        passed = abs(float(sums[:, OF_GAS].sum()))
+        throttled = passed * (after.s - before.s)
+        book.add(name, gas=passed, energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
 
 def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> float:

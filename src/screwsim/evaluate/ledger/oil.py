@@ -22,7 +22,19 @@ from screwsim.evaluate.ledger.dissolved import Held
 from screwsim.evaluate.ledger.suction import Streams
 from screwsim.model import ledger as kernels
 from screwsim.model.exchange import station
-from screwsim.model.slots import OIL_TEMPERATURE, P_INJECTION, R_DISCHARGE, R_INJECTED, R_OIL_BEFORE, R_RATIO
+from screwsim.model.slots import (
+    DISCHARGE_IN,
+    DISCHARGE_OUT,
+    OF_GAS,
+    OF_OIL,
+    OF_OIL_HEAT,
+    OIL_TEMPERATURE,
+    P_INJECTION,
+    R_DISCHARGE,
+    R_INJECTED,
+    R_OIL_BEFORE,
+    R_RATIO,
+)
 from screwsim.model.trajectory import Array
 
 
@@ -93,7 +105,7 @@ def _released(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array
     for name, part in cycle.parts.all(OilGas):
         book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
         i = 2 * cycle.parts.number(part.plenum)
-        net = float(cycle.streams[i : i + 2, 0].sum()) * cycle.rate
+        net = float(cycle.streams[i : i + 2, OF_GAS].sum()) * cycle.rate
         rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
     return rise
 
@@ -136,9 +148,9 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = "d
 def _carried(book: Book, cycle: Cycle, paths: Rows, met: Streams | None) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil = cycle.oil
-    out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
+    out, out_T = (-float(cycle.streams[DISCHARGE_OUT, i]) * cycle.rate for i in (OF_OIL, OF_OIL_HEAT))
     out_T -= out * cycle.problem.pressed(cycle.lines.p_d)
-    back = float(cycle.streams[2, 2]) * cycle.rate
+    back = float(cycle.streams[DISCHARGE_IN, OF_OIL]) * cycle.rate
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0

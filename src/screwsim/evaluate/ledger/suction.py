@@ -13,7 +13,7 @@ from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import LineLeak, SuctionHeat
 from screwsim.evaluate.ledger.book import SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
-from screwsim.model.slots import ENTHALPY, OIL_TEMPERATURE, R_DISCHARGE, R_SUCTION
+from screwsim.model.slots import ENTHALPY, OIL_TEMPERATURE, R_DISCHARGE, R_SUCTION, SUCTION_IN
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def line_streams(cycle: Cycle, paths: Rows) -> Streams:
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
     leak = suction_line.leak(problem, R).times(rate)
-    sucked = Stream(*cycle.streams[0].tolist()).times(rate)
+    sucked = Stream(*cycle.streams[SUCTION_IN].tolist()).times(rate)
     pressed = problem.pressed(problem.suction.pressure)
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
     T_leak = float(R[R_DISCHARGE + OIL_TEMPERATURE]) - pressed

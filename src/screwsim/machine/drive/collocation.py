@@ -118,7 +118,7 @@ def residual(train: Train, x: Array, torque: Array, omega: float) -> Array:
 
 
 def jacobian(train: Train, x: Array, omega: float) -> Array:
-    """Return the derivatives of `residue`."""
+    """Return the derivatives of `residual`."""
     n, D = POINTS, differentiation(train.pitch)
     J_m, J_r, c = train.motor_inertia, train.rotor_inertia, train.damping
     u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])

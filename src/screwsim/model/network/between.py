@@ -9,6 +9,7 @@ from screwsim.model.network.cell import Cell
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.oil_displacement import gas_mass, gas_mass_slope
+from screwsim.model.slots import S_RHO, S_X_OIL
 from screwsim.numerics.rodas import dense_slope
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
@@ -29,13 +30,13 @@ def _mass_rate(network: Network) -> str:
     """Return the text of the change of a chamber's gas over the angle, along the dense output of a step."""
     to, slope = Statements(), dense_slope.flat_name
     to.add("h = times[step + 1] - times[step]")
-    for name, column in (("rho", 1), ("x", 3)) if network.roomed else (("rho", 1),):
+    for name, column in (("rho", S_RHO), ("x", S_X_OIL)) if network.roomed else (("rho", S_RHO),):
         pieces = ", ".join(f"dense[step, {k}, {column}]" for k in range(4))
         to.add(f"d{name} = {slope}(theta, {pieces}) / h")
     if network.roomed:
-        to.add(f"return {gas_mass_slope.flat_name}(E[E_VOLUME], E[E_SLOPE], y[1], drho, y[3], dx, P)")
+        to.add(f"return {gas_mass_slope.flat_name}(E[E_VOLUME], E[E_SLOPE], y[{S_RHO}], drho, y[{S_X_OIL}], dx, P)")
     else:
-        to.add("return E[E_VOLUME] * drho + E[E_SLOPE] * y[1]")
+        to.add(f"return E[E_VOLUME] * drho + E[E_SLOPE] * y[{S_RHO}]")
     return function(
         "chamber__mass_rate(theta, step, times, dense, E, y, P)",
         ['"""Return dm/dphi [kg/rad] of the gas at the share theta of a step, where the state is y."""'],

@@ -125,10 +125,10 @@ def optimize(
                                   maximize=["isentropic_efficiency", "cooling_capacity"])
         found.values_at(found.front[0]), found.aims[found.front]
 
-    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a bar or
-    a line on stderr, None: a bar where a notebook shows it, False: nothing. What is asked is as in `question`. With an
-    `output` all evaluations are kept in HDF5, and those of an interrupted run of the same question are not repeated
-    (unless `restart`).
+    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. Paths, aims and
+    limits are written as in `question`. `progress`: True shows a bar or a line on stderr, None a bar in a notebook,
+    False nothing. With `output` all evaluations are kept in an HDF5 file, and an interrupted run of the same question
+    repeats none of them (unless `restart`).
     """
     scene = scene_of(scene)
     base = replace(scene, sweep={}, joints=(), text="")

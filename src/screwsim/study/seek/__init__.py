@@ -102,10 +102,10 @@ def find(
         found = screwsim.find("x.yaml", ["operation.speed"], ["cooling_capacity=500 kW"])
         found.values["operation.speed"], found.scene, found.result.performance
 
-    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. What is varied and sought
-    is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and `message` says how near the
-    search came. `progress` counts solutions, of as many as are expected: True: a bar or a line on stderr, None: a bar
-    where a notebook shows it, False: nothing.
+    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. Paths and goals
+    are written as in `question`. If nothing within the ranges meets the goals, `status` is 'none' and `message` says
+    how close the search came. `progress` counts solutions against the expected number: True shows a bar or a line on
+    stderr, None a bar in a notebook, False nothing.
     """
     scene = scene_of(scene)
     asked = question(scene, vary, goals, catalogue)

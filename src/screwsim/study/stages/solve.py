@@ -14,6 +14,7 @@ from screwsim.effects import catalogue
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.performance import efficiencies
 from screwsim.fluid import constants
+from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
@@ -210,7 +211,7 @@ class _Chain:
         """Tell whether a real gas is liquid at p [Pa], T [K]."""
         gas = self.chain.first.gas
         try:
-            return gas.model == "real" and T < constants.saturation_temperature(gas.name, p)
+            return condenses(gas) and T < constants.saturation_temperature(gas.name, p)
         except UsageError:  # above the critical pressure
             return False
 

@@ -1,0 +1,66 @@
+"""Names of fluids: which fluid is meant by one that is not known, and why there are no data of another."""
+
+from __future__ import annotations
+
+import re
+
+from screwsim.fluid.blend_border import blend_border
+from screwsim.fluid.blend_flash import dome
+from screwsim.fluid.composition import ENDING, is_blend, predefined
+from screwsim.fluid.constants import ask
+from screwsim.inputs.faults import UsageError
+
+
+def why_no_blend(fluid: str) -> str | None:
+    """Return why a blend is not known, in one line; None for one that is, and for a name of anything else."""
+    try:
+        if is_blend(fluid):
+            blend_border(fluid)
+    except UsageError as error:
+        return str(error).removeprefix("gas.fluid: ")
+    return None
+
+
+def same_fluid(name: str) -> str | None:
+    """Return the name or alias of the fluid that differs in case, blanks or hyphens only: 'r-134A' gives 'R134a'.
+
+    A name that is merely near belongs to another fluid: R134z is not R134a, and R454B not R404A.
+    """
+
+    def question() -> list[list[str]]:
+        import CoolProp.CoolProp as coolprop
+
+        names = coolprop.get_global_param_string("FluidsList").split(",")
+        return [[each, *coolprop.get_fluid_param_string(each, "aliases").split(",")] for each in names]
+
+    wanted = _bare(name)
+    found = [[each for each in known if _bare(each) == wanted] for known in ask("fluids", question) if wanted]
+    found = [names for names in found if names]
+    return found[0][0] if len(found) == 1 else None
+
+
+def _bare(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
+
+
+def blend(name: str) -> str | None:
+    """Return what to write for a blend that is not called as it should be; None for a name that is none of a blend."""
+    wanted = _bare(name.removesuffix(ENDING))
+    for each in predefined():
+        if wanted and wanted == _bare(each.removesuffix(ENDING)):
+            return f"did you mean '{each}'?"
+    if "&" in name or "/" in name:
+        return "write a blend of your own as fluid: [NAME, NAME], with mass_fractions or mole_fractions"
+    if re.fullmatch(r"r[45][0-9]{2}[a-z]?", wanted):
+        what = "R4xx and R5xx are numbers of blends, and CoolProp has none of this one"
+        return f"{what} (write its components as fluid: [NAME, NAME], with mass_fractions)"
+    return None
+
+
+def why_no_dome(fluid: str) -> str | None:
+    """Return why two phases in equilibrium of a blend are not known, in one line; None where they are."""
+    try:
+        dome(fluid)
+    except UsageError as error:
+        return str(error).removeprefix("gas.two_phase: ")
+    return None
