@@ -61,12 +61,12 @@ class IdealGas:
         """Drop and ψ² of choking."""
         return choking(self.k)
 
-    @once
+    @property
     def c_p(self) -> float:
         """Specific heat capacity at constant pressure [J/(kg K)]."""
         return self.R * self.k / (self.k - 1.0)
 
-    @once
+    @property
     def c_v(self) -> float:
         """Specific heat capacity at constant volume [J/(kg K)]."""
         return self.R / (self.k - 1.0)
