@@ -222,7 +222,7 @@ def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
         return {"status": "not finite", "message": ""}
     if result.status == "ok":
         b = result.balance
-        # of little oil as a share of the trapped gas, as it decides on the status (M39); without any a residual of nothing
+        # of little oil as a share of the trapped gas, as it decides on the status (M39); without any it is of nothing
         ratio = result.performance.get("oil_ratio") or 1.0
         oil = b.oil_mass * min(1.0, ratio) if result.performance.get("oil_mass_flow") else 0.0
         found["balance"] = float(f"{max(b.mass, b.energy, b.entropy, oil) / b.bound:.3g}")
