@@ -180,7 +180,7 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
     assert "the cycle closed only with a tighter tolerance of the steps" in result.warnings
 
 
-@pytest.mark.parametrize("index", range(5))
+@pytest.mark.parametrize("index", range(8))
 def test_every_further_try_closes_a_cycle_that_is_there(index):
     wanted = simulate(make({}), trace=False).performance
     problem = problem_of(make({}))

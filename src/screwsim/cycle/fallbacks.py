@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 from screwsim.cycle.guess import begin
 from screwsim.cycle.mixing import FULL, Pace
@@ -36,24 +37,32 @@ def fallbacks(
     find `growth` is told, and `needed` where a search did.
     """
 
-    def closed(pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted) -> CycleSolution:
+    def closed(
+        pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted, patient: bool = False
+    ) -> CycleSolution:
         begin(problem, machinery)
-        return close_together(problem, machinery, wanted, chambers_at_pitches(machinery), pace, most, PITCHES_OF_A_TRY)
+        y = chambers_at_pitches(machinery)
+        return close_together(problem, machinery, wanted, y, pace, most, PITCHES_OF_A_TRY, patient)
 
-    def damped() -> CycleSolution:
+    def plain(patient: bool = False) -> CycleSolution:
+        return closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY, patient=patient)
+
+    def damped(patient: bool = False) -> CycleSolution:
         pace = Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
-        return sought_from_guess(pace, MOST_OF_A_TRY, early=True) if possible(problem) else closed(pace)
+        if possible(problem) and not patient:
+            return sought_from_guess(pace, MOST_OF_A_TRY, early=True)
+        return judged(problem, machinery, wanted, closed(pace))
 
-    def faster() -> CycleSolution:
+    def faster(patient: bool = False) -> CycleSolution:
         begin(problem, machinery)
         P, omega = machinery.composition.P, problem.parts.omega
         P[P_OMEGA] = FASTER * omega
         y = chambers_at_pitches(machinery)
-        easier = close_together(problem, machinery, wanted, y, most=MOST_OF_A_TRY, pitches=PITCHES_OF_A_TRY)
+        easier = close_together(problem, machinery, wanted, y, FULL, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
         P[P_OMEGA] = omega
         if easier.status == "failed":
             return easier
-        cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY)
+        cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY, patient=patient)
         return judged(problem, machinery, wanted, cycle)
 
     def sought_from_guess(pace: Pace, most: int, early: bool = False) -> CycleSolution:
@@ -64,8 +73,11 @@ def fallbacks(
     if left < OF_STEPS:
         tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
-    yield "closing without acceleration", lambda: closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
-    yield "damped closing", damped
-    yield f"continuation from {FASTER:g} times the speed", faster
+    tries = {"closing without acceleration": plain, "damped closing": damped}
+    tries[f"continuation from {FASTER:g} times the speed"] = faster
+    yield from tries.items()
     if possible(problem):
         yield SEARCH, lambda: sought_from_guess(Pace(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
+    if problem.composition.chambers > 1:
+        for name, attempt in tries.items():  # where all was in vain, each once more, to its end
+            yield name, partial(attempt, patient=True)

@@ -41,8 +41,12 @@ def close_together(
     pace: Pace = FULL,
     most: int = MAX_EVALUATIONS,
     pitches: int = MAX_PITCHES,
+    patient: bool = False,
 ) -> CycleSolution:
-    """Close all chambers from their states y; the fixed point in logarithms of the states, accelerated."""
+    """Close all chambers from their states y; the fixed point in logarithms of the states, accelerated.
+
+    Pitches that lead nowhere end, unless it is `patient`.
+    """
     c, entries = machinery.composition, problem.entries
     c.P[c.widths] = wanted.widths
     corrections = Corrections(problem, machinery)
@@ -76,7 +80,12 @@ def close_together(
         image = np.concatenate([logarithms(machinery.shift(end), c), entries.coordinates(made)])
         gap = float(np.max(np.abs(image - point)))
         gaps.append(gap)
-        if c.chambers > 1 and pace.damping == 1.0 and _lead_nowhere(gaps, IN_VAIN if pace.depth else IN_VAIN_PLAIN):
+        if (
+            not patient
+            and c.chambers > 1
+            and pace.damping == 1.0
+            and _lead_nowhere(gaps, IN_VAIN if pace.depth else IN_VAIN_PLAIN)
+        ):
             break
         if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
             residual = residuals(problem, machinery.R, q).largest
