@@ -55,53 +55,51 @@ def test_what_is_delivered_errs_by_no_less_than_the_gas_trapped_over_the_efficie
     assert worst(off)[1] <= asked.numerics.accuracy
 
 
-def test_search_finds_the_cycle_that_pitches_leave():
+@pytest.fixture(scope="module")
+def left():
+    """A problem, its machinery, and the cycle that a search finds for it and that pitches leave."""
     problem = problem_of(scene(LEFT_BY_PITCHES))
     machinery = leased(problem)
-    try:
-        begin(problem, machinery)
-        start = chambers_at_pitches(machinery)
-        found = sought_on(problem, machinery, problem.wanted, start, Pace(5, 0.3), 2_000_000)
-        assert found.status == "ok"
-        place, c = logarithms(found.y, machinery.composition), machinery.composition
-        end = found.y.copy()
-        machinery.pitch(end, FINE, 1e-3)
-        assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.wanted.tolerance
-        again = searched(problem, machinery, problem.wanted, found.y * np.exp(1e-2))
-        assert again is not None
-        assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
-        y = found.y * np.exp(1e-3)
-        swung = close_together(problem, machinery, problem.wanted, y, Pace(0), 400_000, 300)
-        assert swung.status == "not_closed"
-        assert np.abs(logarithms(swung.y, c) - place).max() > 0.1  # the machine's own course leads away
-    finally:
-        leases.give_back(machinery)
+    begin(problem, machinery)
+    start = chambers_at_pitches(machinery)
+    yield problem, machinery, sought_on(problem, machinery, problem.wanted, start, Pace(5, 0.3), 2_000_000)
+    leases.give_back(machinery)
 
 
-def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave():
+def test_search_finds_the_cycle_that_pitches_leave(left):
+    problem, machinery, found = left
+    assert found.status == "ok"
+    machinery.put(found.trajectory)
+    place, c = logarithms(found.y, machinery.composition), machinery.composition
+    end = found.y.copy()
+    machinery.pitch(end, FINE, 1e-3)
+    assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.wanted.tolerance
+    again = searched(problem, machinery, problem.wanted, found.y * np.exp(1e-2))
+    assert again is not None
+    assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
+    y = found.y * np.exp(1e-3)
+    swung = close_together(problem, machinery, problem.wanted, y, Pace(0), 400_000, 300)
+    assert swung.status == "not_closed"
+    assert np.abs(logarithms(swung.y, c) - place).max() > 0.1  # the machine's own course leads away
+
+
+def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave(left):
     """It turns and grows: after every `TURNED` pitches it looks as it did, and is nearly nine times as large."""
-    problem = problem_of(scene(LEFT_BY_PITCHES))
-    machinery = leased(problem)
-    try:
-        begin(problem, machinery)
-        start = chambers_at_pitches(machinery)
-        found = sought_on(problem, machinery, problem.wanted, start, Pace(5, 0.3), 2_000_000)
-        assert found.needed == SEARCH
-        assert found.growth > GROWS
-        machinery.put(found.trajectory)
-        c = machinery.composition
-        y, strayed = found.y * np.exp(1e-5), []
-        at = logarithms(found.y, c)
-        for _ in range(PITCHES):
-            _, _, _, q = machinery.pitch(y, FINE, 1e-3)
-            machinery.install_coupled()
-            set_unknowns(problem, machinery, image(problem, machinery.trajectory, q))
-            y = machinery.shift(y)
-            strayed.append(float(np.linalg.norm(logarithms(y, c) - at)))
-        assert strayed[-1] < 0.03  # still small
-        assert (strayed[-1] / strayed[-1 - TURNED]) ** (1.0 / TURNED) == pytest.approx(found.growth, rel=0.01)
-    finally:
-        leases.give_back(machinery)
+    problem, machinery, found = left
+    assert found.needed == SEARCH
+    assert found.growth > GROWS
+    machinery.put(found.trajectory)
+    c = machinery.composition
+    y, strayed = found.y * np.exp(1e-5), []
+    at = logarithms(found.y, c)
+    for _ in range(PITCHES):
+        _, _, _, q = machinery.pitch(y, FINE, 1e-3)
+        machinery.install_coupled()
+        set_unknowns(problem, machinery, image(problem, machinery.trajectory, q))
+        y = machinery.shift(y)
+        strayed.append(float(np.linalg.norm(logarithms(y, c) - at)))
+    assert strayed[-1] < 0.03  # still small
+    assert (strayed[-1] / strayed[-1 - TURNED]) ** (1.0 / TURNED) == pytest.approx(found.growth, rel=0.01)
 
 
 def test_what_no_pitch_closes_is_searched_and_says_so():

@@ -85,10 +85,8 @@ def solve(
         finer = on if isinstance(on, CycleSolution) and problem.parts.shaft is None else None
         factor = max(TIGHTER, AIM * numerics.accuracy / largest) if finer is None else FINER
         tightness, wanted = tightness * factor, wanted.tighter(factor)
-        if finer is None:
-            tighter = _tighter(problem, machinery, wanted, cycle, led=on if isinstance(on, Led) else None)
-        else:  # a search is dear: what it found is the next cycle
-            tighter = finer
+        led = on if isinstance(on, Led) else None
+        tighter = finer or _tighter(problem, machinery, wanted, cycle, led=led)  # a search is dear: its cycle is taken
         watch.lap("closing")
         if tighter.status != "ok":
             break
