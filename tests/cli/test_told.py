@@ -103,7 +103,7 @@ def test_what_is_stated_twice_or_contradicts_is_refused_in_a_line_for_each(scene
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
     """Return a scene of rotors (b) at 100 mm as points with a micrometre of noise."""
-    spec = importlib.util.spec_from_file_location("measured_rotors", ROOT / "scripts" / "measured_rotors.py")
+    spec = importlib.util.spec_from_file_location("measured_rotors", ROOT / "docs" / "tools" / "measured_rotors.py")
     measured_rotors = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(measured_rotors)
     folder = tmp_path_factory.mktemp("measured")

@@ -51,7 +51,7 @@ print(it.Paper().residuals(it.starts(1)[0][1]))" """,
     "python scripts/drive.py": Program(long=True),
     "python scripts/tolerance_study.py": Program(long=True),
     "python scripts/connecting_rod.py": Program(long=True),
-    "python scripts/cylinder.py": Program(long=True),
+    "python docs/tools/slider_crank_numbers.py": Program(long=True),
 }
 
 

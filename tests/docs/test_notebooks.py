@@ -8,7 +8,7 @@ import pytest
 
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("notebooks_script", ROOT / "scripts" / "notebooks.py")
+SPEC = importlib.util.spec_from_file_location("notebooks_script", ROOT / "docs" / "tools" / "notebooks.py")
 notebooks = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(notebooks)
 PAGES = sorted(notebooks.FOLDER.glob("*.ipynb"))

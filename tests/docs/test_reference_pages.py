@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("reference_pages", ROOT / "scripts" / "reference_pages.py")
+SPEC = importlib.util.spec_from_file_location("reference_pages", ROOT / "docs" / "tools" / "reference_pages.py")
 made = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(made)
 equations = sys.modules["equations_page"]

@@ -13,7 +13,7 @@ import screwsim
 
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("site_script", ROOT / "scripts" / "docs_site.py")
+SPEC = importlib.util.spec_from_file_location("site_script", ROOT / "docs" / "tools" / "docs_site.py")
 site = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(site)
 

@@ -182,7 +182,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
     for name in ("configs", "validation"):  # what commands may write to
         shutil.copytree(ROOT / name, tmp_path / name)
-    for name in ("scripts", "benchmarks"):  # each finds what it writes to from where it lies
+    for name in ("scripts", "benchmarks", "docs/tools"):  # each finds what it writes to from where it lies
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     os.symlink(ROOT / "tests", tmp_path / "tests")
     monkeypatch.chdir(tmp_path)

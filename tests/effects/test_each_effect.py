@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def script():
-    spec = importlib.util.spec_from_file_location("each_effect", ROOT / "scripts" / "each_effect.py")
+    spec = importlib.util.spec_from_file_location("each_effect", ROOT / "docs" / "tools" / "each_effect.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # its annotations are looked up there
     spec.loader.exec_module(module)

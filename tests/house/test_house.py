@@ -20,7 +20,7 @@ CONFIGS = sorted(path for path in (ROOT / "configs").glob("**/*.yaml") if not pa
 COMPARISONS = sorted((ROOT / "validation").glob("*/*.py"))
 MODULES = sorted((ROOT / "src").rglob("*.py"))
 LONGEST = 380  # lines
-PROGRAMS = sorted(path for folder in ("scripts", "benchmarks") for path in (ROOT / folder).glob("*.py"))
+PROGRAMS = sorted(path for folder in ("scripts", "benchmarks", "docs/tools") for path in (ROOT / folder).glob("*.py"))
 
 
 @pytest.mark.parametrize("path", COMPARISONS, ids=lambda path: f"{path.parent.name}/{path.name}")

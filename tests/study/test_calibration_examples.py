@@ -18,8 +18,10 @@ FOLDER = ROOT / "configs" / "calibration"
 
 
 def example():
-    """Return scripts/calibration_example.py as a module."""
-    spec = importlib.util.spec_from_file_location("calibration_example", ROOT / "scripts" / "calibration_example.py")
+    """Return docs/tools/calibration_example.py as a module."""
+    spec = importlib.util.spec_from_file_location(
+        "calibration_example", ROOT / "docs" / "tools" / "calibration_example.py"
+    )
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

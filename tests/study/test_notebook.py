@@ -161,7 +161,7 @@ def test_what_draws_no_more_is_left_alone(drawn, monkeypatch):
 
 @pytest.fixture
 def script(monkeypatch, tmp_path):
-    spec = importlib.util.spec_from_file_location("notebooks_script", ROOT / "scripts" / "notebooks.py")
+    spec = importlib.util.spec_from_file_location("notebooks_script", ROOT / "docs" / "tools" / "notebooks.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))

@@ -14,7 +14,7 @@ from screwsim.study.validation import sibling
 from screwsim.template import KINDS, asked_of, new_scene
 
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("templates", ROOT / "scripts" / "templates.py")
+SPEC = importlib.util.spec_from_file_location("templates", ROOT / "docs" / "tools" / "templates.py")
 templates = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(templates)
 comparison = sibling(ROOT / "validation" / "templates" / "compare.py")

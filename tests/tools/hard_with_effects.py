@@ -3,8 +3,8 @@
 Run: hard_with_effects.py [EFFECT …] solves them with the effects named (default: those not stored yet) and stores the
 outcome in tests/hard/with_effects.json; hard_with_effects.py --table prints the table of what is stored.
 
-The numbers of the effects are those of scripts/effects.py, scripts/each_effect.py and configs/everything.yaml. Of the
-cases of tests/hard/hard_cases.py are taken those that deserve `ok`, keep the base's laws and ideal gas, so that all
+The numbers of the effects are those of docs/tools/effects.py, docs/tools/each_effect.py and configs/everything.yaml. Of
+the cases of tests/hard/hard_cases.py are taken those that deserve `ok`, keep the base's laws and ideal gas, so that all
 share the structure of an effect, and may take at most a million evaluations; `effect` is added to the case's own
 changes, and oil is carried along (a case for which that is said as well as `paper` is taken once). `EFFECT, real gas`
 are the cases of a real gas whose lines are stated by pressures (each other fluid would be another structure), and those

@@ -1,4 +1,4 @@
-"""Modules of validation/ and scripts/, which are no part of the package."""
+"""Modules of validation/ and docs/tools/, which are no part of the package."""
 
 from pathlib import Path
 
@@ -18,8 +18,8 @@ def compare_of():
 
 @pytest.fixture(scope="session")
 def page_script():
-    """Return scripts/validation_page.py as a module."""
-    return sibling(ROOT / "scripts" / "validation_page.py")
+    """Return docs/tools/validation_page.py as a module."""
+    return sibling(ROOT / "docs" / "tools" / "validation_page.py")
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,6 @@
 """What `screwsim validate` found of the model's error, by the names that a scene may give under `uncertainty.model`.
 
-Made by scripts/model_errors.py; no number of it is typed.
+Made by docs/tools/model_errors.py; no number of it is typed.
 """
 
 from __future__ import annotations

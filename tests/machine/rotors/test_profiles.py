@@ -20,7 +20,7 @@ from screwsim.machine.rotors.sections import sections
 from screwsim.machine.rotors.settings import Profile
 
 SPEC = importlib.util.spec_from_file_location(
-    "measured_rotors", Path(__file__).parents[3] / "scripts" / "measured_rotors.py"
+    "measured_rotors", Path(__file__).parents[3] / "docs" / "tools" / "measured_rotors.py"
 )
 measured_rotors = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(measured_rotors)

@@ -1,8 +1,8 @@
 """Look at the site of the docs: pictures of pages, light, dark, on a phone; a page wider than its window is an error.
 
-    python scripts/site_pictures.py [SITE] [-o FOLDER]     (defaults: results/site/html and results/site/pictures)
+    python docs/tools/site_pictures.py [SITE] [-o FOLDER]     (defaults: results/site/html and results/site/pictures)
 
-Needs chromium on PATH, and the site that `python scripts/docs_site.py` makes. Every page is measured, some are drawn.
+Needs chromium on PATH, and the site of `python docs/tools/docs_site.py`. Every page is measured, some are drawn.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def main() -> int:
     asked = parser.parse_args()
     site, path = asked.site.resolve(), shutil.which("chromium") or shutil.which("chromium-browser")
     if not (site / "index.html").is_file():
-        raise SystemExit(f"{asked.site}: holds no site (python scripts/docs_site.py makes it)")
+        raise SystemExit(f"{asked.site}: holds no site (python docs/tools/docs_site.py makes it)")
     if path is None:
         raise SystemExit("no chromium on PATH (apt-get install chromium)")
     from playwright.sync_api import sync_playwright

@@ -1,6 +1,6 @@
 """Draw docs/figures/explore.png: the live page of a machine, its last settings pale.
 
-python scripts/explore_picture.py [SCENE] [-o PICTURE.png] [--dark] [--phone]
+python docs/tools/explore_picture.py [SCENE] [-o PICTURE.png] [--dark] [--phone]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 SCENE = ROOT / "configs" / "rotors" / "b.yaml"
 PICTURE = ROOT / "docs" / "figures" / "explore.png"
 BEFORE, CHANGED, ANGLE = "2500 rpm", "2950 rpm", 620

@@ -1,7 +1,7 @@
 """Run the notebooks of docs/notebooks and store what they show, or hold that against what they give now.
 
-    python scripts/notebooks.py [NOTEBOOK.ipynb …]           each in a kernel of its own (extra `dev`)
-    python scripts/notebooks.py --check [NOTEBOOK.ipynb …]   without a kernel; a cell that gives something else is told
+    python docs/tools/notebooks.py [NOTEBOOK.ipynb …]           each in a kernel of its own (extra `dev`)
+    python docs/tools/notebooks.py --check [NOTEBOOK.ipynb …]   without a kernel; a cell that gives another is told
 
 What is said on stderr, that something is compiled, is not stored: only the first run says it.
 """
@@ -22,7 +22,7 @@ from typing import Any
 
 import nbformat
 
-FOLDER = Path(__file__).resolve().parents[1] / "docs" / "notebooks"
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "notebooks"
 ABOUT = {
     "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
     "language_info": {"name": "python", "file_extension": ".py", "mimetype": "text/x-python"},

@@ -1,6 +1,6 @@
 """Print what effects change on a plain machine, beside what their sources say (docs/reference/effects.md).
 
-Run: .venv/bin/python scripts/effects.py [NAME]… Each entry is a scene with the effect and the same without it.
+Run: .venv/bin/python docs/tools/effects.py [NAME]… Each entry is a scene with the effect and the same without it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from screwsim.scene import load
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "plain" / "r134a.yaml"
 
 

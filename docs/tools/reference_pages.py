@@ -1,6 +1,6 @@
 """Write docs/reference: scene.md (all keys of a scene), figures.md (all results), equations.md, from the code.
 
-    python scripts/reference_pages.py
+    python docs/tools/reference_pages.py
 
 A test holds the pages to what this writes.
 """
@@ -22,12 +22,12 @@ from screwsim.scene.keys import ABSENT, REQUIRED, SECTIONS, Key, effect_keys_of,
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # a test takes this file by its path
 from equations_page import equations_page
 
-FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "reference"
 SCENE_HEAD = """\
 # All keys of a scene
 
-Made by `scripts/reference_pages.py` from the declarations that read a scene; `screwsim schema` prints the same as JSON
-Schema for editors, and `screwsim explain SCENE.yaml --parameters [EFFECT]` the same beside what a scene has. Every
+Made by `docs/tools/reference_pages.py` from the declarations that read a scene; `screwsim schema` prints the same as
+JSON Schema for editors, and `screwsim explain SCENE.yaml --parameters [EFFECT]` the same beside what a scene has. Every
 quantity is written with its unit (`128 mm`, `20 degC`), of which the table shows one; a bare number for one is a fault.
 A key with a default, or a dash in its place, may be left out; *required* is what its section must have where it is
 named. Beyond *range* a value is refused, beyond what is *usual* it is taken with a warning. M… are equations of
@@ -54,7 +54,7 @@ place of the keys leaves an effect of the base out. An effect of one's own goes 
 FIGURES_HEAD = """\
 # All results
 
-Made by `scripts/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
+Made by `docs/tools/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
 `screwsim.simulate(scene)` and in HDF5 files, in SI units. A result has the figures that its scene calls for, by what
 the last column names; where one of them has no value it is null, and `notes` says why. `error` has the estimated
 relative error of the figures ([model.md](../model.md), M41), `status` is one of {statuses}.

@@ -1,6 +1,6 @@
 """What the machines that `screwsim new` writes do: their efficiencies over kinds, sizes, fluids and volume ratios.
 
-    python scripts/templates.py      the table of docs/how-to/new-machine.md
+    python docs/tools/templates.py      the table of docs/how-to/new-machine.md
 
 Beside each refrigeration machine stands the mean volumetric efficiency of validation/bitzer at its pressure ratio,
 beside each air package what 10 CFR 431.345 asks for, beside reciprocating compressors on R404A the isentropic
@@ -18,7 +18,7 @@ from screwsim.simulate import simulate
 from screwsim.study.validation import sibling
 from screwsim.template import asked_of, new_scene
 
-_ratings = sibling(Path(__file__).parents[1] / "validation" / "templates" / "ratings.py")
+_ratings = sibling(Path(__file__).resolve().parents[2] / "validation" / "templates" / "ratings.py")
 RATED, ratings = _ratings.POINTS, _ratings.ratings
 OPTIONS = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 CASES: tuple[tuple[str, Mapping[str, object]], ...] = (

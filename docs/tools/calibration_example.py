@@ -1,6 +1,6 @@
 """Make the data of the worked examples in configs/calibration from machines whose parameters are known.
 
-    python scripts/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv
+    python docs/tools/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv
         of configs/calibration
     screwsim calibrate configs/calibration/leakage.fit.yaml
     screwsim diagnose configs/calibration/fault.fit.yaml
@@ -24,7 +24,7 @@ import numpy as np
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SCENE, POINTS = ROOT / "configs" / "paper" / "point.yaml", ROOT / "configs" / "calibration" / "points.csv"
 LATER = POINTS.with_name("later.csv")
 RPM = 2.0 * np.pi / 60.0
@@ -43,7 +43,7 @@ STILL = {"effects.slide_valve.position": 0.15}  # of 0.3
 RATIO = 1.5  # oil to gas
 SHARE, KELVIN = 0.005, 0.5
 COMMENT = (
-    "# Made by scripts/calibration_example.py from a known machine, with noise of the stated uncertainties (seed 1)."
+    "# Made by docs/tools/calibration_example.py from a known machine, with noise of the stated uncertainties (seed 1)."
 )
 
 

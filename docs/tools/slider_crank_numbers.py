@@ -1,6 +1,6 @@
 """Print the numbers of slider-crank machines that docs/reference/slider-crank.md states.
 
-Run: .venv/bin/python scripts/cylinder.py
+Run: .venv/bin/python docs/tools/slider_crank_numbers.py
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from screwsim.figures.errors import relative_errors, worst
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SCENES = ("r134a", "air")
 FIGURES = ("volumetric_efficiency", "gas_mass_flow", "cooling_capacity", "indicated_power", "shaft_power")
 FIGURES += ("isentropic_efficiency", "ideal_isothermal_efficiency", "cop", "discharge_temperature")

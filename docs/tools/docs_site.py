@@ -1,6 +1,6 @@
 """The documentation as a site: pages of docs/, the API as the code has it, and a gallery whose pictures are made here.
 
-    python scripts/docs_site.py [FOLDER]     (default: results/site; needs the extra `docs`; a warning is an error)
+    python docs/tools/docs_site.py [FOLDER]     (default: results/site; needs the extra `docs`; a warning is an error)
 
 Equations are MathML, so that the site needs nothing from elsewhere. Links to files outside of docs/ become their names;
 one to what is not there fails.
@@ -19,7 +19,7 @@ from pathlib import Path
 
 import screwsim
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
 PIECE = re.compile(r"^```python\n(.*?)^```$", re.M | re.S)
@@ -44,7 +44,7 @@ from sphinx.util import logging
 project, author = "screwsim", "the screwsim developers"
 version = release = {version!r}
 extensions = ["myst_nb"]
-nb_execution_mode = "off"  # scripts/notebooks.py runs them, and stores what they show
+nb_execution_mode = "off"  # docs/tools/notebooks.py runs them, and stores what they show
 myst_enable_extensions = ["colon_fence", "dollarmath", "amsmath"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # pages of one table begin with small headings

@@ -1,6 +1,6 @@
 """Print what docs/how-to/uncertainty.md shows of configs/paper/uncertain.yaml, and draw its figure.
 
-    python scripts/uncertain.py [FOLDER]      (default: results/uncertain; the figure of the page goes to docs/figures)
+    python docs/tools/uncertain.py [FOLDER]      (default: results/uncertain; the page's figure goes to docs/figures)
 
 Each printed part stands below the command that gives it.
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 from screwsim.scene import load
 from screwsim.study.sweep import run_sweep
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SCENE, FITTED = "configs/paper/uncertain.yaml", "validation/bitzer/fitted/scene.yaml"
 DRAWN = {"efficiency": "uncertainty_efficiency"}
 

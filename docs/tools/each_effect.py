@@ -1,6 +1,6 @@
 """Print one table of every effect, alone on the paper's machine: what its source says, what we find, where it vanishes.
 
-Run: .venv/bin/python scripts/each_effect.py [NAME]… Each row is a scene with the effect against the same without it.
+Run: .venv/bin/python docs/tools/each_effect.py [NAME]… Each row is a scene with the effect against the same without it.
 The machine is that of configs/paper/point.yaml, 1000 rpm; "carried" lets leaks carry oil, "condenser" gives it R134a as
 a real gas between -21.6 and 44.7 °C, the saturation temperatures of the paper's pressures.
 tests/effects/test_each_effect.py holds that each row closes, and that the effect vanishes in its limit.
@@ -20,7 +20,7 @@ from screwsim.scene import Scene, load
 from screwsim.simulate import simulate
 
 TABLE = Path(__file__).resolve().with_suffix(".yaml")
-POINT = TABLE.parent.parent / "configs" / "paper" / "point.yaml"
+POINT = TABLE.parents[2] / "configs" / "paper" / "point.yaml"
 CARRIED = ("oil.transport=carried",)
 CONDENSER = (
     *CARRIED,
@@ -42,8 +42,14 @@ TABLE_HEAD = "| effect | scene | its source says | source | ours | vanishes with
 
 
 BASES = {
-    "": (), "carried": CARRIED, "condenser": CONDENSER, "bore": BORE, "walls": (WALLS,), "no_heat": (NO_HEAT,),
-    "returning": RETURNING, "sliding": SLIDING,
+    "": (),
+    "carried": CARRIED,
+    "condenser": CONDENSER,
+    "bore": BORE,
+    "walls": (WALLS,),
+    "no_heat": (NO_HEAT,),
+    "returning": RETURNING,
+    "sliding": SLIDING,
 }
 
 

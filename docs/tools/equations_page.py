@@ -2,7 +2,7 @@
 
 Titles and formulas are those of docs/model.md and docs/reference/slider-crank.md. What states an equation is what of
 src/screwsim has its number: the functions and classes in whose docstring or comments it stands, else the module. A test
-of it has the number, or takes a function that states it. `scripts/reference_pages.py` writes the page.
+of it has the number, or takes a function that states it. `docs/tools/reference_pages.py` writes the page.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from screwsim.effects import catalogue
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SOURCES, TESTS = ROOT / "src" / "screwsim", ROOT / "tests"
 STATED = {"M": ROOT / "docs" / "model.md", "S": ROOT / "docs" / "reference" / "slider-crank.md"}
 SECTION = re.compile(r"^#### (?P<number>[MS]\d+) (?P<title>.+?)\n(?P<text>.*?)(?=^#{2,4} |\Z)", re.M | re.S)
@@ -24,7 +24,7 @@ FORMULA = re.compile(r"^\$\$.*?\$\$[ \t]*$", re.M | re.S)
 HEAD = """\
 # All equations
 
-Made by `scripts/reference_pages.py`: number, title and first formula are those of [model.md](../model.md) (M…) and
+Made by `docs/tools/reference_pages.py`: number, title and first formula are those of [model.md](../model.md) (M…) and
 [slider-crank.md](slider-crank.md) (S…), where symbols, further formulas and the source stand. *Code* is what of the
 package has the number in its text, *effects* are those that own it, as `screwsim explain` says. *Tests* are the files
 that have the number or import what states it; where there are none, those of effects and laws that name such an effect,
