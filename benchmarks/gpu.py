@@ -5,8 +5,9 @@ of a sample, errors estimated, in one call on the GPU, and an eighth as many one
 Figures are held against those of the processor, in parts of their stated errors. Double precision throughout. Wall
 times, since a processor that waits for a device spends none. What compiling takes is told apart.
 
-With `--workers` so many processes share the device, each with a core and points of its own; with `--course` each point
-of the sample is a course of so many over the speed, of which each begins from those before it.
+With `--workers` so many processes share the device, each with a core and points of its own, and then the same without
+it, each core in its lanes; with `--course` each point of the sample is a course of so many over the speed, of which
+each begins from those before it.
 """
 
 from __future__ import annotations
@@ -155,19 +156,19 @@ def _rate(points: int, took: float) -> str:
 
 
 @for_speed()
-def _worker(name: str, points: int, length: int, seed: int, ready: Any, out: Any) -> None:
-    simulate_courses(courses_of(name, THREADS, 1, 99), gpu=True)
+def _worker(name: str, points: int, length: int, gpu: bool, seed: int, ready: Any, out: Any) -> None:
+    simulate_courses(courses_of(name, THREADS, 1, 99), gpu=gpu)
     courses = courses_of(name, points, length, seed)
     ready.wait()
-    found = on_the_gpu(courses)
+    found = on_the_gpu(courses) if gpu else simulate_courses(courses)
     out.put(sum(result.status == "ok" for results in found for result in results))
 
 
-def shared(name: str, points: int, length: int, workers: int) -> None:
-    """Measure processes that share the device."""
+def shared(name: str, points: int, length: int, workers: int, gpu: bool) -> None:
+    """Measure processes that share the device, or do without."""
     context = multiprocessing.get_context("spawn")
     ready, out = context.Barrier(workers + 1), context.Queue()
-    asked = [(name, points, length, seed, ready, out) for seed in range(workers)]
+    asked = [(name, points, length, gpu, seed, ready, out) for seed in range(workers)]
     every = [context.Process(target=_worker, args=each) for each in asked]
     for each in every:
         each.start()
@@ -176,7 +177,8 @@ def shared(name: str, points: int, length: int, workers: int) -> None:
     for each in every:
         each.join()
     count = workers * points * length
-    print(f"  the device and {workers} processes: {_rate(count, took)}; {fine} of {count} points ok")
+    having = "the device and " if gpu else "no device, "
+    print(f"  {having}{workers} processes: {_rate(count, took)}; {fine} of {count} points ok", flush=True)
 
 
 @for_speed()
@@ -192,8 +194,8 @@ def main() -> None:
     print(f"{Driver().name}, {given.points} points at once")
     for machine in given.machine or MACHINES:
         measure(machine, given.points, given.course, clock)
-        if given.workers:
-            shared(machine, given.points, given.course, given.workers)
+        for gpu in (True, False) if given.workers else ():
+            shared(machine, given.points, given.course, given.workers, gpu)
 
 
 if __name__ == "__main__":
