@@ -1,7 +1,7 @@
 """The highest pressure of a cycle as a smooth function of it: where it lies, not at the sample next to that.
 
-The figure of a run is the highest of fifty samples on either side of the highest end of a step: good for the pressure,
-not for its slope, which by the envelope theorem is that at the very maximum.
+The figure of a run is the highest of fifty samples on either side of the highest end of a step, or of a top elsewhere:
+good for the pressure, not for its slope, which by the envelope theorem is that at the very maximum.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.slots import P_INJECTION
 from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
 POINTS = 7  # of a step, through which a polynomial goes
@@ -20,6 +21,7 @@ SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # sh
 THROUGH = np.linalg.inv(np.vander(SAMPLES))  # coefficients of that polynomial, the highest power first
 POWERS = np.arange(POINTS - 1.0, 0.0, -1.0)
 BELOW = np.eye(POINTS - 2, k=-1)
+SEEN = 9  # points of a step, ends included, that tell whether it may hold the top
 REAL = 1e-9  # imaginary part up to which a root is one
 
 
@@ -51,12 +53,18 @@ def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
     """Return that pressure [Pa] and its angle [rad]; NaN for none."""
     first, limit = _limits(life, geometry)
     times = life.times[: life.steps + 1]
-    ends = life.dense[: life.steps, 1, len(life.composition.states)]
+    steps = life.dense[: life.steps, :, len(life.composition.states)]
     inside = (times[1:] > first) & (times[1:] <= limit + 1e-9)
     if not inside.any():
         return float("nan"), float("nan")
-    best = int(np.argmax(np.where(inside, ends, -np.inf)))
-    return max(_highest(life, times, i, (first, limit)) for i in range(best, min(best + 2, life.steps)))
+    best = int(np.argmax(np.where(inside, steps[:, 1], -np.inf)))
+    reached = (times[1:] > first) & (times[:-1] < limit)
+    low, high = (np.clip((each - times[:-1]) / np.diff(times), 0.0, 1.0) for each in (first, limit))
+    shares = np.linspace(low, high, SEEN)
+    tops = dense_value(shares, *steps.T).max(axis=0)  # a top within a step, or at an end of the range, may be higher
+    higher = np.flatnonzero(reached & (tops > steps[best, 1]))
+    tried = sorted({best, min(best + 1, life.steps - 1), *higher.tolist()})
+    return max(_highest(life, times, i, (first, limit)) for i in tried)
 
 
 def _highest(life: Trajectory, times: Array, i: int, limits: tuple[float, float]) -> tuple[float, float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from screwsim.model.slots import (
@@ -43,25 +45,51 @@ SAMPLED = ("volume", "pressure", "work", "mass_rate")  # what `sample` gives bes
 def peak_pressure(times, dense, steps, limit, context):
     """Return the highest chamber pressure [Pa] from injection up to the angle `limit` [rad].
 
-    The ends of the steps tell where; the dense output on both sides of the highest tells how high.
+    The ends of the steps tell where, and the dense output on both sides of the highest how high; a top within another
+    step, or the pressure at either end of the range, may be higher.
     """
     P = context.P
+    first = P[P_INJECTION]
     peak = 0.0
     best = 0
     for i in range(steps):
-        if P[P_INJECTION] < times[i + 1] <= limit + 1e-9 and dense[i, 1, N] > peak:
+        if first < times[i + 1] <= limit + 1e-9 and dense[i, 1, N] > peak:
             peak = dense[i, 1, N]
             best = i
     for i in range(best, min(best + 2, steps)):
         for k in range(1, 50):
             phi = times[i] + (times[i + 1] - times[i]) * k / 50.0
-            if P[P_INJECTION] < phi <= limit + 1e-9:
+            if first < phi <= limit + 1e-9:
                 p = dense_value(k / 50.0, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
                 peak = max(peak, p)
-        if P[P_INJECTION] < limit and times[i] < limit < times[i + 1]:
-            share = (limit - times[i]) / (times[i + 1] - times[i])
-            peak = max(peak, dense_value(share, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N]))
+    for i in range(steps):
+        if first < times[i + 1] and times[i] < limit:
+            start, end, c3, c4 = dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N]
+            h = times[i + 1] - times[i]
+            if i < best or i > best + 1:
+                share = top_within(start, end, c3, c4)
+                if first < times[i] + share * h <= limit:
+                    peak = max(peak, dense_value(share, start, end, c3, c4))
+            if times[i] <= first:
+                peak = max(peak, dense_value((first - times[i]) / h, start, end, c3, c4))
+            if limit < times[i + 1]:
+                peak = max(peak, dense_value((limit - times[i]) / h, start, end, c3, c4))
     return peak
+
+
+@kernel
+def top_within(start, end, c3, c4):
+    """Return at which share of a step its dense output has a maximum; 0 where it has none within.
+
+    Its slope is that of `rodas.dense_slope`, a + b θ − 3 c4 θ²; at the maximum that falls.
+    """
+    a = end - start + c3
+    b = 2.0 * (c4 - c3)
+    root = b * b + 12.0 * a * c4
+    if root <= 0.0 or (b > 0.0 and c4 == 0.0):
+        return 0.0
+    share = (b + math.sqrt(root)) / (6.0 * c4) if b > 0.0 else 2.0 * a / (math.sqrt(root) - b)
+    return share if 0.0 < share < 1.0 else 0.0
 
 
 @kernel
