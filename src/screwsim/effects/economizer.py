@@ -26,7 +26,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES
-from screwsim.outputs import COOLED, Figure
+from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale
 
 NAME = "economizer"
 GAIN = "economizer_capacity_gain"
@@ -34,13 +34,16 @@ DRAW = "economizer_draw_ratio"
 DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
 PER_FOLD = 8.0  # [K] by which the temperature is about wrong where the port draws e times what there is
 APART = 0.5  # [K] at least, from both lines and from the liquid that is cooled
+OF_VAPOUR = Scale(1.0)  # a draw errs over the vapour that the liquid makes, at least
 FIGURES = (
     Figure("economizer_temperature", "K", "saturation temperature in the economizer"),
     Figure("economizer_pressure", "Pa", "pressure in the economizer"),
-    Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer"),
-    Figure("economizer_flow_ratio", "1", "economizer flow over net suction flow"),
-    Figure(DRAW, "1", "vapour that its port draws over that which the liquid makes", needs=COOLED),
-    Figure(GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", needs=COOLED),
+    Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer", BESIDE),
+    Figure("economizer_flow_ratio", "1", "economizer flow over net suction flow", BESIDE_RATIO),
+    Figure(DRAW, "1", "vapour that its port draws over that which the liquid makes", OF_VAPOUR, needs=COOLED),
+    Figure(
+        GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, needs=COOLED
+    ),
 )
 
 

@@ -29,7 +29,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES
-from screwsim.outputs import Figure, Scale
+from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
 
 NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
 DISCHARGE, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
@@ -38,10 +38,9 @@ VALVE = 10.0  # [K] of a coordinate for a factor e of the valve's opening
 SHUT, FIRST_OPENING = 1e-4, 0.2  # of the valve
 LATENT = 200.0  # [K] by which as much liquid as gas would about cool the gas
 WARMS = 2.0  # heat capacity of oil over that of gas, about
-TENTH = 0.1  # of the net gas flow, over which at the least the liquid's errs: what a step errs by is of all that flows
 FIGURES = (
-    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", Scale(TENTH, ("gas_mass_flow",))),
-    Figure(RATIO, "1", "injected liquid over net suction flow", Scale(TENTH)),
+    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", BESIDE),
+    Figure(RATIO, "1", "injected liquid over net suction flow", BESIDE_RATIO),
     Figure(
         "liquid_injection_opening",
         "1",

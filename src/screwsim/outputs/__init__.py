@@ -16,6 +16,8 @@ from screwsim.outputs.core import (
     WALLED,
 )
 from screwsim.outputs.declared import (
+    BESIDE,
+    BESIDE_RATIO,
     EFFICIENCY,
     ITSELF,
     LEAST_OIL,
@@ -51,6 +53,8 @@ from screwsim.outputs.variables import (
 
 __all__ = [
     "BALANCE",
+    "BESIDE",
+    "BESIDE_RATIO",
     "CHANGED",
     "CONDENSED",
     "COOLED",

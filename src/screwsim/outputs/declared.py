@@ -72,6 +72,9 @@ class Figure:
 
 POWER = Scale(least=1.0, of=("shaft_power",), alone=True, times="ideal")
 EFFICIENCY = Scale(least=0.1)
+# of what enters beside the suction: what a step errs by is of all that flows
+BESIDE = Scale(0.1, ("gas_mass_flow",))
+BESIDE_RATIO = Scale(0.1)
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
 
