@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements
 from screwsim.model.oil_displacement import gas_mass
@@ -119,5 +120,5 @@ def rates(to: Statements, network: Network) -> None:
 def heads(network: Network) -> list[str]:
     """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
     walls = [name for i in range(len(network.walls)) for name in (f"q_wall_{i}", f"q_conductance_{i}")]
-    met = [f"q_{way}_{side}" for side in range(len(network.offsets)) for way in ("ahead", "behind")]
+    met = [f"q_{each}" for each in Layout(network).met]
     return ["q_work", "q_heat", *walls, *met, *(["q_pushed"] if network.pushes else [])]

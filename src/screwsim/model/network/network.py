@@ -103,7 +103,7 @@ class Network:
     supply_holds: str = ""  # gas per oil that comes through ports
     gas_cell: str = ""  # plenum whose gas flashes or is given off
     stops: int = 0
-    pulsating: bool = False
+    pulses: tuple[str, ...] = ()  # the lines whose pressure does, among `cells`
     across: bool = False
     chambers: int = 1
     slow: str = ""  # call for the factor of all that depends on time, where the speed changes over the pitch
@@ -116,6 +116,11 @@ class Network:
     def quantities(self) -> tuple[str, ...]:
         """Return what is summed of a stream."""
         return QUANTITIES[: 5 if self.dissolves else 4 if self.carried else 2]
+
+    @property
+    def pulsating(self) -> bool:
+        """Does the pressure of a line pulsate?"""
+        return bool(self.pulses)
 
     @property
     def ported(self) -> bool:
