@@ -137,8 +137,8 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         writing.write_speed(writer, geometry.pitch)
     factors = scales(writer, parts)
     writing.write_areas(writer, [*plenum, *gaps], factors)
-    writing.write_heat(writer, [part for _, part in parts.all(HeatRate)])
-    writing.write_walls(writer, [wall for _, wall in parts.walls])
+    writing.write_heat(writer, parts.all(HeatRate))
+    writing.write_walls(writer, parts.walls)
     writing.write_pulsations(writer, parts)
     writing_oil.write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:

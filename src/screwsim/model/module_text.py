@@ -31,10 +31,14 @@ OWN = {name: name for name in (
     *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "path_area"),
     *("injected_oil", "oil_inflow", "stop_push", "restitution", "solution_entropy"),
 )}  # fmt: skip
-OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows", "given_off", "neighbour", "keep_places")}
+OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_places")}
 OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced_alone")}
 OWN |= {name: f"chamber__{name}" for name in ("faces_line", "add_to_lines", "add_outflow")}
-OWN |= {"add_moment": "ledger__add_moment", "around_chamber": "chamber__surroundings"}
+OWN |= {
+    "films_into": "chamber__oil_films",
+    "add_moment": "ledger__add_moment",
+    "around_chamber": "chamber__surroundings",
+}
 
 
 @lru_cache(maxsize=64)

@@ -8,7 +8,7 @@ Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho, P, TAB)` → 0 or 1, 
 `solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
 kilogram of oil holds,
 `around_chamber(phi, middle, context, E)` → what surrounds a chamber, in E,
-`path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `film_flows` that of oil beside it,
+`path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `films_into` that of oil beside it,
 `add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums,
 `stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
 `restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop,
@@ -57,7 +57,7 @@ mass_rate: Any = Slot("mass_rate")
 balanced: Any = Slot("balanced")
 given_off: Any = Slot("given_off")
 path_flows: Any = Slot("path_flows")
-film_flows: Any = Slot("film_flows")
+films_into: Any = Slot("films_into")
 add_moment: Any = Slot("add_moment")
 add_outflow: Any = Slot("add_outflow")
 add_to_lines: Any = Slot("add_to_lines")
@@ -68,7 +68,6 @@ faces_line: Any = Slot("faces_line")
 N: Any = Slot("N")
 N_PLENUM: Any = Slot("N_PLENUM")
 N_FLOWS: Any = Slot("N_FLOWS")
-N_FILMS: Any = Slot("N_FILMS")
 CHAMBERS: Any = Slot("CHAMBERS")
 STOP_POSITION: Any = Slot("STOP_POSITION")
 STOP_SPEED: Any = Slot("STOP_SPEED")

@@ -6,7 +6,6 @@ import numpy as np
 
 from screwsim.model.slots import (
     E_VOLUME,
-    N_FILMS,
     N_FLOWS,
     P_INJECTION,
     P_OMEGA,
@@ -17,7 +16,7 @@ from screwsim.model.slots import (
     N,
     add_outflow,
     around_chamber,
-    film_flows,
+    films_into,
     gas_state,
     given_off,
     mass_rate,
@@ -115,7 +114,6 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
 
     What walls drag along is part of it.
     """
-    drags = np.empty(N_FILMS)
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -125,9 +123,7 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
         around_chamber(phi, inward, context, E)
-        film_flows(y, E, context, out[a], drags)
-        for k in range(N_FILMS):
-            out[a, k] += drags[k]
+        films_into(y, E, context, out[a])
 
 
 @kernel

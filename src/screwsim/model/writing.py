@@ -124,21 +124,21 @@ def _at(slow: str, path: FlowPath) -> str:
     return slow if path.mirror is None else slow.replace("(phi,", "(here,")
 
 
-def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
+def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
     slow = "slow * " if writer.slow else ""
-    for part in heats:
+    for effect, part in heats:
         call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
-        writer.network.heats.append(Heat(call, "d * " if part.oil_factor == "printed" else ""))
+        writer.network.heats.append(Heat(effect, call, "d * " if part.oil_factor == "printed" else ""))
     writer.asked("heat_part", HEAT_SYMBOLS, [each.call for each in writer.network.heats])
 
 
-def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
+def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
     slow = "slow * " if writer.slow else ""
-    for wall in walls:
+    for effect, wall in walls:
         held = wall.temperature
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
         call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
-        writer.network.walls.append(WallHeat(call, temperature))
+        writer.network.walls.append(WallHeat(effect, call, temperature))
     writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
 
 

@@ -100,9 +100,9 @@ def rates(to: Statements, network: Network) -> None:
     if network.dissolves:
         to.add(f"f_w_gas = {held_slope.flat_name}(w_gas, m_oil, m, oil, held, omega)")
     to.add("q_heat = warmth / omega")
-    for i, wall in enumerate(network.walls):
+    for label, wall in zip(Layout(network).walls, network.walls, strict=True):
         to.add(f"conductance = {wall.call}", f"heat = conductance * ({wall.temperature} - T)", "warmth += heat")
-        to.add(f"q_wall_{i} = heat / omega", f"q_conductance_{i} = conductance / omega")
+        to.add(f"q_wall_{label} = heat / omega", f"q_conductance_{label} = conductance / omega")
     if network.own_states:
         to.add("p_suction = R[R_SUCTION + PRESSURE]", "p_discharge = R[R_DISCHARGE + PRESSURE]")
     for name, rate in zip(network.own_states, network.rates, strict=True):
@@ -119,6 +119,7 @@ def rates(to: Statements, network: Network) -> None:
 
 def heads(network: Network) -> list[str]:
     """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
-    walls = [name for i in range(len(network.walls)) for name in (f"q_wall_{i}", f"q_conductance_{i}")]
-    met = [f"q_{each}" for each in Layout(network).met]
+    layout = Layout(network)
+    walls = [f"q_{what}_{label}" for label in layout.walls for what in ("wall", "conductance")]
+    met = [f"q_{each}" for each in layout.met]
     return ["q_work", "q_heat", *walls, *met, *(["q_pushed"] if network.pushes else [])]

@@ -43,7 +43,7 @@ class Chamber(Cell):
 
     def written(self) -> list[str]:
         """Return the texts of all functions."""
-        films = [self.film_flows()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
+        films = [self.film_flows(), self.oil_films()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
         network = self.network
         between = [*place_texts(network), *between_texts(network), *step_texts(network)]
         around = [*lines_texts(network)[:1], beyond_last_text(network), surroundings_text(network)]
@@ -188,6 +188,14 @@ class Chamber(Cell):
             self._read(to, gap, way, f"drags[{self.layout.film(gap, way)}]", "drag")
         what = "oil [kg/s] that comes as films, and `drags` with what walls drag along: each gap ahead and behind"
         return self._reading("film_flows", what, to, ", drags")
+
+    def oil_films(self) -> str:
+        """Return the text of the oil [kg/s] that flows beside the gas through gaps, as films and dragged."""
+        flows = [self.layout.film(gap, way) for gap, way in self.sides]
+        text = '"""Fill `out` with the oil [kg/s] beside the gas, films and dragged: each gap ahead and behind."""'
+        call = "chamber__film_flows(y, E, context, out, drags)"
+        lines = ["drags = np.empty(N_FILMS)", call, *(f"out[{each}] += drags[{each}]" for each in flows)]
+        return function("chamber__oil_films(y, E, context, out)", [text], lines)
 
     def given_off(self) -> str:
         """Return the text of the gas that comes from oil, and through no path: in the chamber, or as it enters."""

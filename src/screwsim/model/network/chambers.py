@@ -94,7 +94,7 @@ class Chambers(Cell):
 
     def _read_own(self, to: Statements, slopes: bool) -> None:
         """Read a chamber's states, surroundings and gas."""
-        to.add(f"e = j * {self.layout.size}", "own = j * N", *self.states("own + "))
+        to.add("e = j * E_CHAMBER", "own = j * N", *self.states("own + "))
         to.add(*(f"{name} = places[j * PLACE + {at}]" for name, at in (GAS | NOZZLE).items()))
         if slopes:
             self._read_slopes(to, "", "j")

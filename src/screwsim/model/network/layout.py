@@ -62,6 +62,16 @@ class Layout:
             return "E", f"{'ALL' if together else 'E'}_{cell}"
         return "R", f"R_{cell}"
 
+    @property
+    def heats(self) -> list[str]:
+        """Return the names of all heats: from the oil, then from walls."""
+        return labels([each.effect for each in (*self._network.heats, *self._network.walls)])
+
+    @property
+    def walls(self) -> list[str]:
+        """Return the names of the walls."""
+        return self.heats[len(self._network.heats) :]
+
     # ---- numbers -----------------------------------------------------------------------------------------------
 
     @property
@@ -111,6 +121,8 @@ class Layout:
             **{f"HELD_{self.label(port)}": OPENING + ports + port.index for port in opened},
             **_counted("", self.flows),
             **_counted("PATH_", self._labels),
+            **_counted("HEAT_", self.heats),
+            "E_CHAMBER": self.size,
             **_counted("", (self.film(*each) for each in self.sides)),
             **{f"LINE_{cell}": number for number, cell in cells[:2]},
             **{f"OF_{quantity}": i for i, quantity in enumerate(network.quantities)},

@@ -195,17 +195,19 @@ class Moments(Chamber):
         network = self.network
         if network.heated:
             to.add("d = R[R_RATIO]")
-        for i, each in enumerate(network.heats):
-            to.add(f"heat = {each.call}", f"beyond = {each.factor}heat - heat", f"heats[{i}, HEAT] += dt * heat")
-            to.add(f"heats[{i}, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)")
+        for label, each in zip(self.layout.heats[: len(network.heats)], network.heats, strict=True):
+            row = f"heats[HEAT_{label}"
+            to.add(f"heat = {each.call}", f"beyond = {each.factor}heat - heat", f"{row}, HEAT] += dt * heat")
+            to.add(f"{row}, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)")
             to.add("oil[LOST] += dt * beyond", "oil[LOST_OVER_T] += dt * beyond / T_oil")
         if network.heated and not network.carried:
             with to.within("if oiled > 0.0"):
                 to.add("made = dt * (R[R_RATIO] * mass_rate + discharged)", "oil[MADE] += made")
                 to.add("oil[MADE_T] += made * T_oil", "oil[MADE_LOG] += made * math.log(T_oil)")
-        for i, wall in enumerate(network.walls, len(network.heats)):
+        for label, wall in zip(self.layout.walls, network.walls, strict=True):
+            row = f"heats[HEAT_{label}"
             to.add(f"warmth = {wall.temperature}", f"heat = dt * {wall.call} * (warmth - T)")
-            to.add(f"heats[{i}, HEAT] += heat", f"heats[{i}, HEAT_GENERATED] += heat * (1.0 / T - 1.0 / warmth)")
+            to.add(f"{row}, HEAT] += heat", f"{row}, HEAT_GENERATED] += heat * (1.0 / T - 1.0 / warmth)")
 
     def _oil(self, to: Statements) -> None:
         """Add the oil that comes through ports (M105, M109), and the gas that oil gives off (M197, M233)."""

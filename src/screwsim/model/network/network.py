@@ -61,6 +61,7 @@ class Gap:
 class Heat:
     """Heat from the oil to the gas."""
 
+    effect: str
     call: str  # heat [W] into the gas
     factor: str = ""  # of what the oil gives away
 
@@ -69,6 +70,7 @@ class Heat:
 class WallHeat:
     """A wall that exchanges heat with the gas."""
 
+    effect: str
     call: str  # conductance [W/K]
     temperature: str
 

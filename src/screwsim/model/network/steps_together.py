@@ -80,7 +80,7 @@ def _close_side(to: Statements, network: Network, line: str, test: str, crossing
     to.add(*exchanged(line), "widest = 0.0", "open_one = 0")
     to.add(f"defect = -dq[inward] - dq[outward] {crossing}", *(f"defect -= dq[{each}]" for each in own))
     with to.within("for j in range(CHAMBERS)"), to.within(f"if {test}"):
-        to.add(f"e = j * {layout.size}")
+        to.add("e = j * E_CHAMBER")
         gas = [f"chamber__gas({E}[e + E_VOLUME], {y}, j * N, P)" for E, y in (("E_next", "y1"), ("E", "y"))]
         to.add(f"defect += {gas[0]} - {gas[1]}")  # first what is small
         for port in network.ports:
@@ -113,7 +113,7 @@ def _lands(network: Network) -> str:
     to, layout = Statements(), Layout(network)
     if network.ports:
         with to.within("for j in range(CHAMBERS)"):
-            to.add(f"e = j * {layout.size}", "own = j * N")
+            to.add("e = j * E_CHAMBER", "own = j * N")
             closing, too_long = closing_test(layout, network, "e + "), stiff_test(network, "own + ")
             with to.within(f"if ({closing}) and ({too_long})"):
                 to.add("return False")

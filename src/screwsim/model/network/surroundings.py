@@ -62,7 +62,7 @@ def surroundings_together_text(network: Network) -> str:
     """Return the text that fills E for all chambers; gaps have the area of their trailing side."""
     layout, to = Layout(network), Statements()
     with to.within("for j in range(CHAMBERS)"):
-        to.add(f"e = j * {layout.size}", "phi = s + j * P[P_PITCH]")
+        to.add("e = j * E_CHAMBER", "phi = s + j * P[P_PITCH]")
         _of_angle(to, network, "phi", "middle + j * P[P_PITCH]", "e + ")
         for each in (*network.ports, *network.gaps):
             to.add(f"E[e + {layout.area(each)}] = {layout.area_at(each, 'phi')}")
