@@ -95,6 +95,10 @@ PLACE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
 HELD = 4  # where oil dissolves: gas per oil
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
+PHASE = PLACE  # behind a chamber's own place: the phase that its gas is held in, FREE or 0 or 1
+BEYOND = (
+    PLACE  # behind the place of a neighbour in E: 1 where it is that of the discharge line, beyond the last chamber
+)
 OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path,
 # then what `stops` keeps of each seat and stop
 LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
@@ -125,7 +129,7 @@ Q_WORK, Q_HEAT, Q_WALLS = range(3)
 FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
-    *("DISSOLVED", "PLACE", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
+    *("DISSOLVED", "PLACE", "PHASE", "BEYOND", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
     *("R_TRAPPED", "R_PRESSURE", "R_OIL_BEFORE", "R_INJECTED"),
     *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS", "PLENUM_ENTROPY"),
 )

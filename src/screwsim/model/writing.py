@@ -150,7 +150,7 @@ def write_pulsations(writer: Writer, parts: Parts) -> None:
     for part in parts.pulsations:
         offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
         phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch, 'per_pitch')}"
-        first = writer.numbers.place_of(first)
+        first = first.removeprefix("P[").removesuffix("]")
         call = f"{pulsation.harmonics.flat_name}({phase}, P, {first}, {len(part.harmonics) // 2})"
         number = parts.number(part.to)
         line = writer.network.cells[number]

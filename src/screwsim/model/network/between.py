@@ -19,7 +19,8 @@ def between_texts(network: Network) -> list[str]:
 def _gas(network: Network) -> str:
     """Return the text of the gas [kg] in a chamber of a volume, whose states begin at y[at] (M106)."""
     mass = f"{gas_mass.flat_name}(V, y[at + S_rho], y[at + S_x_oil], P)" if network.roomed else "y[at + S_rho] * V"
-    return function("chamber__gas(V, y, at, P)", [f"return {mass}"])
+    text = '"""Return the gas [kg] in a chamber of volume V [m³], whose states begin at y[at] (M1, M106)."""'
+    return function("chamber__gas(V, y, at, P)", [text, f"return {mass}"])
 
 
 def _mass_rate(network: Network) -> str:

@@ -113,7 +113,7 @@ class Cell:
         """Set rates and quadratures from the sums of all streams."""
         balances.totals(to, self.network, self.sums)
         balances.rates(to, self.network)
-        to.add("per_omega = 1.0 / omega")
+        to.add("# what the ledger of the lines takes, over the angle", "per_omega = 1.0 / omega")
         for each in self.sums:
             to.add(*(f"q_{quantity}_{each} = {quantity}_{each} * per_omega" for quantity in self.network.quantities))
 

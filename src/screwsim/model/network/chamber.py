@@ -59,6 +59,7 @@ class Chamber(Cell):
         network, discharge = self.network, self.network.cells[1]
         met = [self.layout.neighbour(side, "ahead") for side in range(len(network.offsets))]
         ahead = [f"{there}_{way}" for there in met for way in ("in", "out")]
+        to.add("# streams: mass, enthalpy, oil, in and out of what lies around the chamber (M10–M13)")
         self.begin(to, [*self.sums, *ahead])
         to.add(*(["pushed = 0.0"] if network.pushes else []))
         to.add(*(f"beyond_{there} = 0.0" for there in met), *(f"from_{there} = 0.0" for there in self.layout.met))
@@ -67,7 +68,8 @@ class Chamber(Cell):
         for gap, way in self.sides:
             self._neighbour(to, gap, way, slopes)
         for there in met:
-            with to.within(f"if beyond_{there} > 0.0"):  # ahead of the last chamber lies the discharge line
+            to.add("# ahead of the last chamber lies the discharge line (M24)")
+            with to.within(f"if beyond_{there} > 0.0"):
                 for way in ("in", "out"):
                     to.add(*(f"{each}_{discharge}_{way} += {each}_{there}_{way}" for each in network.quantities))
                 to.add(f"from_{there} = 0.0")
@@ -84,9 +86,9 @@ class Chamber(Cell):
         with to.within(self.opened(to, f"{gap.effect}, {way} (M12)", area, slopes)):
             read_place(to, network, cell, "E", place, instead)
             if way == "ahead":
-                line = f"E[{place} + PLACE]"
+                line = f"E[{place} + BEYOND]"
                 to.add(
-                    f"beyond_{cell} = " + (f"E_next[{place} + PLACE] if area == 0.0 else {line}" if slopes else line)
+                    f"beyond_{cell} = " + (f"E_next[{place} + BEYOND] if area == 0.0 else {line}" if slopes else line)
                 )
             sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
             self.gap(to, gap, *sums, place_of(network, cell), way)
@@ -112,7 +114,7 @@ class Chamber(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
-        held = "gas_phase(T, rho, P, TAB) if own[PLACE] == FREE else int(own[PLACE])"
+        held = "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
         return function(
             "chamber__rates(y, E, context, f, g)",
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
@@ -134,7 +136,7 @@ class Chamber(Cell):
             stores += [f"{by_states}[{row}, S_{state}] = {tangent.slope(name, state)}" for state in states]
             stores.append(f"{by_angle}[{row}] = {tangent.slope(name, 'phi')}")
         before = ["per_delta = 1.0 / delta"]
-        before += ["phase = gas_phase(T, rho, P, TAB)", "own[PLACE] = phase"] if network.phases else ["phase = 0"]
+        before += ["phase = gas_phase(T, rho, P, TAB)", "own[PHASE] = phase"] if network.phases else ["phase = 0"]
         before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
         valves = [port for port in network.ports if port.one_way]
         after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]

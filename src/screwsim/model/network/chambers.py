@@ -206,6 +206,7 @@ class Chambers(Cell):
         network, to = self.network, Statements()
         balances.oil_room(to, network)
         balances.gas_inside(to, network)
+        to.add("# streams: mass, enthalpy, oil, in and out of lines and plenums (M10–M13)")
         self.begin(to, [each for each in self.sums if each != "between"])
         to.add(*(["pushed = pushed_between"] if network.pushes else []))
         for port in network.ports:

@@ -87,16 +87,16 @@ class Moments(Chamber):
             to.add(f"film = films[{self.layout.film(gap, way)}]")
         with to.within(f"if E[{area}] > 0.0"):
             read_place(to, network, cell, "E", place)
-            line = f"E[{place} + PLACE] > 0.0"
+            line = f"E[{place} + BEYOND] > 0.0"
             self._press(to, beyond, f"{discharge} if {line} else {beyond.p}" if way == "ahead" else beyond.p)
             with to.within("if flow > 0.0"):
                 self._arrival(to, row, beyond, f"s_{cell}")
             if way == "ahead":
-                with to.within(f"elif flow < 0.0 and E[{place} + PLACE] > 0.0"):
+                with to.within(f"elif flow < 0.0 and E[{place} + BEYOND] > 0.0"):
                     self._departure(to, row, "leaving" if network.heated else "0.0")
                     to.add("discharged -= leaving * flow")
             if gap.film:
-                self._film(to, row, beyond, f"E[{place} + PLACE] > 0.0" if way == "ahead" else "")
+                self._film(to, row, beyond, f"E[{place} + BEYOND] > 0.0" if way == "ahead" else "")
             if gap.drag and way == "ahead":
                 self._drag(to, row, beyond, f"drags[{self.layout.film(gap, way)}]")
 
@@ -108,7 +108,7 @@ class Moments(Chamber):
         _, place = self._side(gaps[0], way)
         shift = network.offsets[side] * (1 if way == "ahead" else -1)
         to.add(f"s_{cell} = s_discharge")
-        with to.within(f"if ({coming}) and not (E[{place} + PLACE] > 0.0)"):
+        with to.within(f"if ({coming}) and not (E[{place} + BEYOND] > 0.0)"):
             to.add(f"i = context.hints[HINT_{cell}]", f"there = phi + {shift} * P[P_PITCH]")
             to.add("theta = (there - context.t_old[i]) / (context.t_old[i + 1] - context.t_old[i])")
             for name in ("T", "rho"):

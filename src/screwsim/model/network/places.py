@@ -95,7 +95,7 @@ def _of_neighbour(network: Network) -> str:
     if not network.varies:  # constants of an ideal gas, the same everywhere
         to.add(*(f"{name} = R[R_{network.cells[0]} + {at}]" for name, at in VARYING.items()))
     _fill(to, network, STORED | VARYING, "E[at + {}]")
-    to.add("E[at + PLACE] = 0.0")
+    to.add("E[at + BEYOND] = 0.0")
     return function(
         "chamber__neighbour(columns, P, R, E, at)",
         ['"""Fill the place of a neighbour at E[at], and that it is none of a line."""'],

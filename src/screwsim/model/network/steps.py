@@ -99,7 +99,8 @@ def _above_zero(name: str, positive: dict[str, bool]) -> bool:
 def _error_size() -> str:
     """Return the text of a step's error; the place of the last stage is that of y1 all but for the error itself."""
     body = ["return chamber__error(y0, y1, error, 0, context.own, 0, context.P)"]
-    return function("chamber__error_size(y0, y1, error, context)", body)
+    text = '"""Return the largest relative error of the states over a step."""'
+    return function("chamber__error_size(y0, y1, error, context)", [text], body)
 
 
 def _lands(network: Network) -> str:
@@ -171,13 +172,16 @@ def _at_breakpoint(network: Network) -> str:
     if network.stops:
         with to.within("if phi == 0.0"):
             to.add("impacts__begin(y, own, R, P, TAB)")
-    return function("chamber__at_breakpoint(phi, y, context)", [CONTEXT], to.lines)
+    text = '"""Let the state jump where it does: the oil comes at the injection angle (M9)."""'
+    return function("chamber__at_breakpoint(phi, y, context)", [text, CONTEXT], to.lines)
 
 
 def _share_in_phase(network: Network) -> str:
     """Return the text of the share of a step that holds: to a switch, an impact or a border of the phases."""
     to, layout = Statements(), Layout(network)
-    to.add("share = 1.0")
+    switched = any(port.one_way for port in network.ports)
+    if switched:
+        to.add("share = 1.0")
     for port in network.ports:
         if port.one_way:
             line, held = f"R[R_{port.cell} + PRESSURE]", layout.share(port, "HELD")
@@ -186,18 +190,22 @@ def _share_in_phase(network: Network) -> str:
     tests = ["impacts__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
-        tests.append(f"borders__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol, P, TAB)")
+        tests.append(f"borders__share_before_border(own[PHASE], y, y1, u, 0, {steep}, rtol, P, TAB)")
+    if not switched:
+        to.add(f"share = {tests.pop(0) if tests else '1.0'}")
     for test in tests:
         with to.within("if share == 1.0"):
             to.add(f"share = {test}")
     to.add("return share")
-    return function("chamber__share_in_phase(y, y1, u, rtol, context)", [CONTEXT], to.lines)
+    text = '"""Return the share of a step that holds: up to a switch, an impact or a border of the phases."""'
+    return function("chamber__share_in_phase(y, y1, u, rtol, context)", [text, CONTEXT], to.lines)
 
 
 def _jump(network: Network) -> str:
     """Return the text of what happens between two steps; it tells whether the integration may go on."""
     body = "impacts__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
-    return function("chamber__jump(y, rtol, context)", [CONTEXT, f"return {body}"])
+    text = '"""Let happen what is due between two steps; tell whether the integration may go on."""'
+    return function("chamber__jump(y, rtol, context)", [text, CONTEXT, f"return {body}"])
 
 
 # ---- the mass balance ------------------------------------------------------------------------------------------------
@@ -208,7 +216,8 @@ def _into(network: Network) -> str:
     to = Statements()
     terms = stream_terms(to, network, "m", Place(*(f"source[s + {at}]" for at in NUMBERS.values())))
     to.add(*(f"sums[at + OF_{quantity}] += {term}" for quantity, term in terms.items()))
-    return function("chamber__into(sums, at, m, source, s)", to.lines)
+    text = '"""Add a stream of m [kg] with the state of the place at source[s] to sums, from sums[at] on (M10)."""'
+    return function("chamber__into(sums, at, m, source, s)", [text], to.lines)
 
 
 def _conserve(network: Network) -> str:
@@ -244,10 +253,17 @@ def _conserve(network: Network) -> str:
     with to.within("if dq[inward] + dq[outward] >= 0.0"):
         to.add("chamber__into(dq, inward, defect, R, line)")
     with to.within("else"):
-        to.add("chamber__place(own[PLACE], y1, 0, P, TAB, own, 0)")
+        to.add("chamber__place(own[PHASE], y1, 0, P, TAB, own, 0)")
         to.add("chamber__into(dq, outward, defect, own, 0)")
     head = "chamber__conserve(y, y1, E, E_next, context, dq)"
-    return function(head, ['"""Close the mass balance of a step."""', CONTEXT], to.lines)
+    return function(
+        head,
+        [
+            '"""Close the mass balance of a step: by the flow through the widest port, else by the density (M1)."""',
+            CONTEXT,
+        ],
+        to.lines,
+    )
 
 
 def exchanged(line: str) -> tuple[str, str, str]:
@@ -257,7 +273,7 @@ def exchanged(line: str) -> tuple[str, str, str]:
 
 def _held_shares(to: Statements, network: Network, y: str, name: str) -> None:
     """Set how far each port whose opening hangs on the state is open to a chamber of state y, whose place is filled."""
-    to.add(f"chamber__place(own[PLACE], {y}, 0, P, TAB, own, 0)")
+    to.add(f"chamber__place(own[PHASE], {y}, 0, P, TAB, own, 0)")
     layout = Layout(network)
     for port in network.ports:
         if port.opening and port.wide:

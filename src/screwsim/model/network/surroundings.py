@@ -91,7 +91,7 @@ def beyond_last_text(network: Network) -> str:
         "chamber__beyond_last(R, E, at)",
         ['"""Fill the place of the discharge line, ahead of the last chamber, at E[at]."""'],
         [f"E[at + {number}] = {array}[{line} + {number}]" for number in needed(network).values()],
-        ["E[at + PLACE] = 1.0"],
+        ["E[at + BEYOND] = 1.0"],
     )
 
 
