@@ -2,6 +2,7 @@
 up or branch on while it runs that the structure of the machine knows."""
 
 import ast
+import re
 from functools import cache
 from pathlib import Path
 
@@ -20,13 +21,14 @@ SCENES = {
     "slider-crank": ("slider_crank/air.yaml",),
     "expander": ("expander/point.yaml",),
 }
-WRITTEN = ("chamber__", "chambers__", "area__", "opening__", "pulse__", "ledger__add_moment")
+WRITTEN = ("chamber__", "chambers__", "area__", "opening__", "pulse__", "push__", "push_on__", "ledger__add_moment")
 # what a text counts along: the chambers, their columns, and the points of a step's cubic
 COUNTED = {"CHAMBERS", "GIVEN", "COLUMNS", "GIVEN_SLOPES", "GIVEN_SLOPES_EXACT", "Q_crossing"}
 CUBIC = "range(0 if fresh else 1, 4)"
+SIZES = {"N_PLENUM", "N_FLOWS", "N_FILMS"}
 PIECES = {"dense", "context.d_old"}  # of a dense output: the four pieces of a step have numbers
 BY_NUMBER = {"path_area", "path_opening", "line_pulse", "heat_part", "wall_conductance", "state_rate"}
-BY_NUMBER |= {"gap_share", "gap_film", "gap_drag"}  # chosen by a number, for Python
+BY_NUMBER |= {"gap_share", "gap_film", "gap_drag", "stop_push", "push_on"}  # chosen by a number, for Python
 READING = {"trace__areas_along"}  # what Python has along angles
 
 
@@ -55,6 +57,18 @@ def test_nothing_is_gone_through_that_the_structure_knows(scene):
             spelled = ast.unparse(loop.iter)
             named = {part.id for part in each(ast.Name, loop.iter)} - {"range"}
             assert spelled == CUBIC or (named and named <= COUNTED and name.startswith("chambers__")), (name, spelled)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_no_kernel_goes_through_ports_gaps_or_valves(scene):
+    """Counts of them say how long an array is; no loop ends there, and no table tells what each of them is."""
+    for name, node in functions(scene).items():
+        for loop in each(ast.For, node):
+            assert not {part.id for part in each(ast.Name, loop.iter)} & SIZES, (name, ast.unparse(loop.iter))
+    text = compose(problem_of(load(CONFIGS / SCENES[scene][0], SCENES[scene][1:])).parts).text
+    assert all(
+        line.partition(" = ")[0].partition("__")[2] for line in text.splitlines() if " = np.array([" in line[:80]
+    )
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -13,11 +13,11 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import impacts, ledger, line_flow, slots, trace, writing, writing_oil
+from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
-from screwsim.model.network import balances, places, steps, surroundings
+from screwsim.model.network import balances, places, steps, stops, surroundings
 from screwsim.model.network.cell import RESERVED, Cell
 from screwsim.model.network.chambers import room, work_constants
 from screwsim.model.network.layout import Layout
@@ -55,7 +55,7 @@ def compose(parts: Parts) -> Composition:
         writer.numbers,
         len(parts.plenums) + FIRST_OWN,
     )
-    constants, structure = _constants(network, parts, stopped)
+    constants, structure = _constants(network, parts)
     constants |= numbers.places | SHARED | {name: structure[name] for name in OIL_NUMBERS}
     key, own, called = network.key(), tuple(writer.text), tuple(writer.kernels)
     held = places_of_lines * PLACE if parts.pulsations else 0
@@ -123,7 +123,6 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
     # effects that open chambers beyond the injection angle to suction, or others to discharge
     network.across = any(name not in PORTS and path.to in LINES for name, path in plenum)
     network.chambers = parts.geometry.chambers
-    network.stops = len(parts.all(Stops))
     return network
 
 
@@ -153,18 +152,15 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):
         writing.write_openings(writer, ports, network.states)
-    if network.stops:
-        writing.write_stops(writer, [part for _, part in parts.all(Stops)], network.states)
-    resting = (impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.note_end, impacts.note_start)
+    if stopped := [part for _, part in parts.all(Stops)]:
+        writing.write_stops(writer, stopped, network.states)
     called = (*balances.balance_kernels(network), *steps.step_kernels(network))
     called += (*surroundings.surroundings_kernels(network), *places.place_kernels(), nozzle.flow)
-    for each in (*called, *(resting if network.stops else ())):
+    for each in (*called, *stops.stop_kernels(network)):
         network.kernels[each.flat_name] = each
 
 
-def _constants(
-    network: Network, parts: Parts, stopped: Sequence[tuple[int, int]]
-) -> tuple[dict[str, Any], dict[str, int]]:
+def _constants(network: Network, parts: Parts) -> tuple[dict[str, Any], dict[str, int]]:
     """Return the constants of the text, and the numbers of its structure (slots.py)."""
     layout = Layout(network)
     constants: dict[str, Any] = {
@@ -174,13 +170,10 @@ def _constants(
         "N_FILMS": len(layout.sides),
         "CHAMBERS": network.chambers,
     }
-    if stopped:
-        constants["STOP_POSITION"] = f"np.array({[position for position, _ in stopped]})"
-        constants["STOP_SPEED"] = f"np.array({[speed for _, speed in stopped]})"
     quadratures = Cell(network).quadratures
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
     constants |= layout.constants(list(places.columns(network)), quadratures) | work_constants(network)
-    structure = {"STOPS": len(stopped), "QUADRATURES": len(quadratures)} | oil_places(parts)
+    structure = {"QUADRATURES": len(quadratures)} | oil_places(parts)
     return constants, structure
 
 

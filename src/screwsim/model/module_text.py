@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
 from screwsim.model import ledger, places, slices, trace
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.moments import moment_text
+from screwsim.model.network.network import Network
+from screwsim.model.network.stops import OF_EACH, of_stop
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kept_text import kept_text
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
@@ -29,7 +33,7 @@ OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (
     *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "path_area"),
-    *("injected_oil", "oil_inflow", "stop_push", "restitution", "solution_entropy"),
+    *("injected_oil", "oil_inflow", "solution_entropy"),
 )}  # fmt: skip
 OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_places")}
 OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced_alone")}
@@ -58,12 +62,13 @@ def module_text(
     alone. A text that was written before is read from the cache folder, where it is found by all that it is made of.
     """
     *network, called = key
-    drivers = (rodas.integrate, *OF_A_PITCH, *READ_WITH)
+    drivers, stops = (rodas.integrate, *OF_A_PITCH, *READ_WITH, *OF_EACH), Layout(Network(*key)).stops
 
     def write() -> str:
         texts, more = (chambers_texts if together else chamber_texts)(key)
         moments = () if together else (moment_text(key),)
-        return _written((*own_functions, *texts, *moments), (*kernels, *more), named, structure, read_with, together)
+        own = (*own_functions, *texts, *moments)
+        return _written(own, (*kernels, *more), named, structure, read_with, stops, together)
 
     made_of = (network, own_functions, named, structure, together)
     return kept_text(("model", "numerics"), (*kernels, *dict(called).values(), *drivers, *read_with), made_of, write)
@@ -75,11 +80,15 @@ def _written(
     named: tuple[tuple[str, Any], ...],
     structure: tuple[tuple[str, int], ...],
     read_with: tuple[Kernel, ...],
+    stops: Sequence[str],
     together: bool,
 ) -> str:
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
     blocks = flatten(kernels, own, numbers=numbers)
+    for label in stops:
+        filled, ends = of_stop(label)
+        blocks |= flatten(OF_EACH, own | filled, ends, numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     sizes = {"STATES": constants["N"], "QUADRATURES": numbers["QUADRATURES"]}
     if together:

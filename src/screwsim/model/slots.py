@@ -10,8 +10,7 @@ kilogram of oil holds,
 `around_chamber(phi, middle, context, E)` → what surrounds a chamber, in E,
 `path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `films_into` that of oil beside it,
 `add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums,
-`stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
-`restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop,
+`push_on(T, rho, y, R, P, TAB)` → acceleration at rest of what moves between a seat and a stop, filled for each,
 `neighbour(columns, P, R, E, at)` → the place of a neighbour at E[at], `keep_places(step, dense, context)` → what a
 history holds of a step beyond the states,
 `mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
@@ -22,12 +21,12 @@ history holds of a step beyond the states,
 `add_outflow(heat, mass, flows, T_oil, weight, E)` → what leaves it to the discharge line.
 
 By number, for Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
-`path_opening(i, drop, width, held, y, at, P)` → open share of a port at a pressure difference into the chamber, and
+`path_opening(i, drop, width, held, y, at, P)` → open share of a port at a pressure difference into the chamber,
+`stop_push(i, p, p_suction, p_discharge, y, at, P)` and `push_on(i, T, rho, y, R, P, TAB)`, and
 `line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself.
 
 Constants: N (states of a chamber), N_PLENUM (ports), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides
-of gaps), CHAMBERS (alive at once), STOPS (how many own states move between a seat and a stop; then STOP_POSITION and
-STOP_SPEED, where they stand), the indices into P that move with the number of own plenums, and those of
+of gaps), CHAMBERS (alive at once), the indices into P that move with the number of own plenums, and those of
 `network.layout`.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
@@ -43,14 +42,13 @@ gas_state: Any = Slot("gas_state")
 gas_phase: Any = Slot("gas_phase")
 phased_state: Any = Slot("phased_state")
 gas_entropy: Any = Slot("gas_entropy")
+push_on: Any = Slot("push_on")
 path_area: Any = Slot("path_area")
 volume_at: Any = Slot("volume_at")
 volume_slope_at: Any = Slot("volume_slope_at")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 solution_entropy: Any = Slot("solution_entropy")
-stop_push: Any = Slot("stop_push")
-restitution: Any = Slot("restitution")
 neighbour: Any = Slot("neighbour")
 keep_places: Any = Slot("keep_places")
 mass_rate: Any = Slot("mass_rate")
@@ -69,10 +67,7 @@ N: Any = Slot("N")
 N_PLENUM: Any = Slot("N_PLENUM")
 N_FLOWS: Any = Slot("N_FLOWS")
 CHAMBERS: Any = Slot("CHAMBERS")
-STOP_POSITION: Any = Slot("STOP_POSITION")
-STOP_SPEED: Any = Slot("STOP_SPEED")
 
-STOPS: Any = Structure("STOPS")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)

@@ -15,7 +15,7 @@ from typing import Any
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
 from screwsim.model import pulsation
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import Heat, Law, Network, WallHeat
+from screwsim.model.network.network import Heat, Law, Network, Stop, WallHeat
 from screwsim.model.numbers import Numbers
 from screwsim.model.parts import Parts
 from screwsim.model.speed import flat_curve, slowness
@@ -25,6 +25,7 @@ from screwsim.numerics.kernel import Kernel
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
 OPENING_SYMBOLS = ("drop", "width", "held")
 PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
+GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # of a push on what moves, by the state of the gas
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 NO_FACTORS: Mapping[str, Sequence[str]] = MappingProxyType({})
@@ -83,9 +84,9 @@ class Writer:
     def function(self, head: str, body: Sequence[str]) -> None:
         self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
 
-    def chosen(self, head: str, calls: Sequence[str], otherwise: str, by: str = "i") -> None:
+    def chosen(self, head: str, calls: Sequence[str], otherwise: str) -> None:
         """Write a function by which calls are asked one by one, by index, from Python."""
-        body = [line for i, call in enumerate(calls) if call for line in (f"if {by} == {i}:", f"    return {call}")]
+        body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
         self.function(head, [*body, f"return {otherwise}"])
 
     def asked(self, name: str, arguments: Sequence[str], calls: Sequence[str], before: Sequence[str] = ()) -> None:
@@ -266,13 +267,18 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
 
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
-    body, asked, bounces = [], set(), []
-    for index, part in enumerate(stops):
+    """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures and by the gas."""
+    lines = ", ".join(f"R[R_{cell} + PRESSURE]" for cell in writer.network.cells[:2])
+    arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
+    for part in stops:
         call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]))
-        body += [f"if k == {index}:", f"    return {call}"]
-        asked |= set(part.push.arguments)
-        both = ", ".join(writer.numbers.add(each, "restitution") for each in part.restitution)
-        bounces += [f"if k == {index}:", f"    return {both}"]
-    head = f"stop_push(k, {', '.join(PUSH_SYMBOLS)}, y, at, P)"
-    writer.function(head, [*named_states(body, states, asked), "return 0.0"])
-    writer.function("restitution(k, P)", [*bounces, "return 0.0, 0.0"])
+        seat, stop = (writer.numbers.add(each, f"{part.position}_restitution") for each in part.restitution)
+        writer.network.stops.append(Stop(part.position, part.speed, seat, stop))
+        asked = named_states([f"return {call}"], states, set(part.push.arguments))
+        writer.function(f"push__{part.position}({arguments})", asked)
+        gas = "p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(T, rho, P, TAB)"
+        push = f"return push__{part.position}(p, {lines}, y, 0, P)"
+        writer.function(f"push_on__{part.position}({GAS_SYMBOLS})", [gas, push])
+    names = [part.position for part in stops]
+    writer.chosen(f"stop_push(i, {arguments})", [f"push__{name}({arguments})" for name in names], "0.0")
+    writer.chosen(f"push_on(i, {GAS_SYMBOLS})", [f"push_on__{name}({GAS_SYMBOLS})" for name in names], "0.0")

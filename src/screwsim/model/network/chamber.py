@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model.network import balances
+from screwsim.model.network import balances, stops
 from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
 from screwsim.model.network.flows import drag_flux, film_flux, gap_flux, needed, place_of, port_flux, read_place
@@ -120,7 +120,7 @@ class Chamber(Cell):
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
             [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
-            ["impacts__keep_at_rest(own, f)", "impacts__note_end(E, own)"] if self.network.stops else [],
+            [*stops.keep_at_rest(self.network, "f"), "own[STEP_END] = E[E_ANGLE]"] if self.network.stops else [],
         )
 
     def jacobian(self) -> str:
@@ -141,8 +141,8 @@ class Chamber(Cell):
         valves = [port for port in network.ports if port.one_way]
         after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]
         if network.stops:
-            after += [f"impacts__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
-            after += [f"impacts__keep_rows_at_rest(own, J, {len(states)})", "impacts__note_start(E, own)"]
+            after += [*stops.keep_at_rest(network, "f"), *stops.keep_at_rest(network, "f_phi")]
+            after += [*stops.keep_rows_at_rest(network, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]
         return function(
             "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
             ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],

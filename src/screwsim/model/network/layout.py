@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PLACE
 
+AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # of a turn, and the angles of the step tried
 WAYS = ("ahead", "behind")  # the two sides of a gap
 
 
@@ -20,7 +21,10 @@ class Layout:
 
     def __init__(self, network: Network) -> None:
         self._network = network
-        self._labels = labels([each.effect for each in (*network.ports, *network.gaps)])
+        ports = [each.effect for each in network.ports]
+        several = {effect for effect in ports if ports.count(effect) > 1}
+        names = [f"{each.effect}_to_{each.cell}" if each.effect in several else each.effect for each in network.ports]
+        self._labels = labels([*names, *(each.effect for each in network.gaps)])
 
     def label(self, path: Port | Gap) -> str:
         """Return the name of a port or gap, as part of an identifier."""
@@ -61,6 +65,11 @@ class Layout:
         if self._network.pulsating:
             return "E", f"{'ALL' if together else 'E'}_{cell}"
         return "R", f"R_{cell}"
+
+    @property
+    def stops(self) -> list[str]:
+        """Return the names of all that moves between a seat and a stop: those of the positions."""
+        return [each.position for each in self._network.stops]
 
     @property
     def heats(self) -> list[str]:
@@ -119,6 +128,9 @@ class Layout:
             **{f"P_WIDTH_{cell}": P_PORT_WIDTH + number for number, cell in cells},
             **{f"OPENED_{self.label(port)}": OPENING + port.index for port in opened},
             **{f"HELD_{self.label(port)}": OPENING + ports + port.index for port in opened},
+            **_counted("MODE_", self.stops, OPENING + 2 * ports),
+            **_counted("DUE_", self.stops, OPENING + 2 * ports + len(self.stops)),
+            **_counted("", AFTER_STOPS if network.stops else (), OPENING + 2 * (ports + len(network.stops))),
             **_counted("", self.flows),
             **_counted("PATH_", self._labels),
             **_counted("HEAT_", self.heats),

@@ -75,6 +75,16 @@ class WallHeat:
     temperature: str
 
 
+@dataclass(frozen=True)
+class Stop:
+    """Seat and stop of a state, and the one that is its speed."""
+
+    position: str
+    speed: str
+    seat: str  # speed after over speed before an impact on it
+    stop: str
+
+
 @dataclass
 class Network:
     """Cells and connections of one machine, and the calls of their kernels."""
@@ -104,7 +114,7 @@ class Network:
     release: str = ""  # call for (gas, enthalpy, heat over c_oil) that oil gives off (m_oil, w, s, h, T_oil)
     supply_holds: str = ""  # gas per oil that comes through ports
     gas_cell: str = ""  # plenum whose gas flashes or is given off
-    stops: int = 0
+    stops: list[Stop] = field(default_factory=list)
     pulses: tuple[str, ...] = ()  # the lines whose pressure does, among `cells`
     across: bool = False
     chambers: int = 1

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from screwsim.model.borders import share_before_border, share_before_switch
 from screwsim.model.closing_ports import closes, stiff
-from screwsim.model.impacts import begin, put_within, share_before_event, take_event
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, Place, stream_terms
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.stops import stop_texts
 from screwsim.model.oil_displacement import density_of, displaced, gas_mass_slope, locked
 from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
 from screwsim.numerics.kernel import Kernel
@@ -32,7 +32,7 @@ def step_texts(network: Network) -> list[str]:
             _at_breakpoint(network),
             _share_in_phase(network),
         ),
-        *(_into(network), _conserve(network), _jump(network)),
+        *(_into(network), _conserve(network), _jump(network), *stop_texts(network)),
     ]
 
 
@@ -43,7 +43,6 @@ def step_kernels(network: Network) -> list[Kernel]:
         share_before_switch: any(port.one_way for port in network.ports),
     }
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
-    asked |= dict.fromkeys((begin, put_within, share_before_event, take_event), network.stops > 0)
     return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
 
 
@@ -171,7 +170,7 @@ def _at_breakpoint(network: Network) -> str:
         to.add("chamber__inject(y, 0, P, TAB, R)")
     if network.stops:
         with to.within("if phi == 0.0"):
-            to.add("impacts__begin(y, own, R, P, TAB)")
+            to.add("chamber__begin_modes(y, own, R, P, TAB)")
     text = '"""Let the state jump where it does: the oil comes at the injection angle (M9)."""'
     return function("chamber__at_breakpoint(phi, y, context)", [text, CONTEXT], to.lines)
 
@@ -187,7 +186,7 @@ def _share_in_phase(network: Network) -> str:
             line, held = f"R[R_{port.cell} + PRESSURE]", layout.share(port, "HELD")
             ends = f"{port.one_way}, {line}, {port.width}, {held}, share"
             to.add(f"share = {share_before_switch.flat_name}({ends}, y, y1, u, P, TAB)")
-    tests = ["impacts__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
+    tests = ["chamber__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
         tests.append(f"borders__share_before_border(own[PHASE], y, y1, u, 0, {steep}, rtol, P, TAB)")
@@ -203,7 +202,7 @@ def _share_in_phase(network: Network) -> str:
 
 def _jump(network: Network) -> str:
     """Return the text of what happens between two steps; it tells whether the integration may go on."""
-    body = "impacts__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
+    body = "chamber__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
     text = '"""Let happen what is due between two steps; tell whether the integration may go on."""'
     return function("chamber__jump(y, rtol, context)", [text, CONTEXT, f"return {body}"])
 
@@ -240,7 +239,7 @@ def _conserve(network: Network) -> str:
             with to.within("if area > widest"):
                 to.add("widest = area", *exchanged(port.cell))
     if network.stops:
-        to.add("impacts__put_within(y1, own)")
+        to.add("chamber__put_within(y1, own)")
     to.add("defect = chamber__gas(E_next[E_VOLUME], y1, 0, P) - chamber__gas(E[E_VOLUME], y, 0, P)")
     to.add(*(f"defect -= dq[Q_mass_{each}]" for each in Cell(network).sums))
     with to.within("if widest == 0.0"):
