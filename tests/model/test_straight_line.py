@@ -25,7 +25,7 @@ WRITTEN = ("chamber__", "chambers__", "area__", "opening__", "pulse__", "push__"
 # what a text counts along: the chambers, their columns, and the points of a step's cubic
 COUNTED = {"CHAMBERS", "GIVEN", "COLUMNS", "GIVEN_SLOPES", "GIVEN_SLOPES_EXACT", "Q_crossing"}
 CUBIC = "range(0 if fresh else 1, 4)"
-SIZES = {"N_PLENUM", "N_FLOWS", "N_FILMS"}
+SIZES = {"N_FLOWS", "N_FILMS"}
 PIECES = {"dense", "context.d_old"}  # of a dense output: the four pieces of a step have numbers
 BY_NUMBER = {"path_area", "path_opening", "line_pulse", "heat_part", "wall_conductance", "state_rate"}
 BY_NUMBER |= {"gap_share", "gap_film", "gap_drag", "stop_push", "push_on"}  # chosen by a number, for Python

@@ -165,7 +165,6 @@ def _constants(network: Network, parts: Parts) -> tuple[dict[str, Any], dict[str
     layout = Layout(network)
     constants: dict[str, Any] = {
         "N": len(network.states),
-        "N_PLENUM": len(network.ports),
         "N_FLOWS": len(layout.flows),
         "N_FILMS": len(layout.sides),
         "CHAMBERS": network.chambers,

@@ -25,7 +25,7 @@ By number, for Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coeff
 `stop_push(i, p, p_suction, p_discharge, y, at, P)` and `push_on(i, T, rho, y, R, P, TAB)`, and
 `line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself.
 
-Constants: N (states of a chamber), N_PLENUM (ports), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides
+Constants: N (states of a chamber), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides
 of gaps), CHAMBERS (alive at once), the indices into P that move with the number of own plenums, and those of
 `network.layout`.
 
@@ -64,7 +64,6 @@ balanced_alone: Any = Slot("balanced_alone")
 faces_line: Any = Slot("faces_line")
 
 N: Any = Slot("N")
-N_PLENUM: Any = Slot("N_PLENUM")
 N_FLOWS: Any = Slot("N_FLOWS")
 CHAMBERS: Any = Slot("CHAMBERS")
 
