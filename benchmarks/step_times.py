@@ -33,7 +33,7 @@ LOOPS = """
 def many_surroundings(times, angles, middles, E, context):
     for i in range(times):
         j = i % len(angles)
-        surroundings__around_chamber(angles[j], middles[j], context, E[j])
+        chamber__surroundings(angles[j], middles[j], context, E[j])
 
 
 def many_rates(times, Y, E, f, g, context):
@@ -107,8 +107,8 @@ def timers(machinery: Machinery) -> dict[str, Callable[[int], object]]:
     middles = 0.5 * (at[chosen] + at[chosen + 1])
     E, E_next = (np.empty((MOMENTS, machinery.composition.n_E)) for _ in range(2))
     for i in range(MOMENTS):
-        module.surroundings__around_chamber(angles[i], middles[i], context, E[i])
-        module.surroundings__around_chamber(angles[i] + ANGLE_STEP, middles[i], context, E_next[i])
+        module.chamber__surroundings(angles[i], middles[i], context, E[i])
+        module.chamber__surroundings(angles[i] + ANGLE_STEP, middles[i], context, E_next[i])
     f, g, f_phi, g_phi = np.empty(n), np.empty(nq), np.empty(n), np.empty(nq)
     J, Jq, matrix, pivots = np.empty((n, n)), np.empty((nq, n)), np.empty((n, n)), np.zeros(n, np.int64)
     random = np.random.default_rng(1)

@@ -32,7 +32,7 @@ class Monolith:
         omega, motor_speed, twist, _ = y[self.n :]
         c.P[P_OMEGA] = omega
         context[3][-c.chambers :] = FREE
-        module.surroundings__around_chambers(s, middle, context, self.E)
+        module.chambers__surroundings(s, middle, context, self.E)
         module.chambers__rates(np.ascontiguousarray(y[: self.n]), self.E, context, self.f, self.g)
         pressures = context[3][: c.chambers * PLACE].reshape(-1, PLACE)[:, PRESSURE]
         gas = -float((pressures - self.low) @ self.E.reshape(c.chambers, self.size)[:, E_SLOPE])

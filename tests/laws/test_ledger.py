@@ -146,7 +146,7 @@ def moments(transport):
     for phi in np.radians(np.arange(0.5, 720.0, 2.0)):
         i = int(np.searchsorted(times[: steps + 1], phi)) - 1
         names["history__read"](phi, times, dense, i, y)
-        names["surroundings__around_chamber"](phi, phi, machinery.context, E)
+        names["chamber__surroundings"](phi, phi, machinery.context, E)
         names["chamber__path_flows"](y, E, machinery.context, flows)
         paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), kernels.PATH_SUMS))
         heats, oil = np.zeros((1, kernels.HEAT_SUMS)), np.zeros(kernels.OIL_SUMS)

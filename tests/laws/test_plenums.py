@@ -215,7 +215,7 @@ def monolith(scene, pitches):
     at = c.first_stream + DISCHARGE_IN * width
 
     def rates(phi, z):
-        module.surroundings__around_chambers(phi, phi + 1e-9, context, E)
+        module.chambers__surroundings(phi, phi + 1e-9, context, E)
         p, rho = z[-1], rho_d * (z[-1] / p_d) ** inverse
         E[lines + PRESSURE], E[lines + DENSITY] = p, rho
         E[lines + 2] = machinery.R[PLACE + 2] + (p / rho - p_d / rho_d) / (1.0 - inverse)

@@ -57,7 +57,7 @@ def machinery(request):
 def driver(machinery, request):
     c, m = machinery.composition, machinery.module
     if request.param == "chamber":
-        kernels = m.surroundings__around_chamber, m.chamber__rates, m.chamber__jacobian
+        kernels = m.chamber__surroundings, m.chamber__rates, m.chamber__jacobian
         return Driver(
             machinery.n,
             c.n_E,
@@ -68,7 +68,7 @@ def driver(machinery, request):
             machinery.nq,
         )
     m = machinery.together
-    kernels = m.surroundings__around_chambers, m.chambers__rates, m.chambers__jacobian
+    kernels = m.chambers__surroundings, m.chambers__rates, m.chambers__jacobian
     offsets = c.P[1] * np.arange(c.chambers)
     states = lambda s: machinery.states_at(s + offsets).ravel()  # noqa: E731
     return Driver(
@@ -137,13 +137,13 @@ def test_a_chamber_alone_has_the_rates_of_the_chamber_among_all(machinery):
     s = np.radians(40.0)
     states = machinery.states_at(s + c.P[1] * np.arange(c.chambers))
     E, f, g = np.zeros(c.n_E_all), np.empty(states.size), np.empty(machinery.nq + 1)
-    machinery.together.surroundings__around_chambers(s, s + 1e-3, machinery.coupled_context, E)
+    machinery.together.chambers__surroundings(s, s + 1e-3, machinery.coupled_context, E)
     machinery.together.chambers__rates(states.ravel(), E, machinery.coupled_context, f, g)
     together = f.reshape(c.chambers, -1)
     for j in range(c.chambers):
         own, one, quad = np.zeros(c.n_E), np.empty(machinery.n), np.empty(machinery.nq)
         phi = s + j * c.P[1]
-        module.surroundings__around_chamber(phi, phi + 1e-3, machinery.context, own)
+        module.chamber__surroundings(phi, phi + 1e-3, machinery.context, own)
         module.chamber__rates(states[j], own, machinery.context, one, quad)
         # neighbours' pressures are cubics over steps whose states err by 9e-5
         np.testing.assert_allclose(one, together[j], rtol=9e-5, atol=1e-12, err_msg=f"chamber {j}")

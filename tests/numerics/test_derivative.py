@@ -196,8 +196,8 @@ OF_TABLES = (
     *("model.oil_displacement.gas_share", "model.pulsation.harmonics", "model.speed.slowness"),
 )
 TELLING = {  # give a truth, a count or a place, or step over a history
-    *("fluid.limits.first_outside", "model.closing_ports.all_lands", "model.closing_ports.closes"),
-    *("model.closing_ports.lands", "model.line_flow.faces_line", "model.oil_displacement.locked"),
+    *("fluid.limits.first_outside", "model.closing_ports.closes", "model.closing_ports.stiff"),
+    *("model.oil_displacement.locked", "model.places.gas_at_third", "model.places.jumps", "model.places.row_of_third"),
     *("model.places.held_to_a_line", "model.trace.peak_pressure", "model.trace.port_oil"),
     *("numerics.history.locate", "numerics.spline.table_interval"),
 }

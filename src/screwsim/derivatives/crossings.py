@@ -82,7 +82,8 @@ def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     p = life.states_at((starts[:, None] + angles).ravel())[:, -1].reshape(c.chambers, -1)
     for path in (path for _, path in parts.all(FlowPath)):
-        of_port, index = path.to != "neighbour", ports if path.to != "neighbour" else gaps
+        of_port = path.to != "neighbour"
+        index = ports if of_port else len(c.plenum_paths) + gaps
         ports, gaps = ports + of_port, gaps + (not of_port)
         if of_port:
             number = parts.number(path.to)
@@ -93,7 +94,7 @@ def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
         ends = (starts[passes[0], None] + angles[passes[1][:, None] + (0, 1)]).ravel()
         areas = np.zeros(ends.size)
         if len(ends):
-            life.module.trace__areas_along(ends, index, of_port, c.P, c.TAB, areas)
+            life.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
         is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
         for j, k in zip(*(each[is_open].tolist() for each in passes), strict=True):
             beyond = Side(None, number) if of_port else Side(float(starts[j + path.offset]))

@@ -165,12 +165,12 @@ def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None
 def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:
     """Yield the areas of paths, of the angle [rad] alone, that cannot be: of each path the first."""
     c, paths, found = life.composition, parts.all(FlowPath), np.empty(len(angles))
-    for to_plenum in (True, False):
-        some = [(name, path) for name, path in paths if (path.to != "neighbour") == to_plenum]
-        for i, (name, path) in enumerate(some):
+    for gaps in (False, True):
+        some = [(name, path) for name, path in paths if (path.to == "neighbour") == gaps]
+        for i, (name, path) in enumerate(some, len(c.plenum_paths) if gaps else 0):
             if name not in own:
                 continue
-            life.module.trace__areas_along(angles, i, to_plenum, c.P, c.TAB, found)
+            life.module.trace__areas_along(angles, i, c.P, c.TAB, found)
             areas = found / (path.flow_coefficient or 1.0)
             finite = np.isfinite(areas)
             slack = ROUNDING * float(np.max(np.abs(areas), initial=0.0, where=finite))

@@ -13,17 +13,18 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import impacts, ledger, line_flow, slots, trace, writing, writing_oil
+from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
-from screwsim.model.network import balances, places, steps
+from screwsim.model.network import balances, places, steps, stops, surroundings
 from screwsim.model.network.cell import RESERVED, Cell
-from screwsim.model.network.chambers import room
+from screwsim.model.network.chambers import room, work_constants
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
-from screwsim.model.slots import E_AREAS, FIRST_OWN, OIL_NUMBERS, PLACE, R_SIZE
+from screwsim.model.slots import FIRST_OWN, OIL_NUMBERS, PLACE, R_SIZE
 from screwsim.model.writing import Writer, scales
 from screwsim.numerics.kernel import Kernel
 
@@ -48,9 +49,14 @@ def compose(parts: Parts) -> Composition:
     signed = {HELD_GAS, *(part.name for part in own_states if not part.positive)}
     writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
     _write(writer, parts, plenum, gaps)
-    cell, numbers, places_of_lines = Cell(network), writer.numbers, len(parts.plenums) + FIRST_OWN
-    constants, structure = _constants(network, parts, stopped)
-    constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES", "ALL_LINES")}
+    cell, layout, numbers, places_of_lines = (
+        Cell(network),
+        Layout(network),
+        writer.numbers,
+        len(parts.plenums) + FIRST_OWN,
+    )
+    constants, structure = _constants(network, parts)
+    constants |= numbers.places | SHARED | {name: structure[name] for name in OIL_NUMBERS}
     key, own, called = network.key(), tuple(writer.text), tuple(writer.kernels)
     held = places_of_lines * PLACE if parts.pulsations else 0
     items = tuple(constants.items()), tuple(structure.items())
@@ -65,11 +71,11 @@ def compose(parts: Parts) -> Composition:
         gap_paths=tuple((name, path.offset) for name, path in gaps),
         ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
         heats=tuple(name for name, _ in parts.all(HeatRate)),
-        n_place=constants["STORED"],
+        n_place=len(places.columns(network)),
         n_sums=len(cell.sums) * len(network.quantities),
         width=len(network.quantities),
-        n_E=structure["E_LINES"] + held,
-        n_E_all=structure["ALL_LINES"] + held,
+        n_E=layout.lines + held,
+        n_E_all=network.chambers * layout.size + held,
         chambers=geometry.chambers,
         carried=network.carried,
         recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
@@ -110,15 +116,13 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
     network.offsets = sorted({path.offset for _, path in gaps})
     for i, (name, path) in enumerate(plenum):
         number = parts.number(path.to)
-        width = f"P[P_PORT_WIDTH + {number}]"
-        network.ports.append(
-            Port(i, name, network.cells[number], number, width, one_way=path.one_way, narrow=path.narrow)
-        )
+        cell = network.cells[number]
+        port = Port(i, name, cell, number, f"P[P_WIDTH_{cell}]", one_way=path.one_way, narrow=path.narrow)
+        network.ports.append(port)
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
     # effects that open chambers beyond the injection angle to suction, or others to discharge
     network.across = any(name not in PORTS and path.to in LINES for name, path in plenum)
-    network.pulsating, network.chambers = bool(parts.pulsations), parts.geometry.chambers
-    network.stops = len(parts.all(Stops))
+    network.chambers = parts.geometry.chambers
     return network
 
 
@@ -131,14 +135,13 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
     if parts.shaft is not None:
         writing.write_speed(writer, geometry.pitch)
     factors = scales(writer, parts)
-    writing.write_areas(writer, "plenum_area", plenum, factors)
-    writing.write_areas(writer, "gap_area", gaps, factors)
-    writing.write_heat(writer, [part for _, part in parts.all(HeatRate)])
-    writing.write_walls(writer, [wall for _, wall in parts.walls])
+    writing.write_areas(writer, [*plenum, *gaps], factors)
+    writing.write_heat(writer, parts.all(HeatRate))
+    writing.write_walls(writer, parts.walls)
     writing.write_pulsations(writer, parts)
     writing_oil.write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
-        writing_oil.write_ports(writer, parts, port, oil_places(parts)["P_TRAPPED"])
+        writing_oil.write_ports(writer, parts, port)
     if parts.oil_gas is not None:
         assert oil is not None
         writing_oil.write_flash(writer, parts, oil, parts.oil_gas)
@@ -149,38 +152,27 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):
         writing.write_openings(writer, ports, network.states)
-    if network.stops:
-        writing.write_stops(writer, [part for _, part in parts.all(Stops)], network.states)
-    resting = (impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.note_end, impacts.note_start)
-    called = (*balances.balance_kernels(network), *steps.step_kernels(network), nozzle.flow)
-    for each in (*called, *(resting if network.stops else ())):
+    if stopped := [part for _, part in parts.all(Stops)]:
+        writing.write_stops(writer, stopped, network.states)
+    called = (*balances.balance_kernels(network), *steps.step_kernels(network))
+    called += (*surroundings.surroundings_kernels(network), *places.place_kernels(), nozzle.flow)
+    for each in (*called, *stops.stop_kernels(network)):
         network.kernels[each.flat_name] = each
 
 
-def _constants(
-    network: Network, parts: Parts, stopped: Sequence[tuple[int, int]]
-) -> tuple[dict[str, Any], dict[str, int]]:
+def _constants(network: Network, parts: Parts) -> tuple[dict[str, Any], dict[str, int]]:
     """Return the constants of the text, and the numbers of its structure (slots.py)."""
-    ports, gaps, chambers = len(network.ports), len(network.gaps), network.chambers
+    layout = Layout(network)
     constants: dict[str, Any] = {
         "N": len(network.states),
-        "STORED": len(places.columns(network)),
-        "N_PLENUM": ports,
-        "PLENUM": f"np.array({[port.number for port in network.ports] or [0]})",
-        "N_GAPS": gaps,
-        "GAP_OFFSET": f"np.array({[gap.side for gap in network.gaps] or [0]})",
-        "N_OFFSETS": len(network.offsets),
-        "OFFSETS": f"np.array({network.offsets or [0]})",
-        "CHAMBERS": chambers,
+        "N_FLOWS": len(layout.flows),
+        "N_FILMS": len(layout.sides),
+        "CHAMBERS": network.chambers,
     }
-    if stopped:
-        constants["STOP_POSITION"] = f"np.array({[position for position, _ in stopped]})"
-        constants["STOP_SPEED"] = f"np.array({[speed for _, speed in stopped]})"
+    quadratures = Cell(network).quadratures
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
-    structure = {"OWN_PLENUMS": len(parts.plenums), "STOPS": len(stopped)}
-    structure |= {"QUADRATURES": len(Cell(network).quadratures)} | oil_places(parts)
-    structure["E_LINES"] = E_AREAS + ports + 2 * gaps + 2 * (PLACE + 1) * len(network.offsets)
-    structure["ALL_LINES"] = chambers * (E_AREAS + ports + gaps)
+    constants |= layout.constants(list(places.columns(network)), quadratures) | work_constants(network)
+    structure = {"QUADRATURES": len(quadratures)} | oil_places(parts)
     return constants, structure
 
 

@@ -40,7 +40,7 @@ class ImpactEvents:
     def begin(self, y: Array, rtol: float) -> None:
         """Set the modes at the start of a turn, from its state (changed in place)."""
         self.rtol = rtol
-        self.module.impacts__begin(y, self.own, *self.around)
+        self.module.chamber__begin_modes(y, self.own, *self.around)
 
     def watched(self, t: float, y: Array) -> list[Callable[[float, Array], float]]:
         """Return scipy's terminal events from angle t [rad] and state y on."""
@@ -62,7 +62,7 @@ class ImpactEvents:
     def _leaving(self, k: int, side: float) -> Any:
         def off(t: float, state: Array) -> float:
             y = np.ascontiguousarray(state)
-            return -side * self.module.impacts__push_on(k, y[0], y[1], y, *self.around)
+            return -side * self.module.push_on(k, y[0], y[1], y, *self.around)
 
         return off
 
@@ -72,7 +72,7 @@ class ImpactEvents:
         if due != LEAVES:
             y[self.pairs[k][0]] = 0.5 * (1.0 + due)
         self.own[self.first + len(self.pairs) + k] = due
-        return bool(self.module.impacts__take_event(y, self.rtol, self.own, *self.around))
+        return bool(self.module.chamber__take_event(y, self.rtol, self.own, *self.around))
 
 
 def _meeting(position: int, side: float, end: float, started: float) -> Any:

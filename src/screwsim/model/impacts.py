@@ -1,12 +1,12 @@
-"""States that move between a seat and a stop: impacts, rest, and the angles at which a step ends for them.
+"""A state that moves between a seat and a stop: impacts, rest, and the angles at which a step ends for them.
 
 A position lies between 0 (seat) and 1 (stop). Where the dense output of a step meets either, the step is made again to
 end there, and the impact law v' = -e v is applied between two steps. A bounce too low to be seen by the accuracy is
 none: the state rests, its rates zero, until the push turns; there, too, a step ends.
 
-In a chamber's own place stand, of each pair k of position and speed, its mode (`MOVES`, `SEATED`, `STOPPED`) and what
-is due at the end of the step, then the number of impacts of the turn and the angles where the step tried begins and
-ends.
+Kernels are of one pair of position and speed, the states `i` and `j`. In a chamber's own place stand its `mode`
+(`MOVES`, `SEATED`, `STOPPED`) and what is `due` at the end of the step; behind those of all pairs the number of impacts
+of the turn and the angles where the step tried begins and ends. `network.stops` writes what is done with every pair.
 
 Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/numerics.md.
 """
@@ -15,22 +15,7 @@ from __future__ import annotations
 
 import math
 
-from screwsim.model.slots import (
-    E_ANGLE,
-    N_PLENUM,
-    OPENING,
-    PRESSURE,
-    R_DISCHARGE,
-    R_SUCTION,
-    S_RHO,
-    S_T,
-    STOP_POSITION,
-    STOP_SPEED,
-    STOPS,
-    gas_state,
-    restitution,
-    stop_push,
-)
+from screwsim.model.slots import S_RHO, S_T, push_on
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
@@ -47,69 +32,35 @@ MOST_IMPACTS = 5000  # of a turn
 
 
 @kernel
-def modes():
-    """Return where in a chamber's own place the modes stand; what is due, impacts and angles follow."""
-    return OPENING + 2 * N_PLENUM
+def begin(y, own, i, j, mode, due, R, P, TAB):
+    """Set the mode at the start of a turn, whose state may be a mixture of others."""
+    own[mode] = MOVES
+    own[due] = MOVES
+    for side in (SEATED, STOPPED):
+        end = 0.5 * (1.0 + side)
+        if side * (y[i] - end) >= 0.0:
+            y[i] = end
+            if side * y[j] >= 0.0:
+                y[j] = 0.0
+                if side * push_on(y[S_T], y[S_RHO], y, R, P, TAB) > 0.0:
+                    own[mode] = side
 
 
 @kernel
-def push_on(k, T, rho, y, R, P, TAB):
-    """Return the push on pair k at the gas's T and ρ: its acceleration at rest, in the scales of position and speed."""
-    p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
-    return stop_push(k, p, R[R_SUCTION + PRESSURE], R[R_DISCHARGE + PRESSURE], y, 0, P)
-
-
-@kernel
-def begin(y, own, R, P, TAB):
-    """Set the modes at the start of a turn, whose state may be a mixture of others."""
-    at = modes()
-    own[at + 2 * STOPS] = 0.0
-    for k in range(STOPS):
-        i = STOP_POSITION[k]
-        j = STOP_SPEED[k]
-        own[at + k] = MOVES
-        own[at + STOPS + k] = MOVES
-        for side in (SEATED, STOPPED):
-            end = 0.5 * (1.0 + side)
-            if side * (y[i] - end) >= 0.0:
-                y[i] = end
-                if side * y[j] >= 0.0:
-                    y[j] = 0.0
-                    if side * push_on(k, y[S_T], y[S_RHO], y, R, P, TAB) > 0.0:
-                        own[at + k] = side
-
-
-@kernel
-def note_start(E, own):
-    """Note the angle where a step begins."""
-    own[modes() + 2 * STOPS + 1] = E[E_ANGLE]
-
-
-@kernel
-def note_end(E, own):
-    """Note the angle of the stage last evaluated: where a step ends, once it has been tried."""
-    own[modes() + 2 * STOPS + 2] = E[E_ANGLE]
-
-
-@kernel
-def keep_at_rest(own, f):
+def keep_at_rest(own, mode, i, j, f):
     """Let nothing move that rests."""
-    at = modes()
-    for k in range(STOPS):
-        if own[at + k] != MOVES:
-            f[STOP_POSITION[k]] = 0.0
-            f[STOP_SPEED[k]] = 0.0
+    if own[mode] != MOVES:
+        f[i] = 0.0
+        f[j] = 0.0
 
 
 @kernel
-def keep_rows_at_rest(own, J, n):
+def keep_rows_at_rest(own, mode, i, j, J):
     """Do the same for the rows of the Jacobian."""
-    at = modes()
-    for k in range(STOPS):
-        if own[at + k] != MOVES:
-            for j in range(n):
-                J[STOP_POSITION[k], j] = 0.0
-                J[STOP_SPEED[k], j] = 0.0
+    if own[mode] != MOVES:
+        for state in range(J.shape[1]):
+            J[i, state] = 0.0
+            J[j, state] = 0.0
 
 
 @kernel
@@ -156,8 +107,8 @@ def share_before_meeting(y0, y1, c3, c4, near):
 
 
 @kernel
-def share_before_leaving(k, side, y, y1, u, most, R, P, TAB):
-    """Return the share of a step after which the push on pair k, which rests, is half of `most` off its rest."""
+def share_before_leaving(side, y, y1, u, most, R, P, TAB):
+    """Return the share of a step after which the push on what rests is half of `most` off its rest."""
     T3, T4 = dense_coefficients(u, 0)
     rho3, rho4 = dense_coefficients(u, 1)
     low = 0.0
@@ -166,7 +117,7 @@ def share_before_leaving(k, side, y, y1, u, most, R, P, TAB):
         middle = 0.5 * (low + high)
         T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
         rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
-        if -side * push_on(k, T, rho, y, R, P, TAB) > 0.5 * most:
+        if -side * push_on(T, rho, y, R, P, TAB) > 0.5 * most:
             high = middle
         else:
             low = middle
@@ -174,75 +125,62 @@ def share_before_leaving(k, side, y, y1, u, most, R, P, TAB):
 
 
 @kernel
-def share_before_event(y, y1, u, rtol, own, R, P, TAB):
-    """Return the share of a step after which the first pair meets seat or stop, or leaves it; 1 where none does.
+def share_before_event(y, y1, u, rtol, step, own, i, j, mode, due, R, P, TAB):
+    """Return the share of a step [rad] after which a pair meets seat or stop, or leaves it; 1 where it does not.
 
     Then what is due at the end of the step is noted.
     """
-    at = modes()
-    step = own[at + 2 * STOPS + 2] - own[at + 2 * STOPS + 1]
     share = 1.0
-    for k in range(STOPS):
-        i = STOP_POSITION[k]
-        j = STOP_SPEED[k]
-        side = own[at + k]
-        due = MOVES
-        if side == MOVES:
-            c3, c4 = dense_coefficients(u, i)
-            slope = abs(y1[i] - y[i] - c3 - c4) / step  # of the cubic, at its end
-            near = max(NEAR * rtol, PLACED * slope)
-            share = min(share, share_before_meeting(y[i], y1[i], c3, c4, near))
-            if y1[i] <= near and y1[j] < 0.0:
-                due = SEATED
-            if y1[i] >= 1.0 - near and y1[j] > 0.0:
-                due = STOPPED
-        else:
-            off = -side * push_on(k, y1[S_T], y1[S_RHO], y1, R, P, TAB)
-            was = -side * push_on(k, y[S_T], y[S_RHO], y, R, P, TAB)
-            near = max(TURNED * rtol, PLACED * abs(off - was) / step)
-            if off > near:
-                share = min(share, share_before_leaving(k, side, y, y1, u, near, R, P, TAB))
-            if off > 0.0:
-                due = LEAVES
-        own[at + STOPS + k] = due
+    side = own[mode]
+    own[due] = MOVES
+    if side == MOVES:
+        c3, c4 = dense_coefficients(u, i)
+        slope = abs(y1[i] - y[i] - c3 - c4) / step  # of the cubic, at its end
+        near = max(NEAR * rtol, PLACED * slope)
+        share = share_before_meeting(y[i], y1[i], c3, c4, near)
+        if y1[i] <= near and y1[j] < 0.0:
+            own[due] = SEATED
+        if y1[i] >= 1.0 - near and y1[j] > 0.0:
+            own[due] = STOPPED
+    else:
+        off = -side * push_on(y1[S_T], y1[S_RHO], y1, R, P, TAB)
+        was = -side * push_on(y[S_T], y[S_RHO], y, R, P, TAB)
+        near = max(TURNED * rtol, PLACED * abs(off - was) / step)
+        if off > near:
+            share = share_before_leaving(side, y, y1, u, near, R, P, TAB)
+        if off > 0.0:
+            own[due] = LEAVES
     return share
 
 
 @kernel
-def put_within(y1, own):
-    """Put the positions at the end of an accepted step where they were met, and none beyond seat or stop."""
-    at = modes()
-    for k in range(STOPS):
-        i = STOP_POSITION[k]
-        due = own[at + STOPS + k]
-        y1[i] = min(1.0, max(0.0, y1[i]))
-        if due == SEATED:
-            y1[i] = 0.0
-        if due == STOPPED:
-            y1[i] = 1.0
+def put_within(y1, own, i, due):
+    """Put a position at the end of an accepted step where it was met, and not beyond seat or stop."""
+    y1[i] = min(1.0, max(0.0, y1[i]))
+    if own[due] == SEATED:
+        y1[i] = 0.0
+    if own[due] == STOPPED:
+        y1[i] = 1.0
 
 
 @kernel
-def take_event(y, rtol, own, R, P, TAB):
+def take_event(y, rtol, own, j, mode, due, seat, stop, R, P, TAB):
     """Apply what is due between two steps: an impact, with or without a bounce, or leaving seat or stop.
 
-    Return whether the turn may go on: it may not after too many impacts.
+    `seat` and `stop` are speeds after over speeds before an impact on them. Return the number of impacts.
     """
-    at = modes()
-    for k in range(STOPS):
-        j = STOP_SPEED[k]
-        side = own[at + STOPS + k]
-        own[at + STOPS + k] = MOVES
-        if side == LEAVES:
-            own[at + k] = MOVES
-        elif side != MOVES:
-            own[at + 2 * STOPS] += 1.0
-            seat, stop = restitution(k, P)
-            bounce = (seat if side == SEATED else stop) * abs(y[j])
-            push = side * push_on(k, y[S_T], y[S_RHO], y, R, P, TAB)
-            if push > 0.0 and 0.5 * bounce * bounce <= LOW * rtol * push:
-                y[j] = 0.0
-                own[at + k] = side
-            else:
-                y[j] = -side * bounce
-    return own[at + 2 * STOPS] <= MOST_IMPACTS
+    side = own[due]
+    own[due] = MOVES
+    if side == LEAVES:
+        own[mode] = MOVES
+        return 0.0
+    if side == MOVES:
+        return 0.0
+    bounce = (seat if side == SEATED else stop) * abs(y[j])
+    push = side * push_on(y[S_T], y[S_RHO], y, R, P, TAB)
+    if push > 0.0 and 0.5 * bounce * bounce <= LOW * rtol * push:
+        y[j] = 0.0
+        own[mode] = side
+    else:
+        y[j] = -side * bounce
+    return 1.0

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from screwsim.model.slots import N_GAPS, N_PLENUM, P_OMEGA, N, add_moment, solution_entropy
+from screwsim.model.slots import N_FLOWS, P_OMEGA, N, add_moment, solution_entropy
 from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
 from screwsim.numerics.kernel import kernel
 
@@ -88,7 +88,7 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
     P = context.P
     E = np.empty(n_e)
     y = np.empty(N)
-    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    flows = np.empty(N_FLOWS)
     for i in range(n_e):
         E[i] = 0.0
     for step in range(steps):

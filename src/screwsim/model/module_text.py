@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import closing_ports, ledger, places, slices, surroundings, trace
+from screwsim.model import ledger, places, slices, trace
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.moments import moment_text
+from screwsim.model.network.network import Network
+from screwsim.model.network.stops import OF_EACH, of_stop
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kept_text import kept_text
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
 # what the integrator calls of both drivers: by its slot (rodas.py)
-ASKED = ("rates", "jacobian", "error_size", "share_in_phase", "conserve", "at_breakpoint", "jump")  # and written
+ASKED = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve", "lands")
+ASKED += ("at_breakpoint", "jump", "keep_places")
 ONE = {name: f"chamber__{name}" for name in ASKED}
-ALL = {name: f"chambers__{name}" for name in (*ASKED, "keep_places")}
-KERNELS = {"surroundings": surroundings.around_chamber, "keep_places": places.keep_places, "lands": closing_ports.lands}
-ALL_KERNELS = {"surroundings": surroundings.around_chambers, "lands": closing_ports.all_lands}
+ALL = {name: f"chambers__{name}" for name in ASKED}
 
 # what histories are put in place with, and what closed cycles are read with
 READ_WITH = (places.places_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
@@ -29,13 +32,17 @@ OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)
 
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (
-    *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area"),
-    *("gap_area", "line_pulse", "injected_oil", "oil_inflow", "path_opening"),
-    *("stop_push", "restitution", "solution_entropy"),
+    *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "path_area"),
+    *("injected_oil", "oil_inflow", "solution_entropy"),
 )}  # fmt: skip
-OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows", "given_off", "neighbour", "stored")}
-OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "beyond_last")}
-OWN |= {"add_moment": "ledger__add_moment", "lines_at": "chamber__lines", "all_lines_at": "chambers__lines"}
+OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_places")}
+OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced_alone")}
+OWN |= {name: f"chamber__{name}" for name in ("faces_line", "add_to_lines", "add_outflow")}
+OWN |= {
+    "films_into": "chamber__oil_films",
+    "add_moment": "ledger__add_moment",
+    "around_chamber": "chamber__surroundings",
+}
 
 
 @lru_cache(maxsize=64)
@@ -55,12 +62,13 @@ def module_text(
     alone. A text that was written before is read from the cache folder, where it is found by all that it is made of.
     """
     *network, called = key
-    drivers = (rodas.integrate, *OF_A_PITCH, *KERNELS.values(), *ALL_KERNELS.values(), *READ_WITH)
+    drivers, stops = (rodas.integrate, *OF_A_PITCH, *READ_WITH, *OF_EACH), Layout(Network(*key)).stops
 
     def write() -> str:
         texts, more = (chambers_texts if together else chamber_texts)(key)
         moments = () if together else (moment_text(key),)
-        return _written((*own_functions, *texts, *moments), (*kernels, *more), named, structure, read_with, together)
+        own = (*own_functions, *texts, *moments)
+        return _written(own, (*kernels, *more), named, structure, read_with, stops, together)
 
     made_of = (network, own_functions, named, structure, together)
     return kept_text(("model", "numerics"), (*kernels, *dict(called).values(), *drivers, *read_with), made_of, write)
@@ -72,23 +80,26 @@ def _written(
     named: tuple[tuple[str, Any], ...],
     structure: tuple[tuple[str, int], ...],
     read_with: tuple[Kernel, ...],
+    stops: Sequence[str],
     together: bool,
 ) -> str:
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
-    asked, pasted = (ALL, ALL_KERNELS) if together else (ONE, KERNELS)
     blocks = flatten(kernels, own, numbers=numbers)
+    for label in stops:
+        filled, ends = of_stop(label)
+        blocks |= flatten(OF_EACH, own | filled, ends, numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     sizes = {"STATES": constants["N"], "QUADRATURES": numbers["QUADRATURES"]}
     if together:
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
-    slots = asked | {name: each.flat_name for name, each in pasted.items()}
+    slots = dict(ALL if together else ONE)
     if together:  # derivatives by numbers of a scene are of all there is; of an ideal gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
         slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]
     drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
-    rest = [*pasted.values(), *(() if together else (*READ_WITH, *read_with))]
+    rest = () if together else (*READ_WITH, *read_with)
     for more in (flatten(rest, own, numbers=numbers), driver):
         blocks |= {name: text for name, text in more.items() if name not in blocks}
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]

@@ -1,4 +1,4 @@
-"""Places: the state of the gas (and oil) in a chamber, a plenum or a neighbour, as streams and balances need it.
+"""Places along a life: what a history holds of a chamber beyond its states, for its neighbours to read.
 
 Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A place is the row of numbers that
 `slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their places.
@@ -7,27 +7,16 @@ Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A place
 from __future__ import annotations
 
 from screwsim.model.slots import (
-    E_ANGLE,
-    E_AREAS,
-    E_OILED,
-    E_SLOPE,
-    E_VOLUME,
-    N_PLENUM,
     P_DISCHARGE_WIDTH,
-    P_INJECTION,
     P_PORT_WIDTH,
     PRESSURE,
     R_DISCHARGE,
     R_SUCTION,
-    STORED,
-    N,
-    neighbour,
-    plenum_area,
-    stored,
-    volume_at,
-    volume_slope_at,
+    S_RHO,
+    S_T,
+    keep_places,
 )
-from screwsim.numerics.history import cubic, locate, read
+from screwsim.numerics.history import cubic
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_value
 
@@ -37,26 +26,6 @@ SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: 
 HELD = 3.0  # widths of the regularisation from a line: between ends so near it a pressure does not overshoot them
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
-
-
-@kernel
-def angle_terms(phi, middle, P, TAB, E, at):
-    """Fill what depends on the chamber's own angle: volume, slope, oil present, plenum areas."""
-    E[at + E_VOLUME] = volume_at(phi, P, TAB)
-    E[at + E_SLOPE] = volume_slope_at(phi, P, TAB)
-    E[at + E_OILED] = 1.0 if middle > P[P_INJECTION] else 0.0
-    E[at + E_ANGLE] = phi
-    for i in range(N_PLENUM):
-        E[at + E_AREAS + i] = plenum_area(i, phi, P, TAB)
-
-
-@kernel
-def read_neighbour(phi, middle, times, dense, steps, hints, side, P, R, columns, E, at):
-    """Fill a neighbour's place from a history; `columns` is room for what it stores."""
-    i = locate(phi, middle, times, steps, hints[side])
-    hints[side] = i
-    read(phi, times, dense, i, columns)
-    neighbour(columns, P, R, E, at)
 
 
 @kernel
@@ -70,38 +39,44 @@ def held_to_a_line(before, after, P, R):
 
 
 @kernel
-def places_of_step(step, dense, P, TAB, R, own):
-    """Do it for one step; unless the gas jumps between steps, the first value is the last of the step before."""
-    jumps = step == 0 or dense[step, 0, 0] != dense[step - 1, 1, 0] or dense[step, 0, 1] != dense[step - 1, 1, 1]
-    for k in range(0 if jumps else 1, 4):
-        T = dense_value(k / 3.0, dense[step, 0, 0], dense[step, 1, 0], dense[step, 2, 0], dense[step, 3, 0])
-        rho = dense_value(k / 3.0, dense[step, 0, 1], dense[step, 1, 1], dense[step, 2, 1], dense[step, 3, 1])
-        stored(T, rho, P, TAB, own)
-        row = 0 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
-        for i in range(STORED):
-            dense[step, row, N + i] = own[i]
-    for i in range(STORED):
-        if not jumps:
-            dense[step, 0, N + i] = dense[step - 1, 1, N + i]
-        v0 = dense[step, 0, N + i]
-        v3 = dense[step, 1, N + i]
-        v1 = dense[step, 2, N + i]
-        v2 = dense[step, 3, N + i]
-        if i == PRESSURE and held_to_a_line(v0, v3, P, R):
-            v1 = min(max(v1, min(v0, v3)), max(v0, v3))
-            v2 = min(max(v2, min(v0, v3)), max(v0, v3))
-        dense[step, 2, N + i], dense[step, 3, N + i] = cubic(v0, v1, v2, v3)
+def jumps(step, dense):
+    """Tell whether the gas jumps between a step and the one before: else the first values are the last before it."""
+    if step == 0:
+        return True
+    return dense[step, 0, S_T] != dense[step - 1, 1, S_T] or dense[step, 0, S_RHO] != dense[step - 1, 1, S_RHO]
 
 
 @kernel
-def keep_places(step, dense, context):
-    """Fill the columns beyond the states of an accepted step: pressure and enthalpy, and what else varies of a place.
+def gas_at_third(k, step, dense):
+    """Return temperature and density at k thirds of a step."""
+    T = dense_value(k / 3.0, dense[step, 0, S_T], dense[step, 1, S_T], dense[step, 2, S_T], dense[step, 3, S_T])
+    rho = dense_value(
+        k / 3.0, dense[step, 0, S_RHO], dense[step, 1, S_RHO], dense[step, 2, S_RHO], dense[step, 3, S_RHO]
+    )
+    return T, rho
 
-    Cubics through the values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the equation of
-    state again and again.
-    """
-    P, TAB, R, own = context.P, context.TAB, context.R, context.own
-    places_of_step(step, dense, P, TAB, R, own)
+
+@kernel
+def row_of_third(k):
+    """Return where the value at k thirds of a step stands until the cubic is made: ends first."""
+    return 0 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
+
+
+@kernel
+def hold_to_line(step, dense, column, P, R):
+    """Hold a step's pressures within those at its ends, where a wide port holds these to its line."""
+    before = dense[step, 0, column]
+    after = dense[step, 1, column]
+    if held_to_a_line(before, after, P, R):
+        dense[step, 2, column] = min(max(dense[step, 2, column], min(before, after)), max(before, after))
+        dense[step, 3, column] = min(max(dense[step, 3, column], min(before, after)), max(before, after))
+
+
+@kernel
+def make_cubic(step, dense, column):
+    """Make the dense output of a column out of its values at the thirds of a step."""
+    v0, v1, v2, v3 = dense[step, 0, column], dense[step, 2, column], dense[step, 3, column], dense[step, 1, column]
+    dense[step, 2, column], dense[step, 3, column] = cubic(v0, v1, v2, v3)
 
 
 @kernel

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 
-from screwsim.model.slots import DENSITY, ENTHALPY, EXPONENT, FIRST_OWN, OWN_PLENUMS, PLACE, PRESSURE, line_pulse
 from screwsim.numerics.kernel import kernel
 
 LOWEST = 0.1  # share of the mean pressure below which a guess of the pulsation is not followed
@@ -29,17 +28,13 @@ def harmonics(phase, P, first, count):
 
 
 @kernel
-def fill_lines(phi, P, R, E, at):
-    """Fill the places of all plenums from E[at] on, those of both lines as they are at phi [rad] (M186)."""
-    for k in range((FIRST_OWN + OWN_PLENUMS) * PLACE):
-        E[at + k] = R[k]
-    for i in range(2):
-        b = at + i * PLACE
-        offset, pulse = line_pulse(i, phi, P)
-        p = E[b + PRESSURE] * (1.0 + offset)
-        rho = E[b + DENSITY] * (1.0 + offset)
-        ratio = max(LOWEST, 1.0 + pulse / (1.0 + offset))
-        inverse = E[b + EXPONENT]
-        E[b + PRESSURE] = p * ratio
-        E[b + DENSITY] = rho * ratio**inverse
-        E[b + ENTHALPY] += p / rho * (ratio ** (1.0 - inverse) - 1.0) / (1.0 - inverse)
+def pulsed(p, rho, h, inverse, offset, pulse):
+    """Return pressure, density and enthalpy of a line whose gas has the exponent 1/`inverse`, as it pulsates (M186).
+
+    `offset` and `pulse` are those of its pressure over itself.
+    """
+    raised = p * (1.0 + offset)
+    density = rho * (1.0 + offset)
+    ratio = max(LOWEST, 1.0 + pulse / (1.0 + offset))
+    work = raised / density * (ratio ** (1.0 - inverse) - 1.0) / (1.0 - inverse)
+    return raised * ratio, density * ratio**inverse, h + work

@@ -2,30 +2,32 @@
 
 Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho, P, TAB)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)`
 (the state in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
-`volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
-`line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
-`injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
+`volume_slope_at(phi, P, TAB)`, `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
 `given_off(y, phi, E, own, P, TAB)` → gas [kg/s] that comes from a chamber's oil, or flashes out of oil that enters,
 `solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
 kilogram of oil holds,
-`path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `film_flows` that of oil beside it,
+`around_chamber(phi, middle, context, E)` → what surrounds a chamber, in E,
+`path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `films_into` that of oil beside it,
 `add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums,
-`path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
-`stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
-`restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop.
-
-`neighbour(columns, P, R, E, at)`, `beyond_last(R, E, at)` → the place of a neighbour, or of the line ahead of the last
-chamber, at E[at]; `stored(T, rho, P, TAB, out)` → what a history holds beyond the states (STORED numbers);
-`lines_at(phi, P, R, E)` → the places of lines that pulsate, of one chamber and of all (`all_lines_at`),
+`push_on(T, rho, y, R, P, TAB)` → acceleration at rest of what moves between a seat and a stop, filled for each,
+`neighbour(columns, P, R, E, at)` → the place of a neighbour at E[at], `keep_places(step, dense, context)` → what a
+history holds of a step beyond the states,
 `mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
-`balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance.
+`balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance,
+`balanced_alone(flows, mass_rate)` → that of the one port that is open to a line,
+`faces_line(phi, P, TAB)` → whether a chamber is open to a line,
+`add_to_lines(flows, phi, V, k, points, P, into, volume)` → its flows into them,
+`add_outflow(heat, mass, flows, T_oil, weight, E)` → what leaves it to the discharge line.
 
-Constants: N (states of a chamber), STORED, N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's
-own plenum), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at
-once), OWN_PLENUMS (how many effects' own plenums), STOPS (how many own states move between a seat and a stop; then
-STOP_POSITION and STOP_SPEED, where they stand), E_LINES and ALL_LINES (where the plenums' places stand in E of one
-chamber and of all), and the indices into P that move with the number of own plenums.
+By number, for Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
+`path_opening(i, drop, width, held, y, at, P)` → open share of a port at a pressure difference into the chamber,
+`stop_push(i, p, p_suction, p_discharge, y, at, P)` and `push_on(i, T, rho, y, R, P, TAB)`, and
+`line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself.
+
+Constants: N (states of a chamber), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides
+of gaps), CHAMBERS (alive at once), the indices into P that move with the number of own plenums, and those of
+`network.layout`.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -40,45 +42,31 @@ gas_state: Any = Slot("gas_state")
 gas_phase: Any = Slot("gas_phase")
 phased_state: Any = Slot("phased_state")
 gas_entropy: Any = Slot("gas_entropy")
+push_on: Any = Slot("push_on")
+path_area: Any = Slot("path_area")
 volume_at: Any = Slot("volume_at")
 volume_slope_at: Any = Slot("volume_slope_at")
-plenum_area: Any = Slot("plenum_area")
-gap_area: Any = Slot("gap_area")
-line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
-path_opening: Any = Slot("path_opening")
 solution_entropy: Any = Slot("solution_entropy")
-stop_push: Any = Slot("stop_push")
-restitution: Any = Slot("restitution")
 neighbour: Any = Slot("neighbour")
-stored: Any = Slot("stored")
-beyond_last: Any = Slot("beyond_last")
-lines_at: Any = Slot("lines_at")
-all_lines_at: Any = Slot("all_lines_at")
+keep_places: Any = Slot("keep_places")
 mass_rate: Any = Slot("mass_rate")
 balanced: Any = Slot("balanced")
 given_off: Any = Slot("given_off")
 path_flows: Any = Slot("path_flows")
-film_flows: Any = Slot("film_flows")
+films_into: Any = Slot("films_into")
 add_moment: Any = Slot("add_moment")
+add_outflow: Any = Slot("add_outflow")
+add_to_lines: Any = Slot("add_to_lines")
+around_chamber: Any = Slot("around_chamber")
+balanced_alone: Any = Slot("balanced_alone")
+faces_line: Any = Slot("faces_line")
 
 N: Any = Slot("N")
-STORED: Any = Slot("STORED")
-N_PLENUM: Any = Slot("N_PLENUM")
-PLENUM: Any = Slot("PLENUM")
-N_GAPS: Any = Slot("N_GAPS")
-GAP_OFFSET: Any = Slot("GAP_OFFSET")
-N_OFFSETS: Any = Slot("N_OFFSETS")
-OFFSETS: Any = Slot("OFFSETS")
+N_FLOWS: Any = Slot("N_FLOWS")
 CHAMBERS: Any = Slot("CHAMBERS")
-STOP_POSITION: Any = Slot("STOP_POSITION")
-STOP_SPEED: Any = Slot("STOP_SPEED")
 
-OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
-STOPS: Any = Structure("STOPS")
-E_LINES: Any = Structure("E_LINES")
-ALL_LINES: Any = Structure("ALL_LINES")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
@@ -101,6 +89,10 @@ PLACE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
 HELD = 4  # where oil dissolves: gas per oil
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
+PHASE = PLACE  # behind a chamber's own place: the phase that its gas is held in, FREE or 0 or 1
+BEYOND = (
+    PLACE  # behind the place of a neighbour in E: 1 where it is that of the discharge line, beyond the last chamber
+)
 OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path,
 # then what `stops` keeps of each seat and stop
 LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
@@ -131,7 +123,7 @@ Q_WORK, Q_HEAT, Q_WALLS = range(3)
 FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
-    *("DISSOLVED", "PLACE", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
+    *("DISSOLVED", "PLACE", "PHASE", "BEYOND", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
     *("R_TRAPPED", "R_PRESSURE", "R_OIL_BEFORE", "R_INJECTED"),
     *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS", "PLENUM_ENTROPY"),
 )

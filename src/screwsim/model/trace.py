@@ -7,32 +7,27 @@ import math
 import numpy as np
 
 from screwsim.model.slots import (
-    E_AREAS,
     E_VOLUME,
-    GAP_OFFSET,
-    N_GAPS,
-    N_PLENUM,
+    N_FLOWS,
     P_INJECTION,
     P_OMEGA,
     P_P_SOURCE,
-    PLACE,
-    PLENUM,
     S_RHO,
     S_T,
     S_T_OIL,
     N,
-    film_flows,
-    gap_area,
+    add_outflow,
+    around_chamber,
+    films_into,
     gas_state,
     given_off,
     mass_rate,
     oil_inflow,
+    path_area,
     path_flows,
-    plenum_area,
     volume_at,
     volume_slope_at,
 )
-from screwsim.model.surroundings import SIDE, around_chamber
 from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
@@ -93,10 +88,10 @@ def top_within(start, end, c3, c4):
 
 
 @kernel
-def areas_along(angles, i, to_plenum, P, TAB, out):
-    """Fill out with the area [m²] of a path at angles [rad], flow coefficient included."""
+def areas_along(angles, i, P, TAB, out):
+    """Fill out with the area [m²] of path i (ports, then gaps) at angles [rad], flow coefficient included."""
     for a in range(angles.shape[0]):
-        out[a] = plenum_area(i, angles[a], P, TAB) if to_plenum else gap_area(i, angles[a], P, TAB)
+        out[a] = path_area(i, angles[a], P, TAB)
 
 
 @kernel
@@ -147,7 +142,6 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
 
     What walls drag along is part of it.
     """
-    drags = np.empty(2 * N_GAPS)
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -157,9 +151,7 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
         around_chamber(phi, inward, context, E)
-        film_flows(y, E, context, out[a], drags)
-        for k in range(2 * N_GAPS):
-            out[a, k] += drags[k]
+        films_into(y, E, context, out[a])
 
 
 @kernel
@@ -168,7 +160,7 @@ def given_off_along(angles, times, dense, steps, context, n_e, out):
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
     y = np.empty(N)
-    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    flows = np.empty(N_FLOWS)
     i = 0
     for a in range(angles.shape[0]):
         phi = angles[a]
@@ -204,7 +196,7 @@ def oil_with_outflow(times, dense, steps, context, n_e):
     P = context.P
     E = np.empty(n_e)
     y = np.empty(N)
-    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    flows = np.empty(N_FLOWS)
     heat = 0.0
     mass = 0.0
     for i in range(steps):
@@ -212,16 +204,7 @@ def oil_with_outflow(times, dense, steps, context, n_e):
         if times[i] + 0.5 * h > P[P_INJECTION] and h > 0.0:
             for point in range(POINTS):
                 flows_within(NODES[point], i, times, dense, context, E, y, flows)
-                for k in range(N_PLENUM + 2 * N_GAPS):
-                    gap = k - N_PLENUM
-                    if gap < 0:
-                        outward = PLENUM[k] == 1
-                    else:
-                        side = E_AREAS + N_PLENUM + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
-                        outward = E[side + PLACE] > 0.0
-                    if outward and flows[k] < 0.0:
-                        heat += WEIGHTS[point] * h * flows[k] * y[S_T_OIL]
-                        mass += WEIGHTS[point] * h * flows[k]
+                heat, mass = add_outflow(heat, mass, flows, y[S_T_OIL], WEIGHTS[point] * h, E)
     return heat, mass
 
 

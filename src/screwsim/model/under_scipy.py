@@ -32,7 +32,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     if c.stops:
         impacts = ImpactEvents(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
         impacts.begin(y, rtol)
-    kernels = module.surroundings__around_chamber, module.chamber__rates, module.chamber__jacobian
+    kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
     slopes = _slopes(machinery, kernels, context, (own[PLACE : PLACE + 1], own[held]), len(y), c.n_E, machinery.nq)
     end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, impacts)
     y[:] = end
@@ -55,7 +55,7 @@ def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -
     _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
     space, c, module = machinery.coupled_space(), machinery.composition, machinery.together
     machinery.inject(y)
-    kernels = module.surroundings__around_chambers, module.chambers__rates, module.chambers__jacobian
+    kernels = module.chambers__surroundings, module.chambers__rates, module.chambers__jacobian
     held, context = space["spaces"][0][-c.chambers :], machinery.coupled_context
     slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
     end, q, path = integrate(*slopes, machinery.pitch_breakpoints(), y, _scales(machinery, q_scale), rtol, check)

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.slots import P_OMEGA, balanced, given_off, mass_rate, path_flows
-from screwsim.model.surroundings import around_chamber
+from screwsim.model.slots import P_OMEGA, around_chamber, balanced, given_off, mass_rate, path_flows
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
 

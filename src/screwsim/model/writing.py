@@ -14,10 +14,10 @@ from typing import Any
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
 from screwsim.model import pulsation
-from screwsim.model.network.network import Heat, Law, Network, WallHeat
+from screwsim.model.network.layout import Layout
+from screwsim.model.network.network import Heat, Law, Network, Stop, WallHeat
 from screwsim.model.numbers import Numbers
 from screwsim.model.parts import Parts
-from screwsim.model.slots import P_PITCH
 from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics.kernel import Kernel
 
@@ -25,6 +25,7 @@ from screwsim.numerics.kernel import Kernel
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
 OPENING_SYMBOLS = ("drop", "width", "held")
 PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
+GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # of a push on what moves, by the state of the gas
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 NO_FACTORS: Mapping[str, Sequence[str]] = MappingProxyType({})
@@ -83,6 +84,11 @@ class Writer:
     def function(self, head: str, body: Sequence[str]) -> None:
         self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
 
+    def chosen(self, head: str, calls: Sequence[str], otherwise: str) -> None:
+        """Write a function by which calls are asked one by one, by index, from Python."""
+        body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
+        self.function(head, [*body, f"return {otherwise}"])
+
     def asked(self, name: str, arguments: Sequence[str], calls: Sequence[str], before: Sequence[str] = ()) -> None:
         """Write a function by which calls are asked one by one, by index, from Python (`evaluate.own_effects`)."""
         slow = [f"slow = {self.slow}"] if any(call.startswith("slow *") for call in calls) else []
@@ -91,27 +97,27 @@ class Writer:
             self.function(f"{name}(i, {', '.join(arguments)}, P)", [*before, *slow, *body, "return 0.0"])
 
 
-def write_areas(
-    writer: Writer, name: str, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
-) -> None:
-    body = []
-    for index, (effect, path) in enumerate(paths):
+def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]) -> None:
+    """Write the area [m²] of each port and gap at an angle, flow coefficient included."""
+    layout = Layout(writer.network)
+    openings = [*writer.network.ports, *writer.network.gaps]
+    for opening, (effect, path) in zip(openings, paths, strict=True):
         flow = writer.numbers.add(path.flow_coefficient, f"{effect}_flow_coefficient")
         coefficient = " * ".join([flow, *scales.get(effect, ())])
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
         turned = []
         if path.mirror is not None:
-            turned = [f"    phi = {writer.numbers.add(path.mirror, effect + '_mirror')} - phi"]
-        result = [f"    return {coefficient} * {call}"]
+            turned = [f"phi = {writer.numbers.add(path.mirror, effect + '_mirror')} - phi"]
+        result = [f"return {coefficient} * {call}"]
         if writer.slow:  # asked for where something is open only
-            slow = [] if path.mirror is None else ["    here = phi"]
+            slow = [] if path.mirror is None else ["here = phi"]
             turned = [*slow, *turned]
             result = [
-                f"    area = {call}",
-                f"    return {_at(writer.slow, path)} * {coefficient} * area if area != 0.0 else 0.0",
+                f"area = {call}",
+                f"return {_at(writer.slow, path)} * {coefficient} * area if area != 0.0 else 0.0",
             ]
-        body += [f"if i == {index}:", *turned, *result]
-    writer.function(f"{name}(i, phi, P, TAB)", [*body, "return 0.0"])
+        writer.function(f"area__{layout.label(opening)}(phi, P, TAB)", [*turned, *result])
+    writer.chosen("path_area(i, phi, P, TAB)", [layout.area_at(each, "phi") for each in openings], "0.0")
 
 
 def _at(slow: str, path: FlowPath) -> str:
@@ -119,21 +125,21 @@ def _at(slow: str, path: FlowPath) -> str:
     return slow if path.mirror is None else slow.replace("(phi,", "(here,")
 
 
-def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
+def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
     slow = "slow * " if writer.slow else ""
-    for part in heats:
+    for effect, part in heats:
         call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
-        writer.network.heats.append(Heat(call, "d * " if part.oil_factor == "printed" else ""))
+        writer.network.heats.append(Heat(effect, call, "d * " if part.oil_factor == "printed" else ""))
     writer.asked("heat_part", HEAT_SYMBOLS, [each.call for each in writer.network.heats])
 
 
-def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
+def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
     slow = "slow * " if writer.slow else ""
-    for wall in walls:
+    for effect, wall in walls:
         held = wall.temperature
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
         call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
-        writer.network.walls.append(WallHeat(call, temperature))
+        writer.network.walls.append(WallHeat(effect, call, temperature))
     writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
 
 
@@ -141,14 +147,18 @@ def write_pulsations(writer: Writer, parts: Parts) -> None:
     if not parts.pulsations:
         return
     writer.kernels.append(pulsation.harmonics)
-    body = []
+    calls = [""] * 2
     for part in parts.pulsations:
         offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
         phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch, 'per_pitch')}"
-        first = writer.numbers.place_of(first)
+        first = first.removeprefix("P[").removesuffix("]")
         call = f"{pulsation.harmonics.flat_name}({phase}, P, {first}, {len(part.harmonics) // 2})"
-        body += [f"if i == {parts.number(part.to)}:", f"    return {offset}, {call}"]
-    writer.function("line_pulse(i, phi, P)", [*body, "return 0.0, 0.0"])
+        number = parts.number(part.to)
+        line = writer.network.cells[number]
+        writer.function(f"pulse__{line}(phi, P)", [f"return {offset}, {call}"])
+        writer.network.pulses = (*writer.network.pulses, line)
+        calls[number] = f"pulse__{line}(phi, P)"
+    writer.chosen("line_pulse(i, phi, P)", calls, "0.0, 0.0")
 
 
 def made(writer: Writer, name: str) -> str:
@@ -197,7 +207,7 @@ def write_speed(writer: Writer, pitch: float) -> None:
     writer.numbers.values.extend(flat_curve(pitch).tolist())
     writer.kernels.append(slowness)
     writer.network.kernels[slowness.flat_name] = slowness
-    writer.slow = writer.network.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
+    writer.slow = writer.network.slow = f"{slowness.flat_name}(phi, P[P_PITCH], {curve}, P)"
 
 
 LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "oil_ratio") for side in "12")
@@ -232,7 +242,7 @@ def write_resistances(
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
     """Return a function's body behind those states of y, beyond T and rho, that are asked for by name."""
-    return [*(f"{name} = y[at + {i}]" for i, name in enumerate(states) if i > 1 and name in asked), *body]
+    return [*(f"{name} = y[at + S_{name}]" for name in states[2:] if name in asked), *body]
 
 
 def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
@@ -245,25 +255,30 @@ def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequen
 
 
 def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
-    body, asked = [], set()
+    layout, calls = Layout(writer.network), [""] * len(paths)
     for index, path in enumerate(paths):
         if path.opening is not None:
             call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
-            writer.network.ports[index] = replace(writer.network.ports[index], opening=call)
-            body += [f"if i == {index}:", f"    return {call}"]
-            asked |= set(path.opening.arguments)
-    arguments = "(i, drop, width, held, y, at, P)"
-    writer.function(f"path_opening{arguments}", [*named_states(body, states, asked), "return 1.0"])
+            port = writer.network.ports[index] = replace(writer.network.ports[index], opening=call)
+            head = f"opening__{layout.label(port)}(drop, width, held, y, at, P)"
+            writer.function(head, named_states([f"return {call}"], states, set(path.opening.arguments)))
+            calls[index] = head
+    writer.chosen("path_opening(i, drop, width, held, y, at, P)", calls, "1.0")
 
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
-    body, asked, bounces = [], set(), []
-    for index, part in enumerate(stops):
+    """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures and by the gas."""
+    lines = ", ".join(f"R[R_{cell} + PRESSURE]" for cell in writer.network.cells[:2])
+    arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
+    for part in stops:
         call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]))
-        body += [f"if k == {index}:", f"    return {call}"]
-        asked |= set(part.push.arguments)
-        both = ", ".join(writer.numbers.add(each, "restitution") for each in part.restitution)
-        bounces += [f"if k == {index}:", f"    return {both}"]
-    head = f"stop_push(k, {', '.join(PUSH_SYMBOLS)}, y, at, P)"
-    writer.function(head, [*named_states(body, states, asked), "return 0.0"])
-    writer.function("restitution(k, P)", [*bounces, "return 0.0, 0.0"])
+        seat, stop = (writer.numbers.add(each, f"{part.position}_restitution") for each in part.restitution)
+        writer.network.stops.append(Stop(part.position, part.speed, seat, stop))
+        asked = named_states([f"return {call}"], states, set(part.push.arguments))
+        writer.function(f"push__{part.position}({arguments})", asked)
+        gas = "p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(T, rho, P, TAB)"
+        push = f"return push__{part.position}(p, {lines}, y, 0, P)"
+        writer.function(f"push_on__{part.position}({GAS_SYMBOLS})", [gas, push])
+    names = [part.position for part in stops]
+    writer.chosen(f"stop_push(i, {arguments})", [f"push__{name}({arguments})" for name in names], "0.0")
+    writer.chosen(f"push_on(i, {GAS_SYMBOLS})", [f"push_on__{name}({GAS_SYMBOLS})" for name in names], "0.0")

@@ -13,7 +13,6 @@ from screwsim.fluid.orifice import orifice_flow, orifice_flow_behind_line
 from screwsim.model.network.network import identifier
 from screwsim.model.numbers import SPAN, SUPPLY
 from screwsim.model.parts import OilPart, Parts
-from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
 from screwsim.model.writing import Writer
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import table_value
@@ -31,25 +30,25 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
         writer.text.append("")
         law = orifice_flow_behind_line if "line_loss" in oil.supply else orifice_flow
         call = writer.call(law, oil.supply, {}, ("dp",), SUPPLY)
-        span = f"P[{P_PITCH}] / P[{P_OMEGA}]"
+        span = "P[P_PITCH] / P[P_OMEGA]"
         if not writer.slow:
             span = writer.numbers.add(pitch / omega, "pitch_over_omega", SPAN)
         body = [f"dp = {separator} - p", f"return {call} * {span}"]
     writer.function("injected_oil(p, m, P)", body)
 
 
-def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> None:
+def write_ports(writer: Writer, parts: Parts, port: OilPort) -> None:
     if parts.pumped:
         assert port.pumped is not None and parts.oil is not None
         ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
         call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
         slow = f"{writer.slow} * " if writer.slow else ""
-        inflow = f"P[{trapped}] * {ratio} * {call}"
+        inflow = f"P[P_TRAPPED] * {ratio} * {call}"
         writer.network.inflow = f"slow * {inflow}" if slow else inflow
         inflow = slow + inflow
         writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
         return
-    call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), f"width = P[{P_DISCHARGE_WIDTH}]"
+    call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), "width = P[P_DISCHARGE_WIDTH]"
     slow = f"{writer.slow} * " if writer.slow else ""
     writer.network.inflow = f"slow * {call}" if slow else call
     writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements
 from screwsim.model.oil_displacement import gas_mass
@@ -22,12 +23,13 @@ def balance_kernels(network: Network) -> list[Kernel]:
 
 def gas_state(to: Statements, network: Network) -> None:
     """Set the state of the gas (M5, M6, M10)."""
-    to.add(f"p, h, c_v, TpT, exponent, choke, choked = {network.gas}")
+    to.add("# state of the gas (M5, M6, M10)", f"p, h, c_v, TpT, exponent, choke, choked = {network.gas}")
 
 
 def oil_room(to: Statements, network: Network, of: str = "") -> None:
     """Set what flows feel of a chamber in which oil takes room (M107, M108); `of` ends the names of its numbers."""
     if network.roomed:
+        to.add("# what flows feel where oil takes room (M107, M108)")
         to.add(f"share{of} = 1.0 / (1.0 + x_oil{of} * rho{of} * P[P_ROOM])")
         to.add(f"rho_felt{of} = rho{of} * share{of} * share{of}")
         to.add(f"T_felt{of} = T_oil{of} + p{of} * P[P_ROOM] / P[P_C_OIL]")
@@ -35,8 +37,9 @@ def oil_room(to: Statements, network: Network, of: str = "") -> None:
 
 def gas_inside(to: Statements, network: Network) -> None:
     """Set the mass of the gas, and of the oil (M3, M106), and the factor of all that depends on time (M217)."""
+    to.add(f"# mass of the gas{' and of the oil' if network.heated else ''} (M1{', M106' if network.roomed else ''})")
     if network.slow:
-        to.add(f"slow = {network.slow}")
+        to.add(f"slow = {network.slow}  # mean speed over the speed here (M217)")
     to.add(f"m = {gas_mass.flat_name}(V, rho, x_oil, P)" if network.roomed else "m = rho * V")
     if network.heated:
         to.add("m_oil = x_oil * m" if network.carried else "m_oil = oiled * R[R_RATIO] * m")
@@ -44,6 +47,7 @@ def gas_inside(to: Statements, network: Network) -> None:
 
 def totals(to: Statements, network: Network, sums: Sequence[str]) -> None:
     """Set the totals of streams over sums, which are given in order."""
+    to.add("# totals of all streams (M1, M2)")
     for quantity in network.quantities:
         to.add(f"{quantity} = {' + '.join(f'{quantity}_{each}' for each in sums)}")
 
@@ -61,6 +65,7 @@ def port_oil_enthalpy(network: Network) -> str:
 def oil_through_ports(to: Statements, network: Network) -> None:
     """Add the oil that comes through ports, and the gas that it gives off (M104, M196, M231)."""
     if network.ported:
+        to.add(f"# oil through ports (M104{', M255' if network.roomed and network.pumped else ''})")
         to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
         to.add("oil_port = inflow", f"oil_heat_port = inflow * {port_oil_enthalpy(network)}")
         if network.dissolves:
@@ -68,9 +73,11 @@ def oil_through_ports(to: Statements, network: Network) -> None:
     gas = f"{network.gas_cell}_in"
     if network.flash is not None:
         share, enthalpy, heat = network.flash
+        to.add("# gas that flashes out of it (M196)")
         to.add(f"gas = inflow * max(0.0, {share})", f"mass_{gas} += gas", f"energy_{gas} += gas * {enthalpy}")
         to.add(f"oil_heat_port -= gas * {heat}")
     if network.release:
+        to.add("# gas that the oil gives off or takes up (M231)")
         to.add(f"s = {network.entropy}", f"gas, enthalpy, warmth = {network.release}")
         to.add(f"mass_{gas} += gas", f"energy_{gas} += enthalpy")
         to.add("oil_heat_port -= warmth", "held_port -= gas")
@@ -83,7 +90,7 @@ def rates(to: Statements, network: Network) -> None:
     """
     to.add("omega = P[P_OMEGA]", "warmth = 0.0")
     if network.heated:
-        to.add("lost = 0.0", "d = R[R_RATIO]")
+        to.add("# heat from the oil (M3), its temperature (M4)", "lost = 0.0", "d = R[R_RATIO]")
         for each in network.heats:
             to.add(f"heat = {each.call}", "warmth += heat", f"lost += {each.factor}heat")
         if network.pushes:  # what the oil gives the walls that drag it along (M257)
@@ -95,29 +102,38 @@ def rates(to: Statements, network: Network) -> None:
             f"f_T_oil = {oil_temperature_slope.flat_name}({felt}, m_oil, m, P[P_C_OIL], {oil}, {energy}, lost, omega)"
         )
     if network.carried:
+        to.add("# oil and gas in it (M8)" if network.dissolves else "# oil (M8)")
         to.add("f_x_oil = (oil - x_oil * mass) / (m * omega)")
     if network.dissolves:
         to.add(f"f_w_gas = {held_slope.flat_name}(w_gas, m_oil, m, oil, held, omega)")
     to.add("q_heat = warmth / omega")
-    for i, wall in enumerate(network.walls):
-        to.add(f"conductance = {wall.call}", f"heat = conductance * ({wall.temperature} - T)", "warmth += heat")
-        to.add(f"q_wall_{i} = heat / omega", f"q_conductance_{i} = conductance / omega")
+    for label, wall in zip(Layout(network).walls, network.walls, strict=True):
+        to.add(
+            f"# heat from a wall (M170): {label}",
+            f"conductance = {wall.call}",
+            f"heat = conductance * ({wall.temperature} - T)",
+            "warmth += heat",
+        )
+        to.add(f"q_wall_{label} = heat / omega", f"q_conductance_{label} = conductance / omega")
     if network.own_states:
         to.add("p_suction = R[R_SUCTION + PRESSURE]", "p_discharge = R[R_DISCHARGE + PRESSURE]")
+        to.add("# states of effects")
     for name, rate in zip(network.own_states, network.rates, strict=True):
         to.add(f"f_{name} = {rate} / omega")
+    to.add("# density and temperature of the gas (M1, M2)")
     if network.roomed:
         to.add("slope = dV - oil * P[P_ROOM] / omega", "f_rho = (mass / omega - rho * slope) * rho / m")
     else:
         to.add("slope = dV", "f_rho = (mass / omega - rho * dV) / V")
     to.add(f"f_T = {temperature_slope.flat_name}(T, m, rho, h, c_v, TpT, mass, energy, warmth, slope, omega)")
-    to.add("q_work = -p * dV")
+    to.add("# work of the volume on the gas (M7)", "q_work = -p * dV")
     if network.pushes:
         to.add("q_pushed = pushed / omega")
 
 
 def heads(network: Network) -> list[str]:
     """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
-    walls = [name for i in range(len(network.walls)) for name in (f"q_wall_{i}", f"q_conductance_{i}")]
-    met = [f"q_{way}_{side}" for side in range(len(network.offsets)) for way in ("ahead", "behind")]
+    layout = Layout(network)
+    walls = [f"q_{what}_{label}" for label in layout.walls for what in ("wall", "conductance")]
+    met = [f"q_{each}" for each in layout.met]
     return ["q_work", "q_heat", *walls, *met, *(["q_pushed"] if network.pushes else [])]

@@ -18,6 +18,7 @@ from screwsim.model.network.flows import (
     port_flux,
     read_place,
 )
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements
 
@@ -30,13 +31,13 @@ BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_n
 
 
 class Cell:
-    """A chamber whose surroundings stand in E from `e` on; where the lines pulsate, their places stand at `lines`."""
+    """A chamber whose surroundings stand in E from `e` on; where lines pulsate, their places stand behind."""
 
     e = ""
-    lines = "E_LINES"
+    together = False
 
     def __init__(self, network: Network) -> None:
-        self.network = network
+        self.network, self.layout = network, Layout(network)
         self.own = own_place(network)
         # sums of streams in the order of the categories (slots.py)
         self.sums = [f"{cell}_{way}" for cell in network.cells if cell for way in ("in", "out")]
@@ -44,16 +45,14 @@ class Cell:
 
     def states(self, at: str = "") -> list[str]:
         """Return lines that read the states, and what of the surroundings is no flow's."""
-        names = [f"{name} = y[{at}{i}]" for i, name in enumerate(self.network.states)]
+        names = [f"{name} = y[{at}S_{name}]" for name in self.network.states]
         around = {"phi": "E_ANGLE", "V": "E_VOLUME", "dV": "E_SLOPE"}
         around |= {"oiled": "E_OILED"} if self.network.heated and not self.network.carried else {}
         return [*names, *(f"{name} = E[{self.e}{number}]" for name, number in around.items())]
 
-    def line(self, number: int) -> tuple[str, str]:
+    def line(self, cell: str) -> tuple[str, str]:
         """Return array and index of the place of a line or plenum; in E where the lines pulsate (M184)."""
-        if self.network.pulsating:
-            return "E", f"{self.lines} + {number} * PLACE"
-        return "R", f"{number} * PLACE"
+        return self.layout.line(cell, self.together)
 
     def opened(self, to: Statements, what: str, at: str, slopes: bool) -> str:
         """Set the area of an opening, and return the test whether it is open, or opens."""
@@ -65,13 +64,14 @@ class Cell:
     def port(self, to: Statements, port: Port, slopes: bool) -> None:
         """Add the stream through a port."""
         if port.opening:
-            to.add(f"held_{port.index} = own[OPENING + {len(self.network.ports) + port.index}]")
+            to.add(f"switch_{self.layout.label(port)} = {self.layout.share(port, 'HELD')}")
         beyond = place_of(self.network, port.cell)
-        with to.within(self.opened(to, f"{port.effect} (M12)", f"{self.e}E_AREAS + {port.index}", slopes)):
-            read_place(to, self.network, port.cell, *self.line(port.number))
+        with to.within(self.opened(to, f"{port.effect} (M12)", f"{self.e}{self.layout.area(port)}", slopes)):
+            read_place(to, self.network, port.cell, *self.line(port.cell))
             if slopes and port.one_way:
-                to.add(f"held_{port.index} = 1.0 if {port.one_way} * ({beyond.p} - p) > 0.0 else 0.0")
-            port_flux(to, port, self.own, beyond)
+                way = ">" if port.one_way > 0 else "<"
+                to.add(f"switch_{self.layout.label(port)} = 1.0 if {beyond.p} {way} p else 0.0")
+            port_flux(to, port, self.layout.label(port), self.own, beyond)
             self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
 
     def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place, way: str = "ahead") -> None:
@@ -113,7 +113,7 @@ class Cell:
         """Set rates and quadratures from the sums of all streams."""
         balances.totals(to, self.network, self.sums)
         balances.rates(to, self.network)
-        to.add("per_omega = 1.0 / omega")
+        to.add("# what the ledger of the lines takes, over the angle", "per_omega = 1.0 / omega")
         for each in self.sums:
             to.add(*(f"q_{quantity}_{each} = {quantity}_{each} * per_omega" for quantity in self.network.quantities))
 
@@ -129,9 +129,9 @@ class Cell:
         found = {"V": "dV", "dV": BY_ANGLE.format(at=f"{self.e}E_SLOPE")}
         found["area"] = "(next_area - area) * per_delta"
         if network.pulsating:
-            for number, cell in enumerate(network.cells):
-                _, place = self.line(number)
-                changing = {name: at for name, at in needed(network).items() if name not in CONSTANT and cell}
+            for cell in filter(None, network.cells):
+                _, place = self.line(cell)
+                changing = {name: at for name, at in needed(network).items() if name not in CONSTANT}
                 found |= {f"{name}_{cell}": BY_ANGLE.format(at=f"{place} + {at}") for name, at in changing.items()}
         there = f"(E_next[{self.e}E_ANGLE],"
         slow = network.slow.replace("(phi,", there)

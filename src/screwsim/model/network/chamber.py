@@ -9,14 +9,17 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model.network import balances
+from screwsim.model.network import balances, stops
 from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
 from screwsim.model.network.flows import drag_flux, film_flux, gap_flux, needed, place_of, port_flux, read_place
+from screwsim.model.network.layout import place_of_sum
+from screwsim.model.network.line_flow import line_flow_texts
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
 from screwsim.model.network.statements import Statements, Tangent, function, slope_name
 from screwsim.model.network.steps import CONTEXT, step_texts
+from screwsim.model.network.surroundings import beyond_last_text, lines_texts, surroundings_text
 from screwsim.numerics.kernel import Kernel
 
 KEPT = ["own[PRESSURE] = p", "own[TPT] = TpT"]
@@ -35,56 +38,57 @@ class Chamber(Cell):
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
-        self.sides = [(gap, way) for gap in network.gaps for way in ("ahead", "behind")]
+        self.sides = self.layout.sides
         self.tangents: list[Kernel] = []  # that the texts call
 
     def written(self) -> list[str]:
         """Return the texts of all functions."""
-        films = [self.film_flows()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
+        films = [self.film_flows(), self.oil_films()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
         network = self.network
         between = [*place_texts(network), *between_texts(network), *step_texts(network)]
-        return [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films, *between]
+        around = [*lines_texts(network)[:1], beyond_last_text(network), surroundings_text(network)]
+        own = [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films]
+        return [*own, *between, *around, *line_flow_texts(network)]
 
     def _side(self, gap: Gap, way: str) -> tuple[str, str]:
         """Return where in E the area of a gap's side stands, and the place beyond it."""
-        ports, areas, behind = len(self.network.ports), 2 * len(self.network.gaps), way == "behind"
-        side = 2 * gap.side + behind
-        return f"E_AREAS + {ports + 2 * gap.index + behind}", f"E_AREAS + {ports + areas} + {side} * (PLACE + 1)"
+        return self.layout.area(gap, way), f"E_{self.layout.neighbour(gap.side, way)}"
 
     def _streams(self, to: Statements, slopes: bool) -> None:
         """Add the streams of all connections to the sums of their cells; with what derivatives by the angle need."""
         network, discharge = self.network, self.network.cells[1]
-        ahead = [f"ahead_{side}_{way}" for side in range(len(network.offsets)) for way in ("in", "out")]
+        met = [self.layout.neighbour(side, "ahead") for side in range(len(network.offsets))]
+        ahead = [f"{there}_{way}" for there in met for way in ("in", "out")]
+        to.add("# streams: mass, enthalpy, oil, in and out of what lies around the chamber (M10–M13)")
         self.begin(to, [*self.sums, *ahead])
         to.add(*(["pushed = 0.0"] if network.pushes else []))
-        for side in range(len(network.offsets)):
-            to.add(f"beyond_{side} = 0.0", f"from_ahead_{side} = 0.0", f"from_behind_{side} = 0.0")
+        to.add(*(f"beyond_{there} = 0.0" for there in met), *(f"from_{there} = 0.0" for there in self.layout.met))
         for port in network.ports:
             self.port(to, port, slopes)
         for gap, way in self.sides:
             self._neighbour(to, gap, way, slopes)
-        for side in range(len(network.offsets)):
-            with to.within(f"if beyond_{side} > 0.0"):  # ahead of the last chamber lies the discharge line
+        for there in met:
+            to.add("# ahead of the last chamber lies the discharge line (M24)")
+            with to.within(f"if beyond_{there} > 0.0"):
                 for way in ("in", "out"):
-                    to.add(*(f"{each}_{discharge}_{way} += {each}_ahead_{side}_{way}" for each in network.quantities))
-                to.add(f"from_ahead_{side} = 0.0")
+                    to.add(*(f"{each}_{discharge}_{way} += {each}_{there}_{way}" for each in network.quantities))
+                to.add(f"from_{there} = 0.0")
             with to.within("else"):
                 for way in ("in", "out"):
-                    to.add(*(f"{each}_between += {each}_ahead_{side}_{way}" for each in network.quantities))
+                    to.add(*(f"{each}_between += {each}_{there}_{way}" for each in network.quantities))
         balances.oil_through_ports(to, network)
 
     def _neighbour(self, to: Statements, gap: Gap, way: str, slopes: bool) -> None:
         """Add the streams through a gap to the chamber ahead, or behind."""
         area, place = self._side(gap, way)
-        cell, network = f"{way}_{gap.side}", self.network
+        cell, network = self.layout.neighbour(gap.side, way), self.network
         instead = ("area == 0.0", "E_next") if slopes else ("", "")  # of a gap that opens
         with to.within(self.opened(to, f"{gap.effect}, {way} (M12)", area, slopes)):
             read_place(to, network, cell, "E", place, instead)
             if way == "ahead":
-                line = f"E[{place} + PLACE]"
+                line = f"E[{place} + BEYOND]"
                 to.add(
-                    f"beyond_{gap.side} = "
-                    + (f"E_next[{place} + PLACE] if area == 0.0 else {line}" if slopes else line)
+                    f"beyond_{cell} = " + (f"E_next[{place} + BEYOND] if area == 0.0 else {line}" if slopes else line)
                 )
             sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
             self.gap(to, gap, *sums, place_of(network, cell), way)
@@ -98,26 +102,25 @@ class Chamber(Cell):
         balances.gas_inside(to, self.network)
         self._streams(to, slopes)
         self.finish(to)
-        met = [f"{way}_{side}" for side in range(len(self.network.offsets)) for way in ("ahead", "behind")]
-        to.add(*(f"q_{each} = from_{each} * per_omega" for each in met))
+        to.add(*(f"q_{each} = from_{each} * per_omega" for each in self.layout.met))
         return to.lines
 
     def _stored(self) -> list[str]:
         """Return lines that store rates and quadratures."""
-        rates = [f"f[{i}] = f_{name}" for i, name in enumerate(self.network.states)]
-        return [*rates, *(f"g[{i}] = {name}" for i, name in enumerate(self.quadratures))]
+        rates = [f"f[S_{name}] = f_{name}" for name in self.network.states]
+        return [*rates, *(f"g[{place_of_sum(name)}] = {name}" for name in self.quadratures)]
 
     # ---- functions ---------------------------------------------------------------------------------------------
 
     def rates(self) -> str:
         """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
-        held = "gas_phase(T, rho, P, TAB) if own[PLACE] == FREE else int(own[PLACE])"
+        held = "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
         return function(
             "chamber__rates(y, E, context, f, g)",
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
             [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
-            ["impacts__keep_at_rest(own, f)", "impacts__note_end(E, own)"] if self.network.stops else [],
+            [*stops.keep_at_rest(self.network, "f"), "own[STEP_END] = E[E_ANGLE]"] if self.network.stops else [],
         )
 
     def jacobian(self) -> str:
@@ -127,21 +130,19 @@ class Chamber(Cell):
         tangent = Tangent(self._body(True), (*states, "phi"), network.kernels, given, CONSTANT)
         self.tangents = tangent.kernels
         stores = self._stored()
-        for array, names in (("", [f"f_{name}" for name in states]), ("q", self.quadratures)):
-            for i, name in enumerate(names):
-                stores += [f"J{array}[{i}, {j}] = {tangent.slope(name, state)}" for j, state in enumerate(states)]
-                stores.append(f"{'g' if array else 'f'}_phi[{i}] = {tangent.slope(name, 'phi')}")
+        rows = [("J", "f_phi", f"S_{name}", f"f_{name}") for name in states]
+        rows += [("Jq", "g_phi", place_of_sum(name), name) for name in self.quadratures]
+        for by_states, by_angle, row, name in rows:
+            stores += [f"{by_states}[{row}, S_{state}] = {tangent.slope(name, state)}" for state in states]
+            stores.append(f"{by_angle}[{row}] = {tangent.slope(name, 'phi')}")
         before = ["per_delta = 1.0 / delta"]
-        before += ["phase = gas_phase(T, rho, P, TAB)", "own[PLACE] = phase"] if network.phases else ["phase = 0"]
+        before += ["phase = gas_phase(T, rho, P, TAB)", "own[PHASE] = phase"] if network.phases else ["phase = 0"]
         before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
-        after = [
-            f"own[OPENING + {len(network.ports) + port.index}] = held_{port.index}"
-            for port in network.ports
-            if port.one_way
-        ]
+        valves = [port for port in network.ports if port.one_way]
+        after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]
         if network.stops:
-            after += [f"impacts__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
-            after += [f"impacts__keep_rows_at_rest(own, J, {len(states)})", "impacts__note_start(E, own)"]
+            after += [*stops.keep_at_rest(network, "f"), *stops.keep_at_rest(network, "f_phi")]
+            after += [*stops.keep_rows_at_rest(network, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]
         return function(
             "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
             ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],
@@ -156,24 +157,25 @@ class Chamber(Cell):
             for name, at in needed(self.network).items():
                 if name not in CONSTANT:
                     text = BY_ANGLE.format(at=f"{place} + {at}")
-                    found[f"{name}_{way}_{gap.side}", "phi"] = f"{text} if area > 0.0 else 0.0"
+                    found[f"{name}_{self.layout.neighbour(gap.side, way)}", "phi"] = f"{text} if area > 0.0 else 0.0"
         return found
 
     def path_flows(self) -> str:
         """Return the text of the flow [kg/s] into the chamber through each path: ports, then both sides of each gap."""
         network, to = self.network, Statements()
         for port in network.ports:
-            to.add(f"out[{port.index}] = 0.0", f"area = E[E_AREAS + {port.index}]")
+            flow, label = f"out[{self.layout.flow(port)}]", self.layout.label(port)
+            to.add(f"{flow} = 0.0", f"area = E[{self.layout.area(port)}]")
             with to.within("if area > 0.0"):
-                read_place(to, network, port.cell, *self.line(port.number))
+                read_place(to, network, port.cell, *self.line(port.cell))
                 if port.opening:
-                    to.add(f"held_{port.index} = LOOSE")
-                port_flux(to, port, self.own, place_of(network, port.cell))
-                to.add(f"out[{port.index}] = area * flux")
+                    to.add(f"switch_{label} = LOOSE")
+                port_flux(to, port, label, self.own, place_of(network, port.cell))
+                to.add(f"{flow} = area * flux")
                 if port.opening:
-                    to.add(f"own[OPENING + {port.index}] = opened")
-        for i, (gap, way) in enumerate(self.sides):
-            self._read(to, gap, way, f"out[{len(network.ports) + i}]", "flux")
+                    to.add(f"{self.layout.share(port, 'OPENED')} = opened")
+        for gap, way in self.sides:
+            self._read(to, gap, way, f"out[{self.layout.flow(gap, way)}]", "flux")
         return self._reading(
             "path_flows", "mass flow [kg/s] into the chamber: ports, then each gap ahead and behind", to
         )
@@ -183,11 +185,19 @@ class Chamber(Cell):
         network, to = self.network, Statements()
         if network.slow:
             to.add(f"slow = {network.slow}")
-        for i, (gap, way) in enumerate(self.sides):
-            self._read(to, gap, way, f"out[{i}]", "film")
-            self._read(to, gap, way, f"drags[{i}]", "drag")
+        for gap, way in self.sides:
+            self._read(to, gap, way, f"out[{self.layout.film(gap, way)}]", "film")
+            self._read(to, gap, way, f"drags[{self.layout.film(gap, way)}]", "drag")
         what = "oil [kg/s] that comes as films, and `drags` with what walls drag along: each gap ahead and behind"
         return self._reading("film_flows", what, to, ", drags")
+
+    def oil_films(self) -> str:
+        """Return the text of the oil [kg/s] that flows beside the gas through gaps, as films and dragged."""
+        flows = [self.layout.film(gap, way) for gap, way in self.sides]
+        text = '"""Fill `out` with the oil [kg/s] beside the gas, films and dragged: each gap ahead and behind."""'
+        call = "chamber__film_flows(y, E, context, out, drags)"
+        lines = ["drags = np.empty(N_FILMS)", call, *(f"out[{each}] += drags[{each}]" for each in flows)]
+        return function("chamber__oil_films(y, E, context, out)", [text], lines)
 
     def given_off(self) -> str:
         """Return the text of the gas that comes from oil, and through no path: in the chamber, or as it enters."""
@@ -214,7 +224,7 @@ class Chamber(Cell):
         to.add(f"{out} = 0.0", f"area = E[{area}]")
         if what != "flux" and not getattr(gap, what):
             return
-        cell = f"{way}_{gap.side}"
+        cell = self.layout.neighbour(gap.side, way)
         beyond, sign = place_of(self.network, cell), ""
         with to.within("if area > 0.0"):
             read_place(to, self.network, cell, "E", place)

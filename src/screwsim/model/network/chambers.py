@@ -11,24 +11,27 @@ before that angle from those beyond it is counted with what the lines' sums take
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 from screwsim.model.network import balances
 from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import CONSTANT, Cell
 from screwsim.model.network.flows import Place, place_of, read_place
+from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
 from screwsim.model.network.statements import Statements, Tangent, function, slope_name
 from screwsim.model.network.steps import step_texts
-from screwsim.model.network.steps_together import SIDE, held_phase, step_texts_together
+from screwsim.model.network.steps_together import BEFORE, held_phase, step_texts_together
+from screwsim.model.network.surroundings import lines_texts, surroundings_together_text
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"
 GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a place, with derivatives by T and rho
 NOZZLE = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
 BOTH = ("T", "rho")
+ANGLE = "COLUMNS - 1"  # the column of derivatives by the angle
 BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: how names of its numbers end, and the number of the chamber
 
 
@@ -38,6 +41,7 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
     network = Network(*key)
     chambers, exact = Chambers(network), Chambers(network, exact=True)
     of_one = [*place_texts(network), *between_texts(network), *step_texts(network)]
+    of_one += [*lines_texts(network)[1:], surroundings_together_text(network)]
     jacobians = chambers.jacobian(), *((exact.jacobian(),) if network.varies else ())
     texts = chambers.rates(), *jacobians, *step_texts_together(network), *of_one
     return texts, (*network.kernels.values(), *chambers.tangents, *exact.tangents)
@@ -47,6 +51,21 @@ def room(network: Network) -> int:
     """Return how many numbers the functions of all chambers write into their working array."""
     n, slopes = network.chambers, len(BOTH) * len(GAS | (NOZZLE if network.varies else {}))
     return n * (slopes + len(given(network)) * (n * len(network.states) + 2))
+
+
+def work_constants(network: Network) -> dict[str, int]:
+    """Return where in the working array stands what each chamber is given (`GIVEN_mass` …), and slopes (`Chambers`).
+
+    `BY_p_T` is the slope of the pressure by the temperature, the last of `COLUMNS` that by the angle.
+    """
+    found = {"GIVEN": len(given(network)), "COLUMNS": network.chambers * len(network.states) + 1}
+    found |= {f"GIVEN_{quantity}": k for k, quantity in enumerate(given(network))}
+    found |= {f"BY_{name}_{seed}": i for i, (name, seed) in enumerate((a, b) for a in GAS | NOZZLE for b in BOTH)}
+    found["GAS_SLOPES"] = network.chambers * found["GIVEN"]
+    for ends, gas in (("", GAS), ("_EXACT", GAS | NOZZLE)):
+        found[f"OF_GAS{ends}"] = len(gas) * len(BOTH)
+        found[f"GIVEN_SLOPES{ends}"] = found["GAS_SLOPES"] + network.chambers * found[f"OF_GAS{ends}"]
+    return found
 
 
 def given(network: Network) -> tuple[str, ...]:
@@ -61,33 +80,37 @@ class Chambers(Cell):
     """
 
     e = "e + "
-    lines = "ALL_LINES"
+    together = True
 
     def __init__(self, network: Network, exact: bool = False) -> None:
         super().__init__(network)
         self.jacobian_name = "exact_jacobian" if exact else "jacobian"
         self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)  # what of a place has derivatives
         self.of_gas = [(name, seed) for name in self.gas for seed in BOTH]
-        self.n, self.width = len(network.states), len(given(network))
-        self.size = f"E_AREAS + {len(network.ports) + len(network.gaps)}"
-        self.columns = network.chambers * self.n + 1
-        self.kept = network.chambers * self.width  # where the slopes of the gas begin
-        self.slopes = self.kept + network.chambers * len(self.of_gas)  # where those of what is given begin
+        self.ends = "_EXACT" if exact else ""  # of the names of `work_constants`
         self.tangents: list[Kernel] = []
 
     # ---- gaps --------------------------------------------------------------------------------------------------
 
     def _read_own(self, to: Statements, slopes: bool) -> None:
         """Read a chamber's states, surroundings and gas."""
-        to.add(f"e = j * ({self.size})", f"own = j * {self.n}", *self.states("own + "))
+        to.add("e = j * E_CHAMBER", "own = j * N", *self.states("own + "))
         to.add(*(f"{name} = places[j * PLACE + {at}]" for name, at in (GAS | NOZZLE).items()))
         if slopes:
             self._read_slopes(to, "", "j")
 
     def _read_slopes(self, to: Statements, of: str, j: str) -> None:
         """Read the derivatives of a chamber's gas by its temperature and density."""
-        for i, (name, seed) in enumerate(self.of_gas):
-            to.add(f"{slope_name(name + of, seed + of)} = work[{self.kept} + {j} * {len(self.of_gas)} + {i}]")
+        for name, seed in self.of_gas:
+            to.add(f"{slope_name(name + of, seed + of)} = {self._gas_slope(j, name, seed)}")
+
+    def _gas_slope(self, j: str, name: str, seed: str) -> str:
+        """Return where the derivative of a number of the gas of chamber j stands."""
+        return f"work[GAS_SLOPES + {j} * OF_GAS{self.ends} + BY_{name}_{seed}]"
+
+    def _given_slope(self, row: str, quantity: str, column: str) -> str:
+        """Return where the derivative of what chamber `row` is given stands, by the state or angle of a column."""
+        return f"work[GIVEN_SLOPES{self.ends} + ({row} * GIVEN + GIVEN_{quantity}) * COLUMNS + {column}]"
 
     def _other(self, of: str) -> Place:
         """Return the names of the numbers of another chamber's place."""
@@ -97,7 +120,7 @@ class Chambers(Cell):
     def _read_other(self, to: Statements, slopes: bool) -> None:
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
-        to.add(*(f"{name}_ahead = y[ahead * {self.n} + {i}]" for i, name in enumerate(states)))
+        to.add(*(f"{name}_ahead = y[ahead * N + S_{name}]" for name in states))
         asked = {"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE
         to.add(*(f"{name}_ahead = places[ahead * PLACE + {at}]" for name, at in asked.items()))
         if slopes:
@@ -119,45 +142,44 @@ class Chambers(Cell):
     def _between(self, slopes: bool) -> list[str]:
         """Return the statements that sum what the chambers give each other, and its derivatives."""
         network, to = self.network, Statements()
-        end = self.slopes + network.chambers * self.width * self.columns
-        for span in (f"{self.kept}", *([f"{self.slopes}, {end}"] if slopes else [])):
+        first = f"GIVEN_SLOPES{self.ends}"
+        for span in ("CHAMBERS * GIVEN", *([f"{first}, {first} + CHAMBERS * GIVEN * COLUMNS"] if slopes else [])):
             with to.within(f"for i in range({span})"):
                 to.add("work[i] = 0.0")
         if not network.gaps:
             return to.lines
-        with to.within(f"for j in range({network.chambers})"):
+        with to.within("for j in range(CHAMBERS)"):
             self._read_own(to, slopes)
             if network.slow and any(gap.drag for gap in network.gaps):
                 to.add(f"slow = {network.slow}")
             for gap in network.gaps:
                 to.add(f"ahead = j + {network.offsets[gap.side]}")
-                with to.within(f"if ahead < {network.chambers}"):
-                    at = f"{self.e}E_AREAS + {len(network.ports) + gap.index}"
+                with to.within("if ahead < CHAMBERS"):
+                    at = f"{self.e}{self.layout.area(gap)}"
                     with to.within(self.opened(to, f"{gap.effect} (M12)", at, slopes)):
                         self._read_other(to, slopes)
                         tangent = self._tangent(to, gap) if slopes else None
                         to.add(*(tangent.lines if tangent else self._given(gap)))
-                        at = f"work[{{row}} * {self.width} + {{k}}]"
-                        self._gives(to, at, lambda quantity: f"{quantity}_given")
+                        self._gives(to, _is_given, lambda quantity: f"{quantity}_given")
                         if tangent:
                             self._give_slopes(to, tangent)
         return to.lines
 
-    def _gives(self, to: Statements, at: str, text: Callable[[str], str]) -> None:
+    def _gives(self, to: Statements, at: Callable[[str, str], str], text: Callable[[str], str]) -> None:
         """Add something of each quantity to what a chamber is given, and take it from the one ahead."""
-        for k, quantity in enumerate(given(self.network)):
+        for quantity in given(self.network):
             found = text(quantity)
             if found != "0.0":
-                to.add(f"{at.format(row='j', k=k)} += {found}")
+                to.add(f"{at('j', quantity)} += {found}")
                 if quantity in self.network.quantities:
-                    to.add(f"{at.format(row='ahead', k=k)} -= {found}")
+                    to.add(f"{at('ahead', quantity)} -= {found}")
 
     @property
     def _columns_by_seed(self) -> dict[str, str]:
         """Return the columns of the derivatives of what a gap gives: by the states of both sides, and by the angle."""
         states = [name for name in self.network.states if name not in self.network.own_states]
-        found = {f"{name}{of}": f"{j} * {self.n} + {i}" for i, name in enumerate(states) for of, j in BOTH_SIDES}
-        return found | {"phi": str(self.columns - 1)}
+        found = {f"{name}{of}": f"{j} * N + S_{name}" for name in states for of, j in BOTH_SIDES}
+        return found | {"phi": ANGLE}
 
     def _tangent(self, to: Statements, gap: Gap) -> Tangent:
         """Return what a gap gives with its derivatives."""
@@ -174,7 +196,7 @@ class Chambers(Cell):
     def _give_slopes(self, to: Statements, tangent: Tangent) -> None:
         """Add the derivatives of what a gap gives."""
         for seed, column in self._columns_by_seed.items():
-            at = f"work[{self.slopes} + ({{row}} * {self.width} + {{k}}) * {self.columns} + {column}]"
+            at = partial(self._given_slope, column=column)
             self._gives(to, at, lambda quantity, seed=seed: tangent.slope(f"{quantity}_given", seed))
 
     # ---- chambers ----------------------------------------------------------------------------------------------
@@ -184,23 +206,22 @@ class Chambers(Cell):
         network, to = self.network, Statements()
         balances.oil_room(to, network)
         balances.gas_inside(to, network)
+        to.add("# streams: mass, enthalpy, oil, in and out of lines and plenums (M10–M13)")
         self.begin(to, [each for each in self.sums if each != "between"])
         to.add(*(["pushed = pushed_between"] if network.pushes else []))
         for port in network.ports:
             self.port(to, port, slopes)
         discharge = network.cells[1]
         for gap in network.gaps:
-            with to.within(
-                f"if j + {network.offsets[gap.side]} >= {network.chambers}"
-            ):  # beyond lies the discharge line
-                at = f"{self.e}E_AREAS + {len(network.ports) + gap.index}"
+            with to.within(f"if j + {network.offsets[gap.side]} >= CHAMBERS"):  # beyond lies the discharge line
+                at = f"{self.e}{self.layout.area(gap)}"
                 with to.within(self.opened(to, f"{gap.effect} (M12)", at, slopes)):
-                    read_place(to, network, discharge, *self.line(1))
+                    read_place(to, network, discharge, *self.line(discharge))
                     self.gap(to, gap, f"{discharge}_in", f"{discharge}_out", place_of(network, discharge))
         balances.oil_through_ports(to, network)
         self.finish(to)
         self._crossing(to)
-        to.add(*(f"q_{way}_{side} = 0.0" for side in range(len(network.offsets)) for way in ("ahead", "behind")))
+        to.add(*(f"q_{each} = 0.0" for each in self.layout.met))
         return to.lines
 
     def _crossing(self, to: Statements) -> None:
@@ -211,40 +232,42 @@ class Chambers(Cell):
         if self.network.across:
             entering += [f"mass_{discharge}_in", f"mass_{discharge}_out"]
             leaving = [f"mass_{suction}_in", f"mass_{suction}_out"]
-        with to.within("if side == 0"):
+        with to.within(f"if {BEFORE}"):
             to.add(f"crossing = ({' + '.join(entering)}) * per_omega")
         with to.within("else"):
             to.add(f"crossing = -({' + '.join(leaving)}) * per_omega")
 
     def _taken(self, to: Statements) -> None:
-        """Read what a chamber is given by the others, and on which side of the injection it stands."""
-        for k, quantity in enumerate(given(self.network)):
-            to.add(f"{quantity}_between = work[j * {self.width} + {k}]")
-        to.add(f"side = {SIDE}")
+        """Read what a chamber is given by the others."""
+        to.add(*(f"{quantity}_between = {_is_given('j', quantity)}" for quantity in given(self.network)))
 
     @property
     def _all(self) -> list[str]:
         """Return the quadratures of all chambers; what they give each other cancels."""
         return [*self.quadratures, "crossing"]
 
+    def _sum(self, name: str) -> str:
+        """Return where a quadrature of all chambers stands."""
+        return "Q_crossing" if name == "crossing" else place_of_sum(name)
+
     def _summed(self, name: str) -> bool:
         """Tell whether a quadrature is summed over the chambers."""
         return not name.endswith("_between")
 
     def _stored(self, to: Statements) -> None:
-        to.add(*(f"f[own + {i}] = f_{name}" for i, name in enumerate(self.network.states)))
-        to.add(*(f"g[{i}] += {name}" for i, name in enumerate(self._all) if self._summed(name)))
+        to.add(*(f"f[own + S_{name}] = f_{name}" for name in self.network.states))
+        to.add(*(f"g[{self._sum(name)}] += {name}" for name in self._all if self._summed(name)))
 
     def rates(self) -> str:
         """Return the text of dy/dφ of all chambers, and of the rates of their quadratures."""
         network, to = self.network, Statements()
-        with to.within(f"for j in range({network.chambers})"):
+        with to.within("for j in range(CHAMBERS)"):
             phase = held_phase(network, "j")
-            to.add(f"chamber__place({phase}, y, j * {self.n}, P, TAB, places, j * PLACE)")
+            to.add(f"chamber__place({phase}, y, j * N, P, TAB, places, j * PLACE)")
         to.add(*self._between(False))
-        with to.within(f"for i in range({len(self._all)})"):
+        with to.within("for i in range(Q_crossing + 1)"):
             to.add("g[i] = 0.0")
-        with to.within(f"for j in range({network.chambers})"):
+        with to.within("for j in range(CHAMBERS)"):
             self._read_own(to, False)
             self._taken(to)
             to.add(*self._body(False))
@@ -258,14 +281,14 @@ class Chambers(Cell):
         balances.gas_state(body, network)
         tangent = Tangent(body.lines, BOTH, network.kernels, {}, self.constant)
         self.tangents += tangent.kernels
-        with to.within(f"for j in range({network.chambers})"):
-            to.add(f"T = y[j * {self.n}]", f"rho = y[j * {self.n} + 1]")
+        with to.within("for j in range(CHAMBERS)"):
+            to.add("T = y[j * N + S_T]", "rho = y[j * N + S_rho]")
             phase = held_phase(network, "j")
             to.add(*(["phase = gas_phase(T, rho, P, TAB)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
             to.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
-            for i, (name, seed) in enumerate(self.of_gas):
-                to.add(f"work[{self.kept} + j * {len(self.of_gas)} + {i}] = {tangent.slope(name, seed)}")
+            for name, seed in self.of_gas:
+                to.add(f"{self._gas_slope('j', name, seed)} = {tangent.slope(name, seed)}")
 
     def jacobian(self) -> str:
         """Return the text of the rates of all chambers and their derivatives by the states and by the angle."""
@@ -274,11 +297,11 @@ class Chambers(Cell):
         to.add("per_delta = 1.0 / delta")
         self._gas(to)
         to.add(*self._between(True))
-        with to.within(f"for i in range({len(self._all)})"):
+        with to.within("for i in range(Q_crossing + 1)"):
             to.add("g[i] = 0.0", "g_phi[i] = 0.0")
-            with to.within(f"for k in range({self.columns - 1})"):
+            with to.within("for k in range(COLUMNS - 1)"):
                 to.add("Jq[i, k] = 0.0")
-        with to.within(f"for j in range({network.chambers})"):
+        with to.within("for j in range(CHAMBERS)"):
             self._read_own(to, True)
             self._taken(to)
             slopes = self.by_angle()
@@ -297,29 +320,34 @@ class Chambers(Cell):
     def _columns(self, to: Statements, tangent: Tangent) -> None:
         """Store the derivatives of a chamber's rates, by its own states and by what the others give it."""
         network, quantities = self.network, given(self.network)
-        at = f"work[{self.slopes} + (j * {self.width} + {{k}}) * {self.columns} + {{column}}]"
 
         def through(name: str, column: str) -> str:
             """Return what a derivative has through the sums between the chambers."""
-            slopes = [tangent.slope(name, f"{quantity}_between") for quantity in quantities]
-            terms = [f"{slope} * {at.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"]
+            slopes = {quantity: tangent.slope(name, f"{quantity}_between") for quantity in quantities}
+            at = partial(self._given_slope, "j", column=column)
+            terms = [f"{slope} * {at(quantity)}" for quantity, slope in slopes.items() if slope != "0.0"]
             return " + ".join(terms) or "0.0"
 
-        rows = {f"J[own + {i}, {{}}]": f"f_{name}" for i, name in enumerate(network.states)}
-        crossing = [(i, name) for i, name in enumerate(self._all) if name in ("q_pushed", "crossing")]
-        with to.within(f"for c in range({self.columns - 1})"):
+        rows = {f"J[own + S_{name}, {{}}]": f"f_{name}" for name in network.states}
+        crossing = [(self._sum(name), name) for name in self._all if name in ("q_pushed", "crossing")]
+        with to.within("for c in range(COLUMNS - 1)"):
             to.add(*(f"{row.format('c')} = {through(name, 'c')}" for row, name in rows.items()))
-            to.add(*(f"Jq[{i}, c] += {through(name, 'c')}" for i, name in crossing))
-        for k, state in enumerate(network.states):
-            to.add(*(f"{row.format(f'own + {k}')} += {tangent.slope(name, state)}" for row, name in rows.items()))
-            for i, name in enumerate(self._all):
+            to.add(*(f"Jq[{at}, c] += {through(name, 'c')}" for at, name in crossing))
+        for state in network.states:
+            at = f"own + S_{state}"
+            to.add(*(f"{row.format(at)} += {tangent.slope(name, state)}" for row, name in rows.items()))
+            for name in self._all:
                 slope = tangent.slope(name, state)
                 if self._summed(name) and slope != "0.0":
-                    to.add(f"Jq[{i}, own + {k}] += {slope}")
-        column = str(self.columns - 1)
-        for i, state in enumerate(network.states):
-            to.add(f"f_phi[own + {i}] = {tangent.slope(f'f_{state}', 'phi')} + {through(f'f_{state}', column)}")
-        for i, name in enumerate(self._all):
+                    to.add(f"Jq[{self._sum(name)}, {at}] += {slope}")
+        for state in network.states:
+            to.add(f"f_phi[own + S_{state}] = {tangent.slope(f'f_{state}', 'phi')} + {through(f'f_{state}', ANGLE)}")
+        for name in self._all:
             if self._summed(name):
-                to.add(f"g_phi[{i}] += {tangent.slope(name, 'phi')}")
-        to.add(*(f"g_phi[{i}] += {through(name, column)}" for i, name in crossing))
+                to.add(f"g_phi[{self._sum(name)}] += {tangent.slope(name, 'phi')}")
+        to.add(*(f"g_phi[{at}] += {through(name, ANGLE)}" for at, name in crossing))
+
+
+def _is_given(row: str, quantity: str) -> str:
+    """Return where stands what chamber `row` is given."""
+    return f"work[{row} * GIVEN + GIVEN_{quantity}]"

@@ -66,9 +66,7 @@ def read_place(
     test, other = instead
     for name, number in needed(network).items():
         found = f"{array}[{at} + {number}]"
-        to.add(
-            f"{name}_{cell} = {other}[{at} + {number}] if {test} else {found}" if test else f"{name}_{cell} = {found}"
-        )
+        to.add(f"{name}_{cell} = " + (f"{other}[{at} + {number}] if {test} else {found}" if test else found))
 
 
 def stream_terms(to: Statements, network: Network, stream: str, source: Place) -> dict[str, str]:
@@ -106,13 +104,13 @@ def _flux(to: Statements, law: Law | None, own: Place, beyond: Place, width: str
     return law.call
 
 
-def port_flux(to: Statements, port: Port, own: Place, beyond: Place) -> None:
-    """Set `flux` [kg/(m² s)] through a port; times its open share where that hangs on the state."""
+def port_flux(to: Statements, port: Port, label: str, own: Place, beyond: Place) -> None:
+    """Set `flux` [kg/(m² s)] through a port (M12); times its open share where that hangs on the state."""
     flux = _flux(to, port.law, own, beyond, port.width)
     if not port.opening:
         to.add(f"flux = {flux}")
         return
-    to.add(f"drop = {beyond.p} - {own.p}", f"width = {port.width}", f"held = held_{port.index}")
+    to.add(f"drop = {beyond.p} - {own.p}", f"width = {port.width}", f"held = switch_{label}")
     to.add(f"opened = {port.opening}")
     to.add(f"flux = opened * {flux}")
 

@@ -12,6 +12,7 @@ from typing import Any
 from screwsim.model.network import balances
 from screwsim.model.network.chamber import Chamber
 from screwsim.model.network.flows import Place, place_of, read_place
+from screwsim.model.network.layout import WAYS
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.network.steps import CONTEXT
@@ -41,15 +42,15 @@ class Moments(Chamber):
         for port in network.ports:
             self._through_port(to, port)
         for side in range(len(network.offsets)):
-            for way in ("ahead", "behind"):
+            for way in WAYS:
                 self._entropy(to, side, way)
-        for i, (gap, way) in enumerate(self.sides):
-            self._through_gap(to, gap, way, i)
+        for gap, way in self.sides:
+            self._through_gap(to, gap, way)
         self._heats(to)
         self._oil(to)
         films = []
         if any(gap.film or gap.drag for gap in network.gaps):
-            films = [f"{each} = np.empty({len(self.sides)})" for each in ("films", "drags")]
+            films = [f"{each} = np.empty(N_FILMS)" for each in ("films", "drags")]
             films += ["chamber__film_flows(y, E, context, films, drags)"]
         head = "ledger__add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)"
         text = '"""Add a moment of the cycle, which stands for the time dt [s], to the sums of the ledger."""'
@@ -59,12 +60,16 @@ class Moments(Chamber):
     # ---- streams -----------------------------------------------------------------------------------------------
 
     def _through_port(self, to: Statements, port: Port) -> None:
-        network, row, beyond = self.network, f"paths[{port.index}, {{}}]", place_of(self.network, port.cell)
-        s = {0: "s_suction", 1: "s_discharge"}.get(port.number, f"R[{port.number} * PLACE + PLENUM_ENTROPY]")
-        to.add(f"flow = flows[{port.index}]  # {port.effect}")
+        network, row, beyond = (
+            self.network,
+            f"paths[PATH_{self.layout.label(port)}, {{}}]",
+            place_of(self.network, port.cell),
+        )
+        s = {0: "s_suction", 1: "s_discharge"}.get(port.number, f"R[R_{port.cell} + PLENUM_ENTROPY]")
+        to.add(f"flow = flows[{self.layout.flow(port)}]")
         with to.within("if flow >= 0.0"):
-            read_place(to, network, port.cell, *self.line(port.number))
-            self._press(to, beyond, f"R[{port.number} * PLACE + PRESSURE]")
+            read_place(to, network, port.cell, *self.line(port.cell))
+            self._press(to, beyond, f"R[R_{port.cell} + PRESSURE]")
             self._arrival(to, row, beyond, s)
         with to.within("else"):
             with_oil = network.heated and (port.number == 1 or network.carried)
@@ -72,41 +77,42 @@ class Moments(Chamber):
             if with_oil:
                 to.add("discharged -= leaving * flow")
 
-    def _through_gap(self, to: Statements, gap: Gap, way: str, index: int) -> None:
-        network, cell = self.network, f"{way}_{gap.side}"
-        row, beyond = f"paths[{len(network.ports) + gap.index}, {{}}]", place_of(network, cell)
+    def _through_gap(self, to: Statements, gap: Gap, way: str) -> None:
+        network, cell = self.network, self.layout.neighbour(gap.side, way)
+        row, beyond = f"paths[PATH_{self.layout.label(gap)}, {{}}]", place_of(network, cell)
+        discharge = f"R[R_{network.cells[1]} + PRESSURE]"
         area, place = self._side(gap, way)
-        to.add(f"flow = flows[{len(network.ports) + index}]  # {gap.effect}, {way}")
+        to.add(f"flow = flows[{self.layout.flow(gap, way)}]")
         if gap.film:
-            to.add(f"film = films[{index}]")
+            to.add(f"film = films[{self.layout.film(gap, way)}]")
         with to.within(f"if E[{area}] > 0.0"):
             read_place(to, network, cell, "E", place)
-            line = f"E[{place} + PLACE] > 0.0"
-            self._press(to, beyond, f"R[PLACE + PRESSURE] if {line} else {beyond.p}" if way == "ahead" else beyond.p)
+            line = f"E[{place} + BEYOND] > 0.0"
+            self._press(to, beyond, f"{discharge} if {line} else {beyond.p}" if way == "ahead" else beyond.p)
             with to.within("if flow > 0.0"):
                 self._arrival(to, row, beyond, f"s_{cell}")
             if way == "ahead":
-                with to.within(f"elif flow < 0.0 and E[{place} + PLACE] > 0.0"):
+                with to.within(f"elif flow < 0.0 and E[{place} + BEYOND] > 0.0"):
                     self._departure(to, row, "leaving" if network.heated else "0.0")
                     to.add("discharged -= leaving * flow")
             if gap.film:
-                self._film(to, row, beyond, f"E[{place} + PLACE] > 0.0" if way == "ahead" else "")
+                self._film(to, row, beyond, f"E[{place} + BEYOND] > 0.0" if way == "ahead" else "")
             if gap.drag and way == "ahead":
-                self._drag(to, row, beyond, f"drags[{index}]")
+                self._drag(to, row, beyond, f"drags[{self.layout.film(gap, way)}]")
 
     def _entropy(self, to: Statements, side: int, way: str) -> None:
         """Set the specific entropy of the neighbours that gas comes from, where `surroundings` found them."""
-        network, cell = self.network, f"{way}_{side}"
-        gaps = [(i, gap) for i, (gap, one) in enumerate(self.sides) if gap.side == side and one == way]
-        coming = " or ".join(f"flows[{len(network.ports) + i}] > 0.0" for i, _ in gaps)
-        _, place = self._side(gaps[0][1], way)
-        hint, shift = 2 * side + (way == "behind"), network.offsets[side] * (1 if way == "ahead" else -1)
+        network, cell = self.network, self.layout.neighbour(side, way)
+        gaps = [gap for gap in network.gaps if gap.side == side]
+        coming = " or ".join(f"flows[{self.layout.flow(gap, way)}] > 0.0" for gap in gaps)
+        _, place = self._side(gaps[0], way)
+        shift = network.offsets[side] * (1 if way == "ahead" else -1)
         to.add(f"s_{cell} = s_discharge")
-        with to.within(f"if ({coming}) and not (E[{place} + PLACE] > 0.0)"):
-            to.add(f"i = context.hints[{hint}]", f"there = phi + {shift} * P[P_PITCH]")
+        with to.within(f"if ({coming}) and not (E[{place} + BEYOND] > 0.0)"):
+            to.add(f"i = context.hints[HINT_{cell}]", f"there = phi + {shift} * P[P_PITCH]")
             to.add("theta = (there - context.t_old[i]) / (context.t_old[i + 1] - context.t_old[i])")
-            for name, column in (("T", 0), ("rho", 1)):
-                pieces = ", ".join(f"context.d_old[i, {piece}, {column}]" for piece in range(4))
+            for name in ("T", "rho"):
+                pieces = ", ".join(f"context.d_old[i, {piece}, S_{name}]" for piece in range(4))
                 to.add(f"{name}_there = rodas__dense_value(theta, {pieces})")
             rho = "rho_there" if network.roomed else f"E[{place} + DENSITY]"
             to.add(f"s_{cell} = gas_entropy(T_there, {rho}, P, TAB)")
@@ -189,17 +195,19 @@ class Moments(Chamber):
         network = self.network
         if network.heated:
             to.add("d = R[R_RATIO]")
-        for i, each in enumerate(network.heats):
-            to.add(f"heat = {each.call}", f"beyond = {each.factor}heat - heat", f"heats[{i}, HEAT] += dt * heat")
-            to.add(f"heats[{i}, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)")
+        for label, each in zip(self.layout.heats[: len(network.heats)], network.heats, strict=True):
+            row = f"heats[HEAT_{label}"
+            to.add(f"heat = {each.call}", f"beyond = {each.factor}heat - heat", f"{row}, HEAT] += dt * heat")
+            to.add(f"{row}, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)")
             to.add("oil[LOST] += dt * beyond", "oil[LOST_OVER_T] += dt * beyond / T_oil")
         if network.heated and not network.carried:
             with to.within("if oiled > 0.0"):
                 to.add("made = dt * (R[R_RATIO] * mass_rate + discharged)", "oil[MADE] += made")
                 to.add("oil[MADE_T] += made * T_oil", "oil[MADE_LOG] += made * math.log(T_oil)")
-        for i, wall in enumerate(network.walls, len(network.heats)):
+        for label, wall in zip(self.layout.walls, network.walls, strict=True):
+            row = f"heats[HEAT_{label}"
             to.add(f"warmth = {wall.temperature}", f"heat = dt * {wall.call} * (warmth - T)")
-            to.add(f"heats[{i}, HEAT] += heat", f"heats[{i}, HEAT_GENERATED] += heat * (1.0 / T - 1.0 / warmth)")
+            to.add(f"{row}, HEAT] += heat", f"{row}, HEAT_GENERATED] += heat * (1.0 / T - 1.0 / warmth)")
 
     def _oil(self, to: Statements) -> None:
         """Add the oil that comes through ports (M105, M109), and the gas that oil gives off (M197, M233)."""
@@ -214,7 +222,7 @@ class Moments(Chamber):
             to.add("oil[PORT_GENERATED] += dt * inflow * c_oil * (rise - math.log(P[P_T_OIL] / T_oil))")
         if network.flash is not None:
             share, enthalpy, heat = network.flash
-            entropy = f"R[{network.cells.index(network.gas_cell)} * PLACE + PLENUM_ENTROPY]"
+            entropy = f"R[R_{network.gas_cell} + PLENUM_ENTROPY]"
             to.add(f"gas = inflow * max(0.0, {share})", "oil[FLASH_MASS] += dt * gas")
             with to.within("if gas > 0.0"):
                 to.add(f"oil[FLASH_GENERATED] += dt * ledger__arriving(gas, {enthalpy}, {entropy}, h, s, T)")

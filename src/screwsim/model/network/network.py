@@ -61,6 +61,7 @@ class Gap:
 class Heat:
     """Heat from the oil to the gas."""
 
+    effect: str
     call: str  # heat [W] into the gas
     factor: str = ""  # of what the oil gives away
 
@@ -69,8 +70,19 @@ class Heat:
 class WallHeat:
     """A wall that exchanges heat with the gas."""
 
+    effect: str
     call: str  # conductance [W/K]
     temperature: str
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Seat and stop of a state, and the one that is its speed."""
+
+    position: str
+    speed: str
+    seat: str  # speed after over speed before an impact on it
+    stop: str
 
 
 @dataclass
@@ -102,8 +114,8 @@ class Network:
     release: str = ""  # call for (gas, enthalpy, heat over c_oil) that oil gives off (m_oil, w, s, h, T_oil)
     supply_holds: str = ""  # gas per oil that comes through ports
     gas_cell: str = ""  # plenum whose gas flashes or is given off
-    stops: int = 0
-    pulsating: bool = False
+    stops: list[Stop] = field(default_factory=list)
+    pulses: tuple[str, ...] = ()  # the lines whose pressure does, among `cells`
     across: bool = False
     chambers: int = 1
     slow: str = ""  # call for the factor of all that depends on time, where the speed changes over the pitch
@@ -116,6 +128,11 @@ class Network:
     def quantities(self) -> tuple[str, ...]:
         """Return what is summed of a stream."""
         return QUANTITIES[: 5 if self.dissolves else 4 if self.carried else 2]
+
+    @property
+    def pulsating(self) -> bool:
+        """Does the pressure of a line pulsate?"""
+        return bool(self.pulses)
 
     @property
     def ported(self) -> bool:

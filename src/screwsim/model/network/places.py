@@ -7,20 +7,25 @@ neighbours are read from histories, whose columns beyond the states hold what th
 from __future__ import annotations
 
 from screwsim.model.network import balances
-from screwsim.model.network.cell import Cell
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.places import gas_at_third, hold_to_line, jumps, make_cubic, row_of_third
+from screwsim.numerics.kernel import Kernel
 
 STORED = {"p": "PRESSURE", "h": "ENTHALPY"}  # in the columns beyond the states, in this order
 VARYING = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}  # of a real gas these, too
 OIL = {"x_oil": "OIL_RATIO", "w_gas": "DISSOLVED"}
 LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
-LINE = 1  # of the discharge, which lies ahead of the last chamber
 
 
 def place_texts(network: Network) -> list[str]:
     """Return the functions that fill places."""
-    return [_of_chamber(network), _stored(network), _of_neighbour(network), *_of_lines(network)]
+    return [_of_chamber(network), _kept(network), _of_neighbour(network)]
+
+
+def place_kernels() -> list[Kernel]:
+    """Return what those functions call."""
+    return [gas_at_third, hold_to_line, jumps, make_cubic, row_of_third]
 
 
 def columns(network: Network) -> dict[str, str]:
@@ -31,7 +36,7 @@ def columns(network: Network) -> dict[str, str]:
 def _of_chamber(network: Network) -> str:
     """Return the text of the place of a chamber whose states begin at y[at], in the phase that is held, or its own."""
     to = Statements()
-    to.add(*(f"{name} = y[at + {i}]" for i, name in enumerate(network.states) if name not in network.own_states))
+    to.add(*(f"{name} = y[at + S_{name}]" for name in network.states if name not in network.own_states))
     to.add("phase = gas_phase(T, rho, P, TAB) if held == FREE else int(held)" if network.phases else "phase = 0")
     balances.gas_state(to, network)
     _fill(to, network, {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"} | VARYING, "place[row + {}]")
@@ -52,46 +57,47 @@ def _fill(to: Statements, network: Network, numbers: dict[str, str], place: str)
     to.add(*(f"{place.format(at)} = {name}" for name, at in (numbers | felt | oil).items()))
 
 
-def _stored(network: Network) -> str:
-    """Return the text of what a history holds beyond the states."""
-    asked = columns(network)
+def _kept(network: Network) -> str:
+    """Return the text that fills the columns of a step beyond the states."""
+    to, asked = Statements(), columns(network)
+    to.add(f"fresh = {jumps.flat_name}(step, dense)")
+    with to.within("for k in range(0 if fresh else 1, 4)"):
+        to.add(f"T, rho = {gas_at_third.flat_name}(k, step, dense)", f"row = {row_of_third.flat_name}(k)")
+        to.add("p, h, c_v, TpT, exponent, choke, choked = gas_state(T, rho, P, TAB)")
+        to.add(*(f"dense[step, row, COLUMN_{name}] = {name}" for name in asked))
+    with to.within("if not fresh"):
+        to.add(*(f"dense[step, 0, COLUMN_{name}] = dense[step - 1, 1, COLUMN_{name}]" for name in asked))
+    to.add(f"{hold_to_line.flat_name}(step, dense, COLUMN_p, P, R)")
+    to.add(*(f"{make_cubic.flat_name}(step, dense, COLUMN_{name})" for name in asked))
     return function(
-        "chamber__stored(T, rho, P, TAB, out)",
-        ['"""Fill `out` with the columns that a history holds beyond the states."""'],
-        ["p, h, c_v, TpT, exponent, choke, choked = gas_state(T, rho, P, TAB)"],
-        [f"out[{i}] = {name}" for i, name in enumerate(asked)],
+        "chamber__keep_places(step, dense, context)",
+        [
+            '"""Fill the columns of a step beyond the states: what neighbours need of the gas (M5, M10).',
+            "",
+            "Cubics through its values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the",
+            "equation of state again and again.",
+            '"""',
+            "P, TAB, R = context.P, context.TAB, context.R",
+        ],
+        to.lines,
     )
 
 
 def _of_neighbour(network: Network) -> str:
     """Return the text of the place of a neighbour, from the columns of its history."""
-    to, n, asked = Statements(), len(network.states), columns(network)
-    to.add(*(f"{name} = columns[{i}]" for i, name in enumerate(network.states) if name in ("rho", "T_oil", "w_gas")))
+    to, asked = Statements(), columns(network)
+    to.add(*(f"{name} = columns[S_{name}]" for name in network.states if name in ("rho", "T_oil", "w_gas")))
     if network.carried:
-        to.add("x_oil = max(0.0, columns[3])")  # a cubic between two steps may dip below none by its error
-    for i, name in enumerate(asked):
-        to.add(f"{name} = columns[{n + i}]" if name in STORED else f"{name} = max({LEAST!r}, columns[{n + i}])")
+        to.add("x_oil = max(0.0, columns[S_x_oil])")  # a cubic between two steps may dip below none by its error
+    for name in asked:
+        found = f"columns[COLUMN_{name}]"
+        to.add(f"{name} = {found}" if name in STORED else f"{name} = max({LEAST!r}, {found})")
     if not network.varies:  # constants of an ideal gas, the same everywhere
-        to.add(*(f"{name} = R[R_SUCTION + {at}]" for name, at in VARYING.items()))
+        to.add(*(f"{name} = R[R_{network.cells[0]} + {at}]" for name, at in VARYING.items()))
     _fill(to, network, STORED | VARYING, "E[at + {}]")
-    to.add("E[at + PLACE] = 0.0")
+    to.add("E[at + BEYOND] = 0.0")
     return function(
         "chamber__neighbour(columns, P, R, E, at)",
         ['"""Fill the place of a neighbour at E[at], and that it is none of a line."""'],
         to.lines,
     )
-
-
-def _of_lines(network: Network) -> list[str]:
-    """Return the texts of the lines' places at an angle, and of that which lies ahead of the last chamber."""
-    array, at = Cell(network).line(LINE)
-    begin = {"chamber": "E_LINES", "chambers": "ALL_LINES"}
-    filled = "pulsation__fill_lines(phi, P, R, E, {})" if network.pulsating else "pass"
-    return [
-        *(function(f"{whose}__lines(phi, P, R, E)", [filled.format(first)]) for whose, first in begin.items()),
-        function(
-            "chamber__beyond_last(R, E, at)",
-            ['"""Fill the place of the discharge line, ahead of the last chamber, at E[at]."""'],
-            ["for i in range(PLACE):", f"    E[at + i] = {array}[{at} + i]", "E[at + PLACE] = 1.0"],
-        ),
-    ]

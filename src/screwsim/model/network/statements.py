@@ -79,4 +79,4 @@ def slope_name(name: str, seed: str) -> str:
 
 def function(head: str, *parts: Sequence[str]) -> str:
     """Return the text of a function."""
-    return "\n".join([f"def {head}:", *(f"    {line}" for part in parts for line in part)])
+    return "\n".join([f"def {head}:", *(f"    {line}".rstrip() for part in parts for line in part)])

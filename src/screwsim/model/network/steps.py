@@ -6,15 +6,15 @@ Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 from __future__ import annotations
 
 from screwsim.model.borders import share_before_border, share_before_switch
-from screwsim.model.impacts import begin, put_within, share_before_event, take_event
-from screwsim.model.network.balances import heads
+from screwsim.model.closing_ports import closes, stiff
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, Place, stream_terms
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.stops import stop_texts
 from screwsim.model.oil_displacement import density_of, displaced, gas_mass_slope, locked
 from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
-from screwsim.model.pulsation import fill_lines
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.rodas import dense_slope
 
@@ -24,8 +24,15 @@ CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 def step_texts(network: Network) -> list[str]:
     """Return the functions that the integrator asks of one chamber, and those that both drivers share."""
     return [
-        *(_error(network), _error_size(), _inject(network), _at_breakpoint(network), _share_in_phase(network)),
-        *(_into(network), _conserve(network), _jump(network)),
+        *(
+            _error(network),
+            _error_size(),
+            _lands(network),
+            _inject(network),
+            _at_breakpoint(network),
+            _share_in_phase(network),
+        ),
+        *(_into(network), _conserve(network), _jump(network), *stop_texts(network)),
     ]
 
 
@@ -34,11 +41,9 @@ def step_kernels(network: Network) -> list[Kernel]:
     asked = {
         share_before_border: network.phases,
         share_before_switch: any(port.one_way for port in network.ports),
-        fill_lines: network.pulsating,
     }
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
-    asked |= dict.fromkeys((begin, put_within, share_before_event, take_event), network.stops > 0)
-    return [relative, dense_slope, *(each for each, wanted in asked.items() if wanted)]
+    return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
 
 
 # ---- errors ----------------------------------------------------------------------------------------------------------
@@ -58,23 +63,24 @@ def _error(network: Network) -> str:
             to.add(f"return {IMPOSSIBLE!r}")
     to.add("worst = 0.0")
     if network.carried:
-        to.add(f"some_oil = min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / {SOME_OIL!r})")
+        to.add(f"some_oil = min(1.0, max(abs(y0[at + S_x_oil]), abs(y1[at + S_x_oil])) / {SOME_OIL!r})")
     scales = {"x_oil": SOME_OIL, "w_gas": SOME_GAS} | {name: SHARP for name in positive if not positive[name]}
-    for i, name in enumerate(network.states):
-        to.add(f"e = places__relative(error[at + {i}], y0[at + {i}], y1[at + {i}], {scales.get(name, 1e-300)!r})")
+    for name in network.states:
+        error, before, after = (f"{array}[at + S_{name}]" for array in ("error", "y0", "y1"))
+        to.add(f"e = {relative.flat_name}({error}, {before}, {after}, {scales.get(name, 1e-300)!r})")
         if name == "T":
             to.add("e *= max(1.0, place[row + TPT] / place[row + PRESSURE])")
         if name == "T_oil" and network.carried:
             to.add("e *= some_oil")
         if name == "w_gas":
-            to.add(f"e = max(e * some_oil, abs(error[at + {i}] * y1[at + 3]))")
+            to.add(f"e = max(e * some_oil, abs({error} * y1[at + S_x_oil]))")
         with to.within("if not (e <= worst)"):
             to.add("worst = e")
         with to.within("if e != e"):
             to.add(f"return {IMPOSSIBLE!r}")
-    possible = [f"y1[at + {i}] > 0.0" for i, name in enumerate(network.states) if _above_zero(name, positive)]
+    possible = [f"y1[at + S_{name}] > 0.0" for name in network.states if _above_zero(name, positive)]
     if network.carried:
-        possible.append(f"y1[at + 3] > {-NO_OIL!r}")
+        possible.append(f"y1[at + S_x_oil] > {-NO_OIL!r}")
     with to.within(f"if not ({' and '.join(possible)})"):
         to.add(f"return {IMPOSSIBLE!r}")
     to.add("return worst")
@@ -92,7 +98,33 @@ def _above_zero(name: str, positive: dict[str, bool]) -> bool:
 def _error_size() -> str:
     """Return the text of a step's error; the place of the last stage is that of y1 all but for the error itself."""
     body = ["return chamber__error(y0, y1, error, 0, context.own, 0, context.P)"]
-    return function("chamber__error_size(y0, y1, error, context)", body)
+    text = '"""Return the largest relative error of the states over a step."""'
+    return function("chamber__error_size(y0, y1, error, context)", [text], body)
+
+
+def _lands(network: Network) -> str:
+    """Return the text that tells whether a step may end where the segment does (`closing_ports`)."""
+    to, layout = Statements(), Layout(network)
+    if network.ports:
+        with to.within(f"if {closing_test(layout, network, '')}"), to.within(f"if {stiff_test(network, '')}"):
+            to.add("return False")
+    to.add("return True")
+    return function(
+        "chamber__lands(h, J, E, E_end, context)",
+        ['"""Tell whether a step may end where the segment does: not along a port that closes, where it is stiff."""'],
+        to.lines,
+    )
+
+
+def closing_test(layout: Layout, network: Network, e: str) -> str:
+    """Return a test whether a port closes along a step; the chamber's surroundings begin at E[e]."""
+    areas = [f"[{e}{layout.area(port)}]" for port in network.ports]
+    return " or ".join(f"{closes.flat_name}(E{at}, E_end{at})" for at in areas)
+
+
+def stiff_test(network: Network, own: str) -> str:
+    """Return a test whether a step is too long for what is left; the chamber's states begin at `own`."""
+    return " or ".join(f"{stiff.flat_name}(h, J[{own}S_{name}, {own}S_{name}])" for name in network.states)
 
 
 # ---- jumps and borders -----------------------------------------------------------------------------------------------
@@ -102,26 +134,28 @@ def _inject(network: Network) -> str:
     """Return the text that lets the oil in at the injection angle, and notes what is there (M9, M30, M104, M110)."""
     to, before = Statements(), "0.0"
     to.add("V = volume_at(P[P_INJECTION], P, TAB)", "m = chamber__gas(V, y, at, P)")
-    to.add("p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(y[at], y[at + 1], P, TAB)")
+    to.add("p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(y[at + S_T], y[at + S_rho], P, TAB)")
     to.add("R[R_TRAPPED] = m", "R[R_PRESSURE] = p")
     if network.pumped:
         to.add("P[P_TRAPPED] = m")
     if network.carried:
-        before = "y[at + 3] * m"
+        before = "y[at + S_x_oil] * m"
     if network.ported:
-        to.add("R[R_RATIO] = y[at + 3]", f"R[R_OIL_BEFORE] = {before}")
+        to.add("R[R_RATIO] = y[at + S_x_oil]", f"R[R_OIL_BEFORE] = {before}")
     elif network.supplied:
         to.add("offered = injected_oil(p, m, P)", f"before = {before}", "R[R_OIL_BEFORE] = before")
         to.add("injected = max(0.0, offered - before) if P[P_TO_RATIO] > 0.0 else offered", "R[R_INJECTED] = injected")
         to.add("total = before + injected", "R[R_RATIO] = total / m")
         if network.roomed:
-            to.add("oil_displacement__displaced(y, at, m, V, before, injected, P, TAB, R)", "y[at + 3] = total / m")
+            to.add(
+                "oil_displacement__displaced(y, at, m, V, before, injected, P, TAB, R)", "y[at + S_x_oil] = total / m"
+            )
         elif network.carried:
             with to.within("if total > 0.0"):
-                to.add("y[at + 2] = (before * y[at + 2] + injected * P[P_T_OIL]) / total")
-            to.add("y[at + 3] = total / m")
+                to.add("y[at + S_T_oil] = (before * y[at + S_T_oil] + injected * P[P_T_OIL]) / total")
+            to.add("y[at + S_x_oil] = total / m")
         elif network.heated:
-            to.add("y[at + 2] = P[P_T_OIL]")
+            to.add("y[at + S_T_oil] = P[P_T_OIL]")
     return function(
         "chamber__inject(y, at, P, TAB, R)",
         ['"""Let the oil in at the injection angle, and note trapped gas, its pressure, and the oil."""'],
@@ -136,35 +170,41 @@ def _at_breakpoint(network: Network) -> str:
         to.add("chamber__inject(y, 0, P, TAB, R)")
     if network.stops:
         with to.within("if phi == 0.0"):
-            to.add("impacts__begin(y, own, R, P, TAB)")
-    return function("chamber__at_breakpoint(phi, y, context)", [CONTEXT], to.lines)
+            to.add("chamber__begin_modes(y, own, R, P, TAB)")
+    text = '"""Let the state jump where it does: the oil comes at the injection angle (M9)."""'
+    return function("chamber__at_breakpoint(phi, y, context)", [text, CONTEXT], to.lines)
 
 
 def _share_in_phase(network: Network) -> str:
     """Return the text of the share of a step that holds: to a switch, an impact or a border of the phases."""
-    to, n = Statements(), len(network.ports)
-    to.add("share = 1.0")
+    to, layout = Statements(), Layout(network)
+    switched = any(port.one_way for port in network.ports)
+    if switched:
+        to.add("share = 1.0")
     for port in network.ports:
         if port.one_way:
-            line = f"R[{port.number} * PLACE + PRESSURE]"
-            to.add(f"held = own[OPENING + {n + port.index}]")
-            ends = f"{port.one_way}, {line}, {port.width}, held, share"
-            to.add(f"share = borders__share_before_switch({ends}, y, y1, u, P, TAB)")
-    tests = ["impacts__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
+            line, held = f"R[R_{port.cell} + PRESSURE]", layout.share(port, "HELD")
+            ends = f"{port.one_way}, {line}, {port.width}, {held}, share"
+            to.add(f"share = {share_before_switch.flat_name}({ends}, y, y1, u, P, TAB)")
+    tests = ["chamber__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
-        tests.append(f"borders__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol, P, TAB)")
+        tests.append(f"borders__share_before_border(own[PHASE], y, y1, u, 0, {steep}, rtol, P, TAB)")
+    if not switched:
+        to.add(f"share = {tests.pop(0) if tests else '1.0'}")
     for test in tests:
         with to.within("if share == 1.0"):
             to.add(f"share = {test}")
     to.add("return share")
-    return function("chamber__share_in_phase(y, y1, u, rtol, context)", [CONTEXT], to.lines)
+    text = '"""Return the share of a step that holds: up to a switch, an impact or a border of the phases."""'
+    return function("chamber__share_in_phase(y, y1, u, rtol, context)", [text, CONTEXT], to.lines)
 
 
 def _jump(network: Network) -> str:
     """Return the text of what happens between two steps; it tells whether the integration may go on."""
-    body = "impacts__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
-    return function("chamber__jump(y, rtol, context)", [CONTEXT, f"return {body}"])
+    body = "chamber__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
+    text = '"""Let happen what is due between two steps; tell whether the integration may go on."""'
+    return function("chamber__jump(y, rtol, context)", [text, CONTEXT, f"return {body}"])
 
 
 # ---- the mass balance ------------------------------------------------------------------------------------------------
@@ -174,8 +214,9 @@ def _into(network: Network) -> str:
     """Return the text that adds a stream of the state of a place to the sums of its category (M1–M13)."""
     to = Statements()
     terms = stream_terms(to, network, "m", Place(*(f"source[s + {at}]" for at in NUMBERS.values())))
-    to.add(*(f"sums[at + {k}] += {term}" for k, term in enumerate(terms.values())))
-    return function("chamber__into(sums, at, m, source, s)", to.lines)
+    to.add(*(f"sums[at + OF_{quantity}] += {term}" for quantity, term in terms.items()))
+    text = '"""Add a stream of m [kg] with the state of the place at source[s] to sums, from sums[at] on (M10)."""'
+    return function("chamber__into(sums, at, m, source, s)", [text], to.lines)
 
 
 def _conserve(network: Network) -> str:
@@ -184,47 +225,57 @@ def _conserve(network: Network) -> str:
     A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
     of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
     """
-    to, cell, width = Statements(), Cell(network), len(network.quantities)
+    to, layout, first = Statements(), Layout(network), network.cells[0]
     opened = [port for port in network.ports if port.opening]
     if opened:
         _held_shares(to, network, "y", "share")
         _held_shares(to, network, "y1", "next")
-    to.add("widest = 0.0", "line = 0")
+    to.add("widest = 0.0", *exchanged(first))
     for port in network.ports:
         if port.wide:
-            at = f"[E_AREAS + {port.index}]"
-            shares = (f" * share_{port.index}", f" * next_{port.index}") if port in opened else ("", "")
+            at, label = f"[{layout.area(port)}]", layout.label(port)
+            shares = (f" * share_{label}", f" * next_{label}") if port in opened else ("", "")
             to.add(f"area = E{at}{shares[0]} + E_next{at}{shares[1]}")
             with to.within("if area > widest"):
-                to.add("widest = area", f"line = {port.number}")
+                to.add("widest = area", *exchanged(port.cell))
     if network.stops:
-        to.add("impacts__put_within(y1, own)")
+        to.add("chamber__put_within(y1, own)")
     to.add("defect = chamber__gas(E_next[E_VOLUME], y1, 0, P) - chamber__gas(E[E_VOLUME], y, 0, P)")
-    first = len(heads(network))
-    to.add(*(f"defect -= dq[{first + c * width}]" for c in range(len(cell.sums))))
+    to.add(*(f"defect -= dq[Q_mass_{each}]" for each in Cell(network).sums))
     with to.within("if widest == 0.0"):
         if network.roomed:
             to.add("m = chamber__gas(E_next[E_VOLUME], y1, 0, P) - defect")
-            to.add("y1[1] = oil_displacement__density_of(m, E_next[E_VOLUME], y1[3], P)")
+            to.add("y1[S_rho] = oil_displacement__density_of(m, E_next[E_VOLUME], y1[S_x_oil], P)")
         else:
-            to.add("y1[1] -= defect / E_next[E_VOLUME]")
+            to.add("y1[S_rho] -= defect / E_next[E_VOLUME]")
         to.add("return")
-    to.add(f"at = {first} + 2 * line * {width}")
-    with to.within(f"if dq[at] + dq[at + {width}] >= 0.0"):
-        to.add("chamber__into(dq, at, defect, R, line * PLACE)")
+    with to.within("if dq[inward] + dq[outward] >= 0.0"):
+        to.add("chamber__into(dq, inward, defect, R, line)")
     with to.within("else"):
-        to.add("chamber__place(own[PLACE], y1, 0, P, TAB, own, 0)")
-        to.add(f"chamber__into(dq, at + {width}, defect, own, 0)")
+        to.add("chamber__place(own[PHASE], y1, 0, P, TAB, own, 0)")
+        to.add("chamber__into(dq, outward, defect, own, 0)")
     head = "chamber__conserve(y, y1, E, E_next, context, dq)"
-    return function(head, ['"""Close the mass balance of a step."""', CONTEXT], to.lines)
+    return function(
+        head,
+        [
+            '"""Close the mass balance of a step: by the flow through the widest port, else by the density (M1)."""',
+            CONTEXT,
+        ],
+        to.lines,
+    )
+
+
+def exchanged(line: str) -> tuple[str, str, str]:
+    """Return what sets the sums of the streams in from a line and out to it, and its place."""
+    return f"inward = Q_mass_{line}_in", f"outward = Q_mass_{line}_out", f"line = R_{line}"
 
 
 def _held_shares(to: Statements, network: Network, y: str, name: str) -> None:
     """Set how far each port whose opening hangs on the state is open to a chamber of state y, whose place is filled."""
-    to.add(f"chamber__place(own[PLACE], {y}, 0, P, TAB, own, 0)")
+    to.add(f"chamber__place(own[PHASE], {y}, 0, P, TAB, own, 0)")
+    layout = Layout(network)
     for port in network.ports:
         if port.opening and port.wide:
-            drop = f"R[{port.number} * PLACE + PRESSURE] - own[PRESSURE]"
-            held = f"own[OPENING + {len(network.ports) + port.index}]"
-            call = f"path_opening({port.index}, {drop}, {port.width}, {held}, {y}, 0, P)"
-            to.add(f"{name}_{port.index} = {call}")
+            drop, held = f"R[R_{port.cell} + PRESSURE] - own[PRESSURE]", layout.share(port, "HELD")
+            call = f"opening__{layout.label(port)}({drop}, {port.width}, {held}, {y}, 0, P)"
+            to.add(f"{name}_{layout.label(port)} = {call}")

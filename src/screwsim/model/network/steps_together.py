@@ -5,13 +5,15 @@ Source: docs/model.md M24; docs/explanation/numerics.md. Chamber j has its state
 
 from __future__ import annotations
 
-from screwsim.model.network.balances import heads
-from screwsim.model.network.cell import Cell
+from collections.abc import Sequence
+
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.steps import closing_test, exchanged, stiff_test
 from screwsim.model.slots import FIRST_OWN
 
-SIDE = "0 if (j + 0.5) * P[P_PITCH] < P[P_INJECTION] else 1"  # of chamber j: before the injection angle, or beyond it
+BEFORE = "(j + 0.5) * P[P_PITCH] < P[P_INJECTION]"  # is chamber j before the injection angle?
 CONTEXT = "P, TAB, R, places = context.P, context.TAB, context.R, context.places"
 
 
@@ -24,20 +26,21 @@ def step_texts_together(network: Network) -> list[str]:
         for head in ("chambers__at_breakpoint(phi, y, context)", "chambers__keep_places(step, dense, context)")
     ]
     jump = function("chambers__jump(y, rtol, context)", ["return True"])
-    return [_error_size(network), _share_in_phase(network), _conserve(network), *nothing, jump]
+    own = [_error_size(network), _share_in_phase(network), _lands(network), _through_port(network), _conserve(network)]
+    return [*own, *nothing, jump]
 
 
 def held_phase(network: Network, j: str) -> str:
     """Return where the phase stands that chamber j is held in during a step."""
-    return f"places[{network.chambers + 1} * PLACE + {j}]"
+    return f"places[(CHAMBERS + 1) * PLACE + {j}]"
 
 
 def _error_size(network: Network) -> str:
     """Return the text of a step's error, the largest of all chambers."""
-    to, n = Statements(), len(network.states)
+    to = Statements()
     to.add("worst = 0.0")
-    with to.within(f"for j in range({network.chambers})"):
-        error = f"chamber__error(y0, y1, error, j * {n}, context.places, j * PLACE, context.P)"
+    with to.within("for j in range(CHAMBERS)"):
+        error = "chamber__error(y0, y1, error, j * N, context.places, j * PLACE, context.P)"
         to.add(f"worst = max(worst, {error})")
     to.add("return worst")
     return function("chambers__error_size(y0, y1, error, context)", to.lines)
@@ -45,13 +48,13 @@ def _error_size(network: Network) -> str:
 
 def _share_in_phase(network: Network) -> str:
     """Return the text of the share of a step after which the first chamber leaves its phase."""
-    to, n = Statements(), len(network.states)
+    to = Statements()
     to.add("share = 1.0")
     if network.phases:
-        with to.within(f"for j in range({network.chambers})"):
+        with to.within("for j in range(CHAMBERS)"):
             to.add("steep = places[j * PLACE + TPT] / places[j * PLACE + PRESSURE]")
             to.add(f"held = {held_phase(network, 'j')}")
-            to.add(f"share = min(share, borders__share_before_border(held, y, y1, u, j * {n}, steep, rtol, P, TAB))")
+            to.add("share = min(share, borders__share_before_border(held, y, y1, u, j * N, steep, rtol, P, TAB))")
     to.add("return share")
     return function("chambers__share_in_phase(y, y1, u, rtol, context)", [CONTEXT], to.lines)
 
@@ -61,31 +64,59 @@ def _conserve(network: Network) -> str:
 
     Chambers before the injection angle are the suction side, the others the discharge side.
     """
-    to, cell, n, width = Statements(), Cell(network), len(network.states), len(network.quantities)
-    first, categories = len(heads(network)), len(cell.sums)
-    to.add(f"crossing = dq[{first + categories * width}]")
-    with to.within("for side in range(2)"):
-        to.add(f"at = {first} + 2 * side * {width}", "line = side", "widest = 0.0", "open_one = 0")
-        to.add(f"defect = -dq[at] - dq[at + {width}] - (crossing if side == 0 else -crossing)")
-        if categories > 2 * FIRST_OWN:  # what crosses holds what comes from own plenums to the suction side
-            with to.within("if side == 1"):
-                to.add(*(f"defect -= dq[{first + c * width}]" for c in range(2 * FIRST_OWN, categories)))
-        with to.within(f"for j in range({network.chambers})"), to.within(f"if ({SIDE}) == side"):
-            to.add(f"e = j * (E_AREAS + {len(network.ports) + len(network.gaps)})")
-            gas = [f"chamber__gas({E}[e + E_VOLUME], {y}, j * {n}, P)" for E, y in (("E_next", "y1"), ("E", "y"))]
-            to.add(f"defect += {gas[0]} - {gas[1]}")  # first what is small
-            for port in network.ports:
-                if port.number < FIRST_OWN:
-                    to.add(f"area = E[e + E_AREAS + {port.index}] + E_next[e + E_AREAS + {port.index}]")
-                    here = "" if network.across else f"side == {port.number} and "
-                    with to.within(f"if {here}area > widest"):
-                        to.add("widest = area", "open_one = j", f"line = {port.number}")
-        with to.within("if widest > 0.0"):
-            to.add(f"at = {first} + 2 * line * {width}")
-            with to.within(f"if dq[at] + dq[at + {width}] >= 0.0"):
-                to.add("chamber__into(dq, at, defect, R, line * PLACE)")
-            with to.within("else"):
-                to.add(f"held = {held_phase(network, 'open_one')}", "row = open_one * PLACE")
-                to.add(f"chamber__place(held, y1, open_one * {n}, P, TAB, places, row)")
-                to.add(f"chamber__into(dq, at + {width}, defect, places, row)")
+    to = Statements()
+    suction, discharge, *others = filter(None, network.cells)
+    to.add("crossing = dq[Q_crossing]")
+    _close_side(to, network, suction, BEFORE, "- crossing", [])
+    # what crosses holds what comes from own plenums to the suction side
+    own = [f"Q_mass_{cell}_{way}" for cell in others for way in ("in", "out")]
+    _close_side(to, network, discharge, f"not ({BEFORE})", "+ crossing", own)
     return function("chambers__conserve(y, y1, E, E_next, context, dq)", [CONTEXT], to.lines)
+
+
+def _close_side(to: Statements, network: Network, line: str, test: str, crossing: str, own: Sequence[str]) -> None:
+    """Let the mass balance of the chambers on the side of a line set the flow through the widest of their ports."""
+    layout = Layout(network)
+    to.add(*exchanged(line), "widest = 0.0", "open_one = 0")
+    to.add(f"defect = -dq[inward] - dq[outward] {crossing}", *(f"defect -= dq[{each}]" for each in own))
+    with to.within("for j in range(CHAMBERS)"), to.within(f"if {test}"):
+        to.add("e = j * E_CHAMBER")
+        gas = [f"chamber__gas({E}[e + E_VOLUME], {y}, j * N, P)" for E, y in (("E_next", "y1"), ("E", "y"))]
+        to.add(f"defect += {gas[0]} - {gas[1]}")  # first what is small
+        for port in network.ports:
+            if port.cell == line or (network.across and port.number < FIRST_OWN):
+                at = f"[e + {layout.area(port)}]"
+                to.add(f"area = E{at} + E_next{at}")
+                with to.within("if area > widest"):
+                    to.add("widest = area", "open_one = j", *exchanged(port.cell))
+    with to.within("if widest > 0.0"):
+        to.add("chambers__through_port(defect, open_one, inward, outward, line, y1, context, dq)")
+
+
+def _through_port(network: Network) -> str:
+    """Return the text that adds what a mass balance lacks to the stream through a port of chamber j."""
+    to = Statements()
+    with to.within("if dq[inward] + dq[outward] >= 0.0"):
+        to.add("chamber__into(dq, inward, defect, R, line)")
+    with to.within("else"):
+        to.add(f"held = {held_phase(network, 'j')}", "row = j * PLACE")
+        to.add(
+            "chamber__place(held, y1, j * N, P, TAB, places, row)", "chamber__into(dq, outward, defect, places, row)"
+        )
+    head = "chambers__through_port(defect, j, inward, outward, line, y1, context, dq)"
+    text = '"""Add what a mass balance lacks to the stream from a line into chamber j, or out of it to that line."""'
+    return function(head, [text, CONTEXT], to.lines)
+
+
+def _lands(network: Network) -> str:
+    """Return the text that tells whether a step may end where the segment does, for all chambers (`closing_ports`)."""
+    to, layout = Statements(), Layout(network)
+    if network.ports:
+        with to.within("for j in range(CHAMBERS)"):
+            to.add("e = j * E_CHAMBER", "own = j * N")
+            closing, too_long = closing_test(layout, network, "e + "), stiff_test(network, "own + ")
+            with to.within(f"if ({closing}) and ({too_long})"):
+                to.add("return False")
+    to.add("return True")
+    text = '"""Tell whether a step may end where the segment does, for all chambers."""'
+    return function("chambers__lands(h, J, E, E_end, context)", [text], to.lines)

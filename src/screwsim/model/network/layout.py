@@ -1,0 +1,166 @@
+"""Where everything stands, by name: the indices that the texts of a network use, each stated here alone.
+
+States stand in y as `S_T` …, areas in E as `A_tip_leakage_ahead` …, places of chambers and lines in E as `E_ahead_4` or
+`E_discharge_line`, those of lines and plenums in R as `R_discharge_line` …, flows as `FLOW_tip_leakage_ahead` …,
+quadratures as `Q_work` …; `slots` says what the arrays are. Paths of one effect are told apart by a number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from screwsim.model.network.network import Gap, Network, Port, identifier
+from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PLACE
+
+AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # of a turn, and the angles of the step tried
+WAYS = ("ahead", "behind")  # the two sides of a gap
+
+
+class Layout:
+    """Names of the indices of a network's texts, and their numbers."""
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+        ports = [each.effect for each in network.ports]
+        several = {effect for effect in ports if ports.count(effect) > 1}
+        names = [f"{each.effect}_to_{each.cell}" if each.effect in several else each.effect for each in network.ports]
+        self._labels = labels([*names, *(each.effect for each in network.gaps)])
+
+    def label(self, path: Port | Gap) -> str:
+        """Return the name of a port or gap, as part of an identifier."""
+        return self._labels[path.index + (0 if isinstance(path, Port) else len(self._network.ports))]
+
+    # ---- names -------------------------------------------------------------------------------------------------
+
+    def of_path(self, path: Port | Gap, way: str = "") -> str:
+        """Return the name of a port, or of a gap to the chamber on one side."""
+        return f"{self.label(path)}_{way}" if way else self.label(path)
+
+    def area(self, path: Port | Gap, way: str = "") -> str:
+        """Return where in E an area stands; of a gap without a side where all chambers are together."""
+        return f"A_{self.of_path(path, way)}"
+
+    def area_at(self, path: Port | Gap, phi: str) -> str:
+        """Return a call for the area [m²] of a port or gap at an angle."""
+        return f"area__{self.label(path)}({phi}, P, TAB)"
+
+    def flow(self, path: Port | Gap, way: str = "") -> str:
+        """Return where the flow through a path stands among those into a chamber."""
+        return f"FLOW_{self.of_path(path, way)}"
+
+    def film(self, gap: Gap, way: str) -> str:
+        """Return where the film of oil through a gap stands among those into a chamber."""
+        return f"FILM_{self.of_path(gap, way)}"
+
+    def neighbour(self, side: int, way: str) -> str:
+        """Return the name of the chamber so many lobe pitches ahead or behind: `ahead_4`."""
+        return f"{way}_{self._network.offsets[side]}"
+
+    def share(self, port: Port, what: str) -> str:
+        """Return where in a chamber's own place stands how far a port is `OPENED`, or which way it is `HELD`."""
+        return f"own[{what}_{self.label(port)}]"
+
+    def line(self, cell: str, together: bool = False) -> tuple[str, str]:
+        """Return array and index of the place of a line or plenum; in E where the lines pulsate (M184)."""
+        if self._network.pulsating:
+            return "E", f"{'ALL' if together else 'E'}_{cell}"
+        return "R", f"R_{cell}"
+
+    @property
+    def stops(self) -> list[str]:
+        """Return the names of all that moves between a seat and a stop: those of the positions."""
+        return [each.position for each in self._network.stops]
+
+    @property
+    def heats(self) -> list[str]:
+        """Return the names of all heats: from the oil, then from walls."""
+        return labels([each.effect for each in (*self._network.heats, *self._network.walls)])
+
+    @property
+    def walls(self) -> list[str]:
+        """Return the names of the walls."""
+        return self.heats[len(self._network.heats) :]
+
+    # ---- numbers -----------------------------------------------------------------------------------------------
+
+    @property
+    def flows(self) -> list[str]:
+        """Return the names of all flows into a chamber: ports, then each gap ahead and behind."""
+        network = self._network
+        return [*(self.flow(each) for each in network.ports), *(self.flow(*each) for each in self.sides)]
+
+    @property
+    def sides(self) -> list[tuple[Gap, str]]:
+        """Return each gap with the chamber ahead, and with that behind."""
+        return [(gap, way) for gap in self._network.gaps for way in WAYS]
+
+    @property
+    def met(self) -> list[str]:
+        """Return the names of all neighbours, in the order of their places."""
+        return [self.neighbour(side, way) for side in range(len(self._network.offsets)) for way in WAYS]
+
+    @property
+    def lines(self) -> int:
+        """Return where in E of one chamber the places of lines that pulsate begin."""
+        network = self._network
+        return E_AREAS + len(network.ports) + 2 * len(network.gaps) + (PLACE + 1) * len(self.met)
+
+    @property
+    def size(self) -> int:
+        """Return how many numbers of E a chamber has where all are together."""
+        return E_AREAS + len(self._network.ports) + len(self._network.gaps)
+
+    def constants(self, columns: Sequence[str], quadratures: Sequence[str]) -> dict[str, int]:
+        """Return the numbers of all names; a history holds `columns` beyond the states."""
+        network, ports = self._network, len(self._network.ports)
+        cells = [(number, cell) for number, cell in enumerate(network.cells) if cell]
+        opened = [port for port in network.ports if port.opening]
+        areas = [*(self.area(each) for each in network.ports), *(self.area(*each) for each in self.sides)]
+        neighbours = {f"E_{each}": self.lines + (PLACE + 1) * (i - len(self.met)) for i, each in enumerate(self.met)}
+        found = {
+            **_counted("S_", network.states),
+            **_counted("COLUMN_", columns, len(network.states)),
+            **_counted("", areas, E_AREAS),
+            **{self.area(gap): E_AREAS + ports + gap.index for gap in network.gaps},
+            **neighbours,
+            **_counted("HINT_", self.met),
+            **{f"R_{cell}": number * PLACE for number, cell in cells},
+            **{f"P_WIDTH_{cell}": P_PORT_WIDTH + number for number, cell in cells},
+            **{f"OPENED_{self.label(port)}": OPENING + port.index for port in opened},
+            **{f"HELD_{self.label(port)}": OPENING + ports + port.index for port in opened},
+            **_counted("MODE_", self.stops, OPENING + 2 * ports),
+            **_counted("DUE_", self.stops, OPENING + 2 * ports + len(self.stops)),
+            **_counted("", AFTER_STOPS if network.stops else (), OPENING + 2 * (ports + len(network.stops))),
+            **_counted("", self.flows),
+            **_counted("PATH_", self._labels),
+            **_counted("HEAT_", self.heats),
+            "E_CHAMBER": self.size,
+            **_counted("", (self.film(*each) for each in self.sides)),
+            **{f"LINE_{cell}": number for number, cell in cells[:2]},
+            **{f"OF_{quantity}": i for i, quantity in enumerate(network.quantities)},
+            **_counted("", map(place_of_sum, [*quadratures, "q_crossing"])),
+        }
+        if network.pulsating:
+            found |= {f"E_{cell}": self.lines + number * PLACE for number, cell in cells}
+            found |= {f"ALL_{cell}": network.chambers * self.size + number * PLACE for number, cell in cells}
+        return found
+
+
+def _counted(head: str, names: Iterable[str], first: int = 0) -> dict[str, int]:
+    return {f"{head}{name}": i for i, name in enumerate(names, first)}
+
+
+def labels(names: Sequence[str]) -> list[str]:
+    """Return names as parts of identifiers, each once: the second of a name ends with 2 …."""
+    found: list[str] = []
+    for name in map(identifier, names):
+        label, again = name, 2
+        while label in found:
+            label, again = f"{name}_{again}", again + 1
+        found.append(label)
+    return found
+
+
+def place_of_sum(name: str) -> str:
+    """Return where a quadrature `q_…` stands among them."""
+    return name.replace("q_", "Q_", 1)

@@ -1,0 +1,135 @@
+"""What a chamber of a stored cycle exchanges with the lines, as text: the port that its balance tells, flows to lines.
+
+Source: docs/model.md M3, M106, M184; docs/explanation/numerics.md. A wide port is held at its line by a tiny Δp, which
+between the ends of a step carries the whole error of the pressure; the change of the chamber's gas does not. So the
+balance tells the flow through one port: for the ledger through the widest, near its line; for the lines' waves, which
+take what a chamber gives them at every pressure, through the one that alone is open to a line.
+"""
+
+from __future__ import annotations
+
+from screwsim.model.network.cell import Cell
+from screwsim.model.network.layout import Layout
+from screwsim.model.network.network import Network, Port
+from screwsim.model.network.statements import Statements, function
+from screwsim.model.slots import FIRST_OWN
+
+NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
+
+
+def line_flow_texts(network: Network) -> list[str]:
+    """Return the functions of flows to lines that a network calls for."""
+    texts = [_balanced(network)]
+    if network.pulsating:
+        texts += [_faces_line(network), _balanced_alone(network), _add_to_lines(network)]
+    if network.heated and not network.carried:
+        texts.append(_add_outflow(network))
+    return texts
+
+
+def _to_lines(network: Network) -> list[Port]:
+    """Return the ports to the suction and the discharge line."""
+    return [port for port in network.ports if port.number < FIRST_OWN]
+
+
+def _balanced(network: Network) -> str:
+    """Return the text that lets the balance tell the flow through the widest port to a line, at nearly its pressure."""
+    to, cell, layout = Statements(), Cell(network), Layout(network)
+    wide = [port for port in network.ports if port.wide]
+    if wide:
+        to.add("widest = 0.0", "port = 0", "drop = 0.0", "width = 0.0")
+        for port in wide:
+            array, at = cell.line(port.cell)
+            opened = f" * {layout.share(port, 'OPENED')}" if port.opening else ""
+            to.add(f"area = E[{layout.area(port)}]{opened}")
+            with to.within("if area > widest"):
+                to.add("widest = area", f"port = {layout.flow(port)}", f"width = {port.width}")
+                to.add(f"drop = {array}[{at} + PRESSURE] - own[PRESSURE]")
+        with to.within(f"if widest > 0.0 and abs(drop) < {NEAR!r} * width"):
+            to.add("total = 0.0", *(f"total += flows[{flow}]" for flow in layout.flows))
+            to.add("flows[port] += mass_rate - total")
+    return function(
+        "chamber__balanced(flows, mass_rate, E, own, R, P)",
+        ['"""Let the mass balance tell the flow [kg/s] through the widest port, at nearly equal pressures (M3)."""'],
+        to.lines,
+    )
+
+
+def _balanced_alone(network: Network) -> str:
+    """Return the text that lets the balance tell the flow through the one port that is open to a line."""
+    to, layout, ports = Statements(), Layout(network), _to_lines(network)
+    to.add("opened = 0", "port = 0")
+    for port in ports:
+        with to.within(f"if flows[{layout.flow(port)}] != 0.0"):
+            to.add("opened += 1", f"port = {layout.flow(port)}")
+    lines = {layout.flow(port) for port in ports}
+    with to.within("if opened == 1"):
+        to.add("others = 0.0", *(f"others += flows[{flow}]" for flow in layout.flows if flow not in lines))
+        to.add("flows[port] = mass_rate - others")
+    return function(
+        "chamber__balanced_alone(flows, mass_rate)",
+        ['"""Let the mass balance tell the flow [kg/s] of a port, where no other is open to a line (M3)."""'],
+        to.lines,
+    )
+
+
+def _beyond(offset: int) -> str:
+    """Tell in the text whether what lies so many lobe pitches ahead of a chamber at phi is the discharge line."""
+    return f"phi + {offset} * P[P_PITCH] > P[P_LIFE]"
+
+
+def _faces_line(network: Network) -> str:
+    """Return the text that tells whether a chamber is open to a line, by a port or by a gap beyond the last chamber."""
+    to, layout = Statements(), Layout(network)
+    for port in _to_lines(network):
+        with to.within(f"if {layout.area_at(port, 'phi')} > 0.0"):
+            to.add("return True")
+    to.add(f"return {' or '.join(map(_beyond, network.offsets)) or 'False'}")
+    return function(
+        "chamber__faces_line(phi, P, TAB)",
+        ['"""Tell whether a chamber at phi [rad] is open to a line, by a port or by a gap beyond the last chamber."""'],
+        to.lines,
+    )
+
+
+def _add_to_lines(network: Network) -> str:
+    """Return the text that adds a chamber's flows to those into both lines, and its volume to what is open to them."""
+    to, layout = Statements(), Layout(network)
+    for number, line in enumerate(network.cells[:2]):
+        ports = [port for port in network.ports if port.number == number]
+        flows = [f"flows[{layout.flow(port)}]" for port in ports]
+        to.add(*(f"into[LINE_{line}, k] -= {flow}" for flow in flows))
+        if flows:
+            with to.within(f"if {' or '.join(f'{flow} != 0.0' for flow in flows)}"):
+                to.add(f"volume[LINE_{line}] += V / points")
+    for gap in network.gaps:
+        with to.within(f"if {_beyond(network.offsets[gap.side])}"):
+            to.add(f"into[LINE_{network.cells[1]}, k] -= flows[{layout.flow(gap, 'ahead')}]")
+    return function(
+        "chamber__add_to_lines(flows, phi, V, k, points, P, into, volume)",
+        ['"""Add the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""'],
+        to.lines,
+    )
+
+
+def _add_outflow(network: Network) -> str:
+    """Return the text that adds what leaves a chamber to the discharge line, and its oil's temperature."""
+    to, layout = Statements(), Layout(network)
+    for port in network.ports:
+        if port.cell == network.cells[1]:
+            _leaving(to, f"flows[{layout.flow(port)}]", f"if flows[{layout.flow(port)}] < 0.0")
+    for gap, way in layout.sides:
+        flow, place = f"flows[{layout.flow(gap, way)}]", f"E[E_{layout.neighbour(gap.side, way)} + BEYOND]"
+        if way == "ahead":
+            _leaving(to, flow, f"if {flow} < 0.0 and {place} > 0.0")
+    to.add("return heat, mass")
+    return function(
+        "chamber__add_outflow(heat, mass, flows, T_oil, weight, E)",
+        ['"""Return heat + Σ weight ṁ T_oil and mass + Σ weight ṁ of what flows out to the discharge line."""'],
+        to.lines,
+    )
+
+
+def _leaving(to: Statements, flow: str, test: str) -> None:
+    with to.within(test):
+        to.add(f"heat += weight * {flow} * T_oil", f"mass += weight * {flow}")

@@ -1,0 +1,93 @@
+"""What moves between a seat and a stop, as text: each pair of position and speed by its name (`model.impacts`).
+
+Source: docs/reference/slider-crank.md S26, S32, S33.
+"""
+
+from __future__ import annotations
+
+from screwsim.model import impacts
+from screwsim.model.network.network import Network, Stop
+from screwsim.model.network.statements import Statements, function
+from screwsim.numerics.kernel import Kernel
+
+AROUND = "R, P, TAB"
+
+
+def stop_kernels(network: Network) -> list[Kernel]:
+    """Return what the texts call of every pair alike."""
+    alike = [impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.put_within, impacts.share_before_meeting]
+    return alike if network.stops else []
+
+
+OF_EACH = (impacts.begin, impacts.share_before_event, impacts.take_event)  # pasted for each pair, with its push
+
+
+def of_stop(label: str) -> tuple[dict[str, str], str]:
+    """Return what fills the slots of the kernels of a pair, and how their names end."""
+    return {"push_on": f"push_on__{label}"}, f"_{label}"
+
+
+def stop_texts(network: Network) -> list[str]:
+    """Return the functions of all that moves between a seat and a stop."""
+    if not network.stops:
+        return []
+    return [_begin(network), _share_before_event(network), _put_within(network), _take_event(network)]
+
+
+def _of(stop: Stop) -> str:
+    """Return the arguments that say where position, speed, mode and what is due of a pair stand."""
+    return f"S_{stop.position}, S_{stop.speed}, MODE_{stop.position}, DUE_{stop.position}"
+
+
+def keep_at_rest(network: Network, f: str) -> list[str]:
+    """Return statements that let nothing move that rests, in rates f or in their derivatives by the angle."""
+    return _kept(network, impacts.keep_at_rest, f)
+
+
+def keep_rows_at_rest(network: Network, J: str) -> list[str]:
+    """Return statements that do the same for the rows of a Jacobian."""
+    return _kept(network, impacts.keep_rows_at_rest, J)
+
+
+def _kept(network: Network, by: Kernel, array: str) -> list[str]:
+    return [
+        f"{by.flat_name}(own, MODE_{each.position}, S_{each.position}, S_{each.speed}, {array})"
+        for each in network.stops
+    ]
+
+
+def _begin(network: Network) -> str:
+    to = Statements()
+    to.add("own[IMPACTS] = 0.0")
+    for stop in network.stops:
+        to.add(f"{impacts.begin.flat_name}_{stop.position}(y, own, {_of(stop)}, {AROUND})")
+    text = '"""Set the modes at the start of a turn, whose state may be a mixture of others (S26)."""'
+    return function(f"chamber__begin_modes(y, own, {AROUND})", [text], to.lines)
+
+
+def _share_before_event(network: Network) -> str:
+    to = Statements()
+    to.add("step = own[STEP_END] - own[STEP_BEGIN]", "share = 1.0")
+    for stop in network.stops:
+        call = f"{impacts.share_before_event.flat_name}_{stop.position}"
+        to.add(f"share = min(share, {call}(y, y1, u, rtol, step, own, {_of(stop)}, {AROUND}))")
+    to.add("return share")
+    text = '"""Return the share of a step after which the first pair meets seat or stop, or leaves it (S32)."""'
+    return function(f"chamber__share_before_event(y, y1, u, rtol, own, {AROUND})", [text], to.lines)
+
+
+def _put_within(network: Network) -> str:
+    put = impacts.put_within.flat_name
+    calls = [f"{put}(y1, own, S_{stop.position}, DUE_{stop.position})" for stop in network.stops]
+    text = '"""Put positions at the end of an accepted step where they were met, and none beyond seat or stop."""'
+    return function("chamber__put_within(y1, own)", [text], calls)
+
+
+def _take_event(network: Network) -> str:
+    to = Statements()
+    for stop in network.stops:
+        where = f"S_{stop.speed}, MODE_{stop.position}, DUE_{stop.position}, {stop.seat}, {stop.stop}"
+        to.add(f"own[IMPACTS] += {impacts.take_event.flat_name}_{stop.position}(y, rtol, own, {where}, {AROUND})")
+    to.add(f"return own[IMPACTS] <= {impacts.MOST_IMPACTS!r}")
+    text = '"""Apply what is due between two steps (S26, S33); tell whether there were not too many impacts."""'
+    return function(f"chamber__take_event(y, rtol, own, {AROUND})", [text], to.lines)
