@@ -39,6 +39,7 @@ from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
+from screwsim.numerics.closings import CLOSINGS
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
 from screwsim.scene.types import ActiveEffect, Scene
@@ -54,11 +55,6 @@ STATE_MEANINGS = {
 }
 __all__ = ["WIDTH", "Explanation", "code", "explain"]
 BALANCES = "balances of mass and energy M1, M2; work M7"
-CLOSING = {
-    "auto": "auto: turn by turn as long as that costs no more than all chambers at once would",
-    "histories": "histories: one chamber, its neighbours read from its own last life",
-    "coupled": "coupled: all chambers alive at once",
-}
 
 
 @dataclass(frozen=True)
@@ -315,7 +311,7 @@ def _numerics(scene: Scene) -> Iterator[str]:
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
     yield row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
-    yield row("closing", CLOSING.get(numerics.closing, numerics.closing))
+    yield row("closing", f"{numerics.closing}: {CLOSINGS[numerics.closing].text}")
     suction, discharge, gaps = regularisation(scene)
     text = f"pressure differences below {suction:.3g} Pa (suction port), {discharge:.3g} Pa (discharge port)"
     yield row("regularisation", f"{text}, {gaps:.3g} of the pressure (gaps) are smoothed")
