@@ -42,8 +42,14 @@ TABLE_HEAD = "| effect | scene | its source says | source | ours | vanishes with
 
 
 BASES = {
-    "": (), "carried": CARRIED, "condenser": CONDENSER, "bore": BORE, "walls": (WALLS,), "no_heat": (NO_HEAT,),
-    "returning": RETURNING, "sliding": SLIDING,
+    "": (),
+    "carried": CARRIED,
+    "condenser": CONDENSER,
+    "bore": BORE,
+    "walls": (WALLS,),
+    "no_heat": (NO_HEAT,),
+    "returning": RETURNING,
+    "sliding": SLIDING,
 }
 
 

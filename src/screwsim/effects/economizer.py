@@ -18,6 +18,7 @@ from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.parts.usual import Sized
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -25,7 +26,7 @@ from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import HOLES
+from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import COOLED, Figure
 
 NAME = "economizer"
@@ -282,4 +283,5 @@ EFFECT = Effect(
     needs=frozenset({HOLES}),
     figures=FIGURES,
     warnings=warnings,
+    sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.2)),),
 )

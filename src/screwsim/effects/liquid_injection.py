@@ -21,6 +21,7 @@ from typing import Any
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.oil_injection import discharge_pressure
+from screwsim.effects.parts.usual import Sized
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
@@ -28,7 +29,7 @@ from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import HOLES
+from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import Figure, Scale
 
 NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
@@ -186,4 +187,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({HOLES}),
     figures=FIGURES,
+    sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),
 )

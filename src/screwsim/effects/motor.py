@@ -23,10 +23,12 @@ from math import inf
 import numpy as np
 
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
+from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import choice, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import BadSheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
+from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
 
@@ -191,4 +193,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     figures=FIGURES,
+    usual={ROTORS: DRIVE},
 )

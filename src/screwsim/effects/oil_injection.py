@@ -151,6 +151,9 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"effects.{NAME}.line", f"{what} (write it under effects.oil_pump)")
     elif parameters.line is not None and parameters.pressure is not None:
         yield Fault(f"effects.{NAME}.line", "is given beside pressure, which is behind it (remove one of the two)")
+    if facts.oil_supply.kind == "displacement" and facts.oil_supply.line is not None:
+        what = f"is that of oil which enters at one angle (write it under effects.{NAME}, whose bore it leads to)"
+        yield Fault("oil_supply.line", what)
     if parameters.pressure is not None:
         yield from _stated(parameters.pressure, parameters.pressure_loss, facts)
     if facts.oil.transport != "carried":

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.inputs.declare import DerivedCount, choice, count, file, number, quantity
+from screwsim.inputs.declare import AREA, VOLUME, DerivedCount, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineSettings
 from screwsim.machine.rotors.settings import Profile, SlideValve
@@ -30,7 +30,7 @@ class VolumeLaw:
     max: float | None = quantity("volume", "swept volume of one chamber (law: profile finds it)", None, gt=0.0)
     min: float | None = quantity("volume", "dead volume (default: 1e-4 of max)", None, gt=0.0)
     phi_A: float | None = quantity("angle", "end of the opening branch of (16), in (0, 360 deg]", None)
-    file: str | None = file("CSV with columns angle_deg, volume_m3 (swept part; law: table)")
+    file: str | None = file("CSV with columns angle_deg, volume_m3 (swept part; law: table)", curve=VOLUME)
     life: float | None = quantity(
         "angle", "angle of a chamber's life, whole lobe pitches (law: table; default: 720 deg)", None, gt=0.0
     )
@@ -55,7 +55,7 @@ class SuctionPort:
     law: str = _law_of("eq. (17), model.md M17")
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     phi_B: float | None = quantity("angle", "end of the opening branch of (17), in (0, 180 deg]", None)
-    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
+    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)", curve=AREA)
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class DischargePort:
         "5/16 of the way)",
         None,
     )
-    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
+    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)", curve=AREA)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from screwsim.numerics.kernel import Kernel
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 Named = Sequence[tuple[str, FlowPath]]
-PORTS, LINES = ("suction_port", "discharge_port"), ("suction", "discharge")
+LINES = ("suction", "discharge")
 
 
 def compose(parts: Parts) -> Composition:
@@ -116,7 +116,7 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
         )
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
     # effects that open chambers beyond the injection angle to suction, or others to discharge
-    network.across = any(name not in PORTS and path.to in LINES for name, path in plenum)
+    network.across = any(not path.port and path.to in LINES for _, path in plenum)
     network.pulsating, network.chambers = bool(parts.pulsations), parts.geometry.chambers
     network.stops = len(parts.all(Stops))
     return network
