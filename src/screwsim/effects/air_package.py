@@ -228,7 +228,7 @@ def build(parameters: Parameters, machine) -> list[Reading | Intake]:
 
 def check(parameters: Parameters, facts) -> Faults:
     path = f"effects.{NAME}"
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
         return
     if "motor" not in facts.effects:

@@ -82,7 +82,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.source == "discharge" and facts.operation.discharge.temperature is not None:
         what = "is given, and the returned gas has the outflow's (remove it, or the bypass)"
         yield Fault("operation.discharge.temperature", what)
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
 
 

@@ -231,7 +231,7 @@ def _found(parameters: Parameters, facts) -> Faults:
     elif parameters.kind == "flash_tank" and is_blend(fluid):
         what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
         yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: heat_exchanger, or name a pure fluid)")
-    elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.mode == "expander":
+    elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.expands:
         what = "auto needs the liquid of a condenser or gas cooler (state a compressor's lines by temperatures)"
         yield Fault(path, f"{what}, or write a temperature")
     elif operation.gas_cooler is None and low < high:

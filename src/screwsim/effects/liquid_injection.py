@@ -140,7 +140,7 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
     if not condenses(facts.gas):
         yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
-    if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
+    if facts.operation.condensing_temperature is None or facts.machine.expands:
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
         yield Fault(f"effects.{NAME}", what)
     elif condenses(facts.gas) and facts.operation.gas_cooler is None:

@@ -180,7 +180,7 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "suction_gas needs effects.suction_line, into which the warmed gas comes (add it)")
     if "drive" in facts.effects:
         yield Fault(path, "suction_gas cools a motor on the machine's own shaft (remove effects.drive, or cooling)")
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "suction_gas belongs to machine.mode: compressor (remove it)")
 
 

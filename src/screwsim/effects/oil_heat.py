@@ -50,7 +50,7 @@ def build(parameters: Parameters, machine) -> list[HeatRate]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if parameters.equation_12 == "printed" and facts.oil.transport != "paper":
+    if parameters.equation_12 == "printed" and facts.oil.carried:
         yield Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")
 
 

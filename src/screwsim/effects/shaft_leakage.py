@@ -94,7 +94,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if facts.operation.discharge.temperature is not None:
         what = "is given, and what leaks has the outflow's (remove it, or effects.shaft_leakage)"
         yield Fault("operation.discharge.temperature", what)
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
 
 

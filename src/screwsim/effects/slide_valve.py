@@ -100,7 +100,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if given and len(given) < len(_RADIAL):
         missing = next(name for name in _RADIAL if name not in given)
         yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})")
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
     if facts.machine.volume.law == "paper":
         yield from _angles(parameters, path)

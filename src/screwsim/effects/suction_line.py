@@ -46,7 +46,7 @@ def build(parameters: Parameters, machine) -> list[SuctionLine]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if facts.oil is not None and facts.oil.transport != "carried":
+    if facts.oil is not None and not facts.oil.carried:
         what = "mixes oil that comes back, which oil.transport: paper does not follow (oil.transport: carried)"
         yield Fault("effects.suction_line", what)
 

@@ -32,7 +32,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     parts, supply = problem.parts, problem.scene.oil_supply
     if (
         supply is not None
-        and supply.kind == "pump"
+        and supply.pumped
         and parts.oil_port is None
         and (ratio := found["oil_ratio"])
         and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL

@@ -90,7 +90,7 @@ class Geometry(MachineGeometry):
     @property
     def expands(self) -> bool:
         """Tell whether the machine runs backwards, as an expander (M150)."""
-        return self.settings.mode == "expander"
+        return self.settings.expands
 
     @property
     def discharge_opens(self) -> float | None:

@@ -33,6 +33,9 @@ WIDEST = 350.0  # of the shell: an ideal machine has ports some hundred times to
 BORE, PISTON = "bore", "area of the piston"
 
 
+COMPRESSOR, EXPANDER = "compressor", "expander"  # what `machine.mode` says
+
+
 @dataclass(frozen=True)
 class AreaLaw:
     """A port area: kernel, numbers behind its arguments [SI], breakpoints [rad], tables (angle [rad], area [m²]).
@@ -106,6 +109,11 @@ class MachineSettings(Protocol):
     mode: str
     finds_gaps = ""
     counts_otherwise = False
+
+    @property
+    def expands(self) -> bool:
+        """Tell whether it runs backwards, as an expander (M150)."""
+        return self.mode == EXPANDER
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""

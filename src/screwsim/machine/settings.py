@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.inputs.declare import AREA, VOLUME, DerivedCount, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import MachineSettings
+from screwsim.machine.protocol import COMPRESSOR, EXPANDER, MachineSettings
 from screwsim.machine.rotors.settings import Profile, SlideValve
 
 TURN = 2.0 * math.pi
@@ -96,9 +96,7 @@ class TwinScrew(MachineSettings):
     """A twin-screw machine: one chamber per male lobe and revolution."""
 
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
-    mode: str = choice(
-        "compressor, or expander (discharge below suction pressure)", ("compressor", "expander"), "compressor"
-    )
+    mode: str = choice("compressor, or expander (discharge below suction pressure)", (COMPRESSOR, EXPANDER), COMPRESSOR)
     male_lobes: int = count("number of male lobes z1 (a family's are its own)", DerivedCount(4), ge=1, le=12)
     female_lobes: int = count("number of female lobes z2 (a family's are its own)", DerivedCount(6), ge=1, le=14)
     rotor_diameter: float = quantity(

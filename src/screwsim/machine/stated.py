@@ -172,7 +172,7 @@ def _of_slide(machine: TwinScrew) -> Iterator[Fault]:
     if machine.volume.law != "profile" or port is None or port.law != "profile":
         what = "needs rotors: machine.volume.law and machine.discharge_port.law: profile"
         yield Fault(path, f"{what} (write these; under other laws effects.slide_valve states its own angles)")
-    elif machine.mode == "expander":
+    elif machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
 
 

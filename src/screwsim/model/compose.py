@@ -95,7 +95,7 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
     """Return the cells and connections of a scene; what is called of them is written later."""
     oil, ported = parts.oil, parts.oil_port is not None
     heated = bool(parts.all(HeatRate)) or ported or parts.oil_room
-    carried = heated and oil is not None and oil.transport == "carried"
+    carried = heated and oil is not None and oil.carried
     if not carried and (ported or parts.oil_room):
         raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
     if not carried and any(parts.films):

@@ -49,7 +49,7 @@ def _dry(scene: Scene) -> Iterator[Fault]:
 
 def _expander(scene: Scene) -> Iterator[Fault]:
     """Yield what does not go together with an expander; asked of a scene whose lines are those of one."""
-    if scene.machine.mode == "expander" and scene.oil_supply is not None:
+    if scene.machine.expands and scene.oil_supply is not None:
         why = "oil is injected where compression begins, at the end of an expansion"
         yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
 
@@ -84,10 +84,7 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
     if supply.temperature is None and _cooling(scene) is None:
         remedy = f"write e.g. temperature: 325 K, or name effects.{stating(CoolsOil)}, which finds it"
         yield Fault("oil_supply.temperature", f"is missing ({remedy})")
-    if supply.kind == "pump":
-        yield from _pump(scene)
-    if supply.kind == "displacement":
-        yield from _displacement(scene)
+    yield from _pump(scene) if supply.pumped else _displacement(scene)
 
 
 def _cooling(scene: Scene) -> tuple[str, CoolsOil] | None:
@@ -150,7 +147,7 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
     if supply.flow is not None:
         yield Fault("oil_supply.flow", "belongs to kind: pump; displaced oil follows from its bore (remove it)")
-    if supply.source != "separator":
+    if supply.from_sump:
         yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")

@@ -175,7 +175,7 @@ class _Chain:
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
         """Raise `_Stop` where the first stage delivers wet vapour: its temperature does not tell its enthalpy."""
         gas = self.chain.first.gas
-        if gas.two_phase != "equilibrium":
+        if not gas.equilibrium:
             return
         try:
             saturation = constants.saturation_temperature(gas.name, p)
