@@ -102,7 +102,7 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})")
     if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
-    if facts.machine.volume.law == "paper":
+    if facts.machine.volume.by_formula:
         yield from _angles(parameters, path)
 
 

@@ -152,7 +152,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():
         if law is not None:
-            equation = {"table": "M14", "profile": "docs/reference/rotors.md"}.get(law.law, numbers[name])
+            equation = law.read_by.source or numbers[name]
             yield row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", parameters_text(law)))))
     yield from _rotors(machine, parts)
 
@@ -162,14 +162,14 @@ def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     stated = machine.displacement
     if stated is not None:
         flow, at = readable_quantity(KINDS["displacement"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
-        follows = "the rotors' size" if machine.volume.law == "profile" else "the chambers' volume"
+        follows = "the rotors' size" if machine.volume.from_rotors else "the chambers' volume"
         yield row("displacement", f"{flow} at {at}, from which {follows} follows")
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio
-    if ratio is not None and port is not None and port.law == "table":
+    if ratio is not None and port is not None and port.from_file:
         opens = math.degrees(parts.geometry.discharge_law().opens or 0.0)
         what = f"to which the table of the discharge port is moved: opens {opens:.5g} deg (M394)"
         yield row("volume ratio", f"{ratio:g}, {what}")
-    elif ratio is not None and machine.volume.law != "profile":
+    elif ratio is not None and not machine.volume.from_rotors:
         yield row("volume ratio", f"{ratio:g}, from which the discharge port's angles follow (M16)")
 
 

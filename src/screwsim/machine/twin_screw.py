@@ -71,18 +71,18 @@ _SCALES = {
 
 def _check(machine: TwinScrew) -> list[Fault]:
     found = check_twin_screw(machine)
-    if machine.volume.law != "profile" and machine.profile is None:
+    if not machine.volume.from_rotors and machine.profile is None:
         return list(found)
     from screwsim.machine.profile_law import check_profile_law  # here: rotors take long to import
 
     found = [*found, *check_profile_law(machine)]
     port = machine.discharge_port
-    moves = machine.volume.law == "profile" and port is not None and port.law == "table"
+    moves = machine.volume.from_rotors and port is not None and port.from_file
     return [*found, *table_port_faults(machine)] if moves and not found else found
 
 
 def _dead_volume(machine: TwinScrew) -> tuple[str, float]:
-    path = "machine.volume.min" if machine.volume.law != "table" else ""
+    path = "machine.volume.min" if not machine.volume.from_file else ""
     return path, machine.volume.dead_of(Geometry(machine).swept_volume)
 
 
