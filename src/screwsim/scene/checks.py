@@ -181,8 +181,9 @@ def check_files(scene: Scene) -> list[Fault]:
     parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
     leaves = leaf_paths(parameters, scene.machine.kind)
     faults = []
-    for path, column in ((path, leaf.limits.get("curve")) for path, leaf in leaves.items() if leaf.kind == "file"):
-        name = None if column is None else value_at(scene, path)  # any other file is read with its own checks
+    curves = {path: leaf.limits["curve"] for path, leaf in leaves.items() if "curve" in leaf.limits}
+    for path, column in curves.items():  # any other file is read with its own checks
+        name = value_at(scene, path)
         what = None if name is None else _curve_fault(name, column, scene)
         if what is not None:
             faults.append(Fault(path, what))
