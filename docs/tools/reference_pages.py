@@ -94,7 +94,7 @@ def effect_text(name: str) -> str:
     effect = catalogue()[name]
     kinds = [kind for kind, machine in MACHINES.items() if effect.fits(machine)]
     told = f"{effect.title[0].upper()}{effect.title[1:]}. {', '.join(effect.equations)}; {', '.join(kinds)}."
-    return f"### {name}\n\n{told}\n\n{table(effect_keys_of(name, effect.parameters, kinds[0]))}\n"
+    return f"### {name}\n\n{told}\n\n{table(effect_keys_of(name, effect, kinds[0]))}\n"
 
 
 def scene_page() -> str:

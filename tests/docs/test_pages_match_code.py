@@ -62,7 +62,7 @@ def test_the_floor_of_the_energy_scale_is_that_of_the_model_page():
 
 
 def test_every_symbol_of_a_kernel_is_listed():
-    oil = OilPart(1000.0, 2000.0, 300.0, "carried", {"ratio": 1.0})
+    oil = OilPart(1000.0, 2000.0, 300.0, True, {"ratio": 1.0})
     parts = Parts(Geometry(loads(SCENE).machine), None, omega=300.0, widths=(1.0, 1.0, 1.0), effects={}, oil=oil)
     table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
     for name in (*HEAT_SYMBOLS, *symbols_of(parts), "TAB"):

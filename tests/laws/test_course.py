@@ -117,10 +117,10 @@ def one_closed():
 @pytest.mark.parametrize(("share", "followed"), [(0.9, True), (0.6, False)])
 def test_a_trend_that_leads_to_no_state_of_a_gas_is_not_followed(one_closed, where, share, followed):
     """Four steps on, a density that falls by a tenth a step is one yet; one that falls by four tenths is none."""
-    problem, machinery, cycle = one_closed
+    _, machinery, cycle = one_closed
     course = Course()
     for parameter in (1.0, 2.0):
-        course.add(cycle, np.array([parameter]), np.zeros(0), problem.wanted, 1.0)
+        course.add(cycle, np.array([parameter]), np.zeros(0), 1.0, 1.0)
     before, last = course._cycles
     times, dense, steps = last.history
     if where == "the history":

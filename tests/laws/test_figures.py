@@ -141,7 +141,8 @@ def test_a_figure_that_the_scene_does_not_call_for_says_what_would_give_it():
     p = run({"oil_supply.ratio": 0, "effects.oil_heat": DROP, "effects.oil_pump": {"efficiency": 0.5}}).performance
     assert "oil_discharge_temperature" not in p and p.oil_ratio == 0.0
     for name, words in {
-        "oil_discharge_temperature": "an effect that gives the oil a temperature, such as effects.oil_heat",
+        "oil_discharge_temperature": "an effect that gives the oil a temperature, such as effects.oil_heat or "
+        "effects.droplets",
         "electrical_power": "effects.motor",
         "suction_plenum_pressure": "effects.plenums.suction_volume",
         "electrical_cop": "effects.motor, and operation.condensing_temperature and machine.mode: compressor or "

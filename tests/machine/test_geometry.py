@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from screwsim.machine import paper_law
-from screwsim.machine.geometry import Geometry, table_breakpoints
+from screwsim.machine.geometry import Geometry
+from screwsim.machine.laws import table_breakpoints
 from screwsim.machine.settings import LIFE, TURN, DischargePort, SuctionPort, TwinScrew, VolumeLaw, check_twin_screw
 from screwsim.numerics.spline import pack_curve
 

@@ -14,6 +14,7 @@ from screwsim.machine.rotors.export import lobe_csv
 from screwsim.scene import load
 from screwsim.scene.fields import leaf_paths
 from screwsim.scene.plausible import scene_warnings
+from screwsim.scene.sizes import sizes_of_effect
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 REAL = Path(__file__).parents[1] / "plain" / "r134a.yaml"
@@ -118,10 +119,18 @@ def test_usual_bounds_lie_within_those_of_what_can_be_and_hold_the_default(kind)
 
 @pytest.mark.parametrize("kind", MACHINES)
 def test_the_table_of_sizes_names_paths_that_scenes_have(kind):
-    leaves = leaf_paths(PARAMETERS, kind)
-    for size in MACHINES[kind].sizes:
+    leaves, machine = leaf_paths(PARAMETERS, kind), MACHINES[kind]
+    of_effects = [size for name, effect in catalogue().items() for size in sizes_of_effect(machine, name, effect)]
+    for size in (*machine.sizes, *of_effects):
         assert leaves[size.path].kind in ("length", "area", "volume"), size.path
         assert size.usual[0] < size.usual[1] <= size.most, size.path
+
+
+def test_every_scale_by_which_an_effect_measures_a_size_is_one_of_a_machine_that_can_have_it():
+    for name, effect in catalogue().items():
+        fitting = [kind for kind in MACHINES.values() if effect.fits(kind)]
+        for size in effect.sizes:
+            assert any(size.scale in kind.scales for kind in fitting), f"effects.{name}.{size.key}"
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.most < 1e300])

@@ -38,6 +38,7 @@ from screwsim.cycle.search import sought  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
 from screwsim.cycle.solution import CycleSolution  # noqa: E402
 from screwsim.cycle.wanted import Wanted  # noqa: E402
+from screwsim.cycle.ways import way_of  # noqa: E402
 from screwsim.evaluate.evaluation import evaluate  # noqa: E402
 from screwsim.figures.errors import relative_errors  # noqa: E402
 from screwsim.model.run import Machinery  # noqa: E402
@@ -88,7 +89,7 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
     own = solve(problem, machinery)
     cycle, wanted = own.cycle, own.wanted
     machinery.put(cycle.trajectory)
-    y = chambers_at_pitches(machinery) if cycle.how == "histories" else cycle.y
+    y = cycle.y if way_of(cycle).whole else chambers_at_pitches(machinery)
 
     def tightened(share: float, **others: Any) -> Wanted:
         return replace(wanted, widths=tuple(share * width for width in wanted.widths), **others)

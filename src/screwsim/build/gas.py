@@ -21,10 +21,15 @@ def build_gas(scene: Scene) -> Gas:
     return moist_air(dry, at.p_s, at.T_s, humidity)
 
 
+def asked_of(scene: Scene) -> Asked:
+    """Return what a scene says of its gas."""
+    said = scene.gas
+    return Asked(said.name, said.isentropic_exponent, said.two_phase, lambda: lines(scene).T_s)
+
+
 def _dry_gas(scene: Scene) -> Gas:
     said = scene.gas
-    asked = Asked(said.name, said.isentropic_exponent, said.two_phase, lambda: lines(scene).T_s)
-    gas = find_gas_model(said.model).make(asked)
+    gas = find_gas_model(said.model).make(asked_of(scene))
     missing = lacking(gas) if "." in said.model else []
     if missing:
         raise TypeError(f"its gas has no {', '.join(missing)}")

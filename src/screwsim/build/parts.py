@@ -33,7 +33,7 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
     if oil is None or supply is None or supply.temperature is None:
         return None
     known = oil.at(supply.temperature)
-    if supply.kind == "pump":
+    if supply.pumped:
         numbers = {"ratio": float(supply.ratio or 0.0)}
     else:
         diameter = float(supply.orifice_diameter or 0.0)
@@ -47,8 +47,8 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
         }
         if supply.line is not None and supply.line.pressure_loss > 0.0:
             numbers |= {"line_loss": supply.line.pressure_loss, "line_flow": supply.line.flow}
-    source = at.p_s if supply.source == "suction" else at.p_d
-    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers, source)
+    source = at.p_s if supply.from_sump else at.p_d
+    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.carried, numbers, source)
 
 
 def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from screwsim.build.gas import build_gas
+from screwsim.build.gas import asked_of, build_gas
 from screwsim.build.site import around_of
 from screwsim.effects.base import (
     ChamberState,
@@ -18,13 +18,14 @@ from screwsim.effects.base import (
     Wall,
 )
 from screwsim.fluid.gas import Gas
+from screwsim.fluid.models import find_gas_model
 from screwsim.fluid.settings import GasSettings
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
 from screwsim.model.series import keep
 from screwsim.numerics.remembered import Remembered
-from screwsim.scene.lines import Lines, lines
+from screwsim.scene.lines import Lines
 from screwsim.scene.types import ActiveEffect, Scene
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
@@ -53,12 +54,11 @@ class Stock:
         self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
 
     def gas(self, scene: Scene) -> Gas:
-        """Return the gas of a scene; the same one where the scene's gas tells it, with an ideal one's temperature."""
-        settings = scene.gas
-        told = settings.model == "real" or settings.isentropic_exponent is not None
-        if settings.relative_humidity or not (told or settings.model == "ideal"):
+        """Return the gas of a scene; the same one where the scene's gas tells it, with what it follows from."""
+        settings, told = scene.gas, find_gas_model(scene.gas.model).told
+        if settings.relative_humidity or told is None:
             return build_gas(scene)
-        key = id(settings), None if told else lines(scene).T_s
+        key = id(settings), told(asked_of(scene))
         found = self._gas.get(key)
         return found[1] if found else keep(self._gas, key, (settings, build_gas(scene)))[1]
 

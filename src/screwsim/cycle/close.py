@@ -1,7 +1,7 @@
 """Closing the cycle: the periodic state of a chamber among neighbours that live the same life, a pitch apart.
 
-Two ways (docs/explanation/numerics.md): waveform relaxation (`histories`), and all chambers together (`coupled`).
-`auto` takes the first as long as it has not cost as much as the second would.
+Two ways (docs/explanation/numerics.md, `cycle.ways`): waveform relaxation (`histories`), and all chambers together
+(`coupled`). `auto` takes the first as long as it has not cost as much as the second would.
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import begin, continued
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.relaxation import relax
-from screwsim.cycle.search import SEARCH, sought
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope, Led
 from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.ways import by_ways, way_of
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 
@@ -44,7 +43,7 @@ def close_from(
 
     With a check the chambers are closed together under it, from where our own method closes.
     """
-    cycle = _close(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope, lent)
+    cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope, lent)
     if wanted.check is None or cycle.status == "failed":
         return cycle
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
@@ -57,30 +56,7 @@ def again(
 
     Or the machinery stands where finer lives of a cycle closed by histories have led.
     """
-    if cycle.how == "histories":
-        y, seen = led or (cycle.y, cycle.seen)
-        hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
-        found = _close(problem, machinery, wanted, y, hope, cycle.tangents)
-    else:
-        found = None
-        if cycle.needed == SEARCH:
-            found = sought(problem, machinery, wanted, cycle.y.copy(), judged=False)
-        found = found or close_together(problem, machinery, wanted, cycle.y.copy())
+    found = way_of(cycle).again(problem, machinery, wanted, cycle, led)
     if found.status != "ok":
         return found
     return replace(found, needed=cycle.needed, growth=cycle.growth, first_gap=cycle.first_gap)
-
-
-def _close(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    hope: Hope = NO_HOPE,
-    lent: Tangents | None = None,
-) -> CycleSolution:
-    if wanted.closing in ("auto", "histories"):
-        first = relax(problem, machinery, wanted, y.copy(), wanted.closing == "histories", hope, lent)
-        if first is not None:
-            return first
-    return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))

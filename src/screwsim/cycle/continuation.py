@@ -16,7 +16,6 @@ import numpy as np
 
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.solution import CycleSolution, Hope
-from screwsim.cycle.wanted import Wanted
 from screwsim.model.composition import Composition
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
@@ -73,8 +72,11 @@ class Course:
         self._guessed, self._last = False, None
         self._share = self.tightness = 1.0
 
-    def add(self, cycle: CycleSolution, parameters: Array, made: Array, wanted: Wanted, tightness: float) -> None:
-        """Note a closed cycle of these parameters, what its last turn makes, and how tight its tolerances had to be."""
+    def add(self, cycle: CycleSolution, parameters: Array, made: Array, share: float, tightness: float) -> None:
+        """Note a closed cycle of these parameters, what its last turn makes, and how tight its tolerances had to be.
+
+        `share` is that of the wanted tolerance of a step with which its balances closed (`cycle.ways`).
+        """
         life, c = cycle.trajectory, cycle.trajectory.composition
         self.tightness = tightness
         if c.text != self._text:
@@ -84,7 +86,6 @@ class Course:
         self._last = cycle
         values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, made])
         self._gap = cycle.first_gap if self._guessed else None
-        share = cycle.rtol / (wanted.of_histories * wanted.rtol) if cycle.how == "histories" else 1.0
         self._share = min(1.0, COARSER * share if cycle.residual < WELL else share)
         if self._told:
             off = _distances(np.array([*self._told.values()]), values)

@@ -26,6 +26,7 @@ from screwsim.effects.base import FlowPath
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, R_TRAPPED
+from screwsim.numerics.closings import WAVEFORMS
 from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
@@ -323,7 +324,7 @@ class _Turns:
         machinery, ok = self.machinery, status == "ok"
         station()
         return CycleSolution(
-            *(status, machinery.trajectory.copy(), self.q, self.y, self.number, "histories"),
+            *(status, machinery.trajectory.copy(), self.q, self.y, self.number, WAVEFORMS),
             rtol=self.rtol if status == "failed" else self.finest,
             angle=angle,
             change=0.0 if status == "failed" else self.gap,

@@ -47,7 +47,7 @@ NOTHING = Returning()
 def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
     """Return what comes back of the line in a life of quadratures q, which met the unknowns and made others of them."""
     parts, known = problem.parts, problem.scene.gas
-    if not problem.composition.carried or parts.oil is None or parts.held_back or known.two_phase == "equilibrium":
+    if not problem.composition.carried or parts.oil is None or parts.held_back or known.equilibrium:
         return NOTHING
     if problem.scene.operation.discharge.temperature is not None:
         return NOTHING

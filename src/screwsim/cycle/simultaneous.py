@@ -19,6 +19,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_TRAPPED
+from screwsim.numerics.closings import TOGETHER
 from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
@@ -63,7 +64,7 @@ def close_together(
         if status != "failed":
             machinery.install_coupled()
         life, turns, moved = machinery.trajectory.copy(), pitch / c.chambers, 0.0 if status == "failed" else gap
-        return CycleSolution(status, life, q, y, turns, "coupled", rtol, angle, moved, impacts=machinery.impacts)
+        return CycleSolution(status, life, q, y, turns, TOGETHER, rtol, angle, moved, impacts=machinery.impacts)
 
     for pitch in range(1, pitches + 1):
         if machinery.counts[2] > budget:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from screwsim.numerics.closings import CLOSINGS
 from screwsim.numerics.integrators import Check, check_of
 from screwsim.numerics.settings import NumericsSettings
 
@@ -29,6 +30,11 @@ class Wanted:
     of_histories: float = 1.0
     ahead: float = ENOUGH
     check: Check | None = None
+
+    @property
+    def fallbacks(self) -> bool:
+        """Whether further tries follow where the ways of its closing close no cycle."""
+        return CLOSINGS[self.closing].fallbacks
 
     def tighter(self, factor: float) -> Wanted:
         """Return the same with tolerances and regularisation times a factor."""

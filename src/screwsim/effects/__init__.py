@@ -32,6 +32,16 @@ def catalogue() -> dict[str, Effect]:
     return {name: found[name] for name in sorted(found, key=lambda name: (rank.get(name, len(rank)), name))}
 
 
+def having(role: str) -> list[str]:
+    """Return the effects of the catalogue that have a role (`effects.base`), by the keys with which they do."""
+    return [f"effects.{name}{each.roles[role]}" for name, each in catalogue().items() if role in each.roles]
+
+
+def stating(parameters: type) -> str:
+    """Return the effect of the catalogue whose parameters are of a kind, as scenes name it."""
+    return next(name for name, effect in catalogue().items() if issubclass(effect.parameters, parameters))
+
+
 def imported() -> dict[str, Effect]:
     """Return {name: effect} of the user's own that this program has imported."""
     return {name: made for name, made in sources.noted().items() if isinstance(made, Effect)}

@@ -26,7 +26,7 @@ from screwsim.effects.base import Effect, Faults, Given, Intake, LosesPressure, 
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.outputs import CONDENSED, HUMID, Figure, efficiency, names_of, over, power_figure
+from screwsim.outputs import AFTERCOOLED, CHANGED, CONDENSED, HUMID, Figure, efficiency, names_of, over, power_figure
 
 NAME = "air_package"
 SEPARATED = ("effects.separator",)
@@ -228,7 +228,7 @@ def build(parameters: Parameters, machine) -> list[Reading | Intake]:
 
 def check(parameters: Parameters, facts) -> Faults:
     path = f"effects.{NAME}"
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
         return
     if "motor" not in facts.effects:
@@ -263,4 +263,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     figures=(*FIGURES, *OF_WATER),
+    roles={AFTERCOOLED[1]: ".aftercooler", CHANGED[0]: ".inlet_filter"},
 )

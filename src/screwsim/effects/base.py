@@ -10,7 +10,7 @@ Source: screwsim, docs/how-to/adding-an-effect.md.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from screwsim.effects.parts.flows import FlowPath, Resistance, Scaled
@@ -31,6 +31,7 @@ from screwsim.effects.parts.plenums import Drawn, Plenum, Site
 from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
 from screwsim.effects.parts.sought import Sought, Span
 from screwsim.effects.parts.states import ChamberState, HeatRate, Stops, Wall
+from screwsim.effects.parts.usual import Sized, Usual
 from screwsim.fluid.settings import OilProperties
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineKind
@@ -68,12 +69,14 @@ __all__ = [  # all that an effect's file imports
     "Separator",
     "Shaft",
     "Site",
+    "Sized",
     "Sought",
     "Span",
     "Stops",
     "SuctionHeat",
     "SuctionLine",
     "Turn",
+    "Usual",
     "Wall",
 ]
 
@@ -109,6 +112,10 @@ class Effect:
     `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
     shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
     scene. `needs` is what a machine must offer (`machine.protocol`), of all kinds by default.
+
+    What the core asks for without knowing who does it, an effect says of itself: `roles` are such questions (words of
+    `outputs`) with the key of its own, `.key`, by which it answers one, empty where it always does; `usual` is what it
+    is in scenes of machines that offer something; `sizes` are those of its keys that must fit into the machine.
     """
 
     name: str
@@ -125,6 +132,9 @@ class Effect:
     figures: tuple[Figure, ...] = ()
     traces: tuple[Trace, ...] = ()
     warnings: Callable[[Mapping[str, Any]], Iterable[str]] | None = None
+    roles: Mapping[str, str] = field(default_factory=dict)
+    usual: Mapping[str, Usual] = field(default_factory=dict)
+    sizes: tuple[Sized, ...] = ()
 
     def fits(self, kind: MachineKind) -> bool:
         """Tell whether a kind of machine can have this effect."""

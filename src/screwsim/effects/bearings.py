@@ -16,9 +16,10 @@ from math import hypot, pi
 
 from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.oil_drag import film_temperature
+from screwsim.effects.parts.usual import FRICTION, Sized
 from screwsim.inputs.declare import choice, count, number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import ROTORS
+from screwsim.machine.protocol import DIAMETER, ROTORS
 from screwsim.outputs import power_figure
 
 LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 does not depend on it (Palmgren)
@@ -137,4 +138,9 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=(power_figure("bearing_power", "friction of the bearings"),),
+    usual={ROTORS: FRICTION},
+    sizes=(
+        Sized("bore", DIAMETER, 10.0, (0.05, 1.0)),
+        Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5)),
+    ),
 )

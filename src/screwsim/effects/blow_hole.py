@@ -19,9 +19,10 @@ from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import GapParameters, check_formula, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import BLOW_HOLE
+from screwsim.machine.protocol import BLOW_HOLE, ROTORS, SQUARE
 from screwsim.numerics.kernel import kernel
 
 DEGREE = pi / 180.0
@@ -100,4 +101,9 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({BLOW_HOLE}),
+    usual={ROTORS: LEAK},
+    sizes=(
+        Sized("area", SQUARE, 0.2, (0.0, 0.02)),
+        Sized("suction_area", SQUARE, 0.2, (0.0, 0.04)),
+    ),
 )

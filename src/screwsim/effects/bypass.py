@@ -16,9 +16,12 @@ from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath, Intake
 from screwsim.effects.gap import flow_coefficient, ramp
+from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
+from screwsim.machine.protocol import SHELL, WIDEST
 from screwsim.numerics.kernel import kernel
+from screwsim.outputs import CHANGED
 
 RAMP = 10.0 * pi / 180.0  # over which the bore opens and closes
 _OF_SOURCE = {"discharge": ("share",), "chamber": ("area", "opens", "passage")}
@@ -79,7 +82,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.source == "discharge" and facts.operation.discharge.temperature is not None:
         what = "is given, and the returned gas has the outflow's (remove it, or the bypass)"
         yield Fault("operation.discharge.temperature", what)
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
 
 
@@ -91,4 +94,6 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.2)),),
+    roles={CHANGED[0]: ".share"},
 )

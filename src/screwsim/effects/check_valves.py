@@ -15,10 +15,12 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, FlowPath, Reading
 from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
+from screwsim.effects.parts.usual import Sized
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import CYLINDER
+from screwsim.machine.protocol import CYLINDER, PISTON
 from screwsim.numerics.kernel import kernel
 
 LOOSE = -2.0  # of `held`: a stored cycle is read, whose pressure errs
@@ -71,5 +73,10 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({CYLINDER}),
+    roles={WAY_IN: "", WAY_OUT: ""},
     figures=VALVE_LOSSES,
+    sizes=(
+        Sized("suction_area", PISTON, 100.0, (0.0, 1.0)),
+        Sized("discharge_area", PISTON, 100.0, (0.0, 1.0)),
+    ),
 )

@@ -17,11 +17,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.effects.base import Around, Effect, Faults, Wall
+from screwsim.effects.parts.usual import WALLS
 from screwsim.fluid.constants import transport
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
+from screwsim.outputs import WALLED
 
 ADAIR = "adair"
 COEFFICIENTS = {"annand": (0.575, 0.7, 0.0), "destoop": (0.6, 0.8, 0.6), ADAIR: (0.053, 0.8, 0.6)}  # a, b, c
@@ -96,4 +98,6 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({CYLINDER}),
+    usual={CYLINDER: WALLS},
+    roles={WALLED[0]: ""},
 )

@@ -10,21 +10,30 @@ Parameters: flow_coefficient.
 
 from __future__ import annotations
 
-from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import PortParameters, port_path
+from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.gap import PortParameters, check_port, port_path
+from screwsim.effects.parts.roles import WAY_OUT
 from screwsim.machine.protocol import PORTS
+
+NAME = "discharge_port"
 
 
 def build(parameters: PortParameters, machine) -> list[FlowPath]:
     return [port_path(parameters, machine.discharge_law(), "discharge")]
 
 
+def check(parameters: PortParameters, facts) -> Faults:
+    return check_port(NAME, facts)
+
+
 EFFECT = Effect(
-    name="discharge_port",
+    name=NAME,
     title="flow between the discharge line and the chamber",
     equations=("M12", "M13", "M18"),
     source="Chernov et al. 2015, eqs. (3), (4), (18)",
     parameters=PortParameters,
     build=build,
+    check=check,
     needs=frozenset({PORTS}),
+    roles={WAY_OUT: ""},
 )

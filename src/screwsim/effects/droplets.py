@@ -18,11 +18,12 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Around, Effect, Faults, HeatRate, Reading
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
+from screwsim.effects.parts.usual import OIL_HEAT, Sized
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import OIL
+from screwsim.machine.protocol import DIAMETER, LOBE, OIL, ROTORS
 from screwsim.numerics.kernel import kernel
-from screwsim.outputs import Figure
+from screwsim.outputs import HEATED, Figure
 
 _OF_SIZE = {
     "fixed": ("diameter",),
@@ -145,4 +146,10 @@ EFFECT = Effect(
     numbers=numbers,
     needs=frozenset({OIL}),
     figures=(Figure("droplet_diameter", "m", "Sauter diameter of the droplets of oil"),),
+    usual={ROTORS: OIL_HEAT},
+    sizes=(  # next to no heat is exchanged where they are large without end
+        Sized("diameter", LOBE, 1e9, (0.0, 0.3)),
+        Sized("orifice_diameter", DIAMETER, 1e9, (0.0, 0.2)),
+    ),
+    roles={HEATED[0]: ""},
 )

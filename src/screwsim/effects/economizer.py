@@ -18,6 +18,7 @@ from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.parts.usual import Sized
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -25,7 +26,7 @@ from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import HOLES
+from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale
 
 NAME = "economizer"
@@ -233,7 +234,7 @@ def _found(parameters: Parameters, facts) -> Faults:
     elif parameters.kind == "flash_tank" and is_blend(fluid):
         what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
         yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: heat_exchanger, or name a pure fluid)")
-    elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.mode == "expander":
+    elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.expands:
         what = "auto needs the liquid of a condenser or gas cooler (state a compressor's lines by temperatures)"
         yield Fault(path, f"{what}, or write a temperature")
     elif operation.gas_cooler is None and low < high:
@@ -285,4 +286,5 @@ EFFECT = Effect(
     needs=frozenset({HOLES}),
     figures=FIGURES,
     warnings=warnings,
+    sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.2)),),
 )

@@ -19,8 +19,9 @@ from math import pi
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
+from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import number, quantity
-from screwsim.machine.protocol import END_GAP
+from screwsim.machine.protocol import END_GAP, LOBE, ROTORS, SPAN
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -73,4 +74,9 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({END_GAP}),
+    usual={ROTORS: LEAK},
+    sizes=(
+        Sized("gap", LOBE, 1.0, (0.0, 0.1)),
+        Sized("length", SPAN, 30.0, (0.01, 3.0)),
+    ),
 )

@@ -12,8 +12,8 @@ from math import pi
 from typing import Any
 
 from screwsim.effects import gap_flow
-from screwsim.effects.base import FlowPath
-from screwsim.inputs.declare import choice, file, number, quantity
+from screwsim.effects.base import Faults, FlowPath
+from screwsim.inputs.declare import AREA, choice, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import features, read_curve, table_value
@@ -34,7 +34,7 @@ class GapParameters:
 
     flow_coefficient: float = flow_coefficient("the gap", GAP_FLOW_COEFFICIENT)
     area_file: str | None = file(
-        "CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area"
+        "CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area", curve=AREA
     )
 
 
@@ -171,4 +171,12 @@ def check_formula(path: str, facts) -> Iterator[Fault]:
 def port_path(parameters, law, to) -> FlowPath:
     """Return the flow path of a port to a plenum; its area law belongs to the machine."""
     coefficient, own = parameters.flow_coefficient, law.own_breakpoints
-    return FlowPath(to, law.area, law.values, law.breakpoints, own, flow_coefficient=coefficient, tables=law.tables)
+    return FlowPath(
+        to, law.area, law.values, law.breakpoints, own, flow_coefficient=coefficient, tables=law.tables, port=True
+    )
+
+
+def check_port(name: str, facts) -> Faults:
+    """Yield that the machine has no law of a port (`name`: of the effect and of the machine's section)."""
+    if getattr(facts.machine, name, facts.machine) is None:
+        yield Fault(f"effects.{name}", f"needs the section machine.{name} (write it, or remove the effect)")

@@ -120,7 +120,7 @@ def oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
     if facts.oil is None:
         yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose nozzle_friction)")
         return
-    if facts.oil.transport != "carried":
+    if not facts.oil.carried:
         yield Fault(f"{path}.model", f"{model} needs oil.transport: carried (write that, or choose another model)")
     if not any("T_oil" in active.effect.states for active in facts.effects.values()):
         yield Fault(f"{path}.model", f"{model} needs oil in the chambers (add e.g. effects.oil_heat)")

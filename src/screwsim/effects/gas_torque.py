@@ -141,7 +141,7 @@ def build(parameters: Parameters, machine) -> list[Reading]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if facts.machine.volume.law == "profile" and parameters.male_share is not None:
+    if facts.machine.volume.from_rotors and parameters.male_share is not None:
         what = "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
         yield Fault("effects.gas_torque.male_share", what)
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, PowerLoss
+from screwsim.effects.parts.usual import OIL_FRICTION
 from screwsim.inputs.declare import number
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
@@ -65,4 +66,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=(power_figure("hydromechanical_power", "hydromechanical loss"),),
+    usual={ROTORS: OIL_FRICTION},
 )

@@ -23,9 +23,10 @@ from math import pi
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import BIRTH, ClearanceParameters, check_formula, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
+from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import CONTACT_GAP
+from screwsim.machine.protocol import CONTACT_GAP, LOBE, ROTORS, SPAN
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -105,4 +106,10 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({CONTACT_GAP}),
+    usual={ROTORS: LEAK},
+    sizes=(
+        Sized("gap", LOBE, 1.0, (0.0, 0.1)),
+        Sized("length", SPAN, 30.0, (0.05, 3.0)),
+        Sized("tip_length", SPAN, 30.0, (0.0, 2.0)),
+    ),
 )

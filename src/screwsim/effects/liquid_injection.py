@@ -21,6 +21,7 @@ from typing import Any
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.oil_injection import discharge_pressure
+from screwsim.effects.parts.usual import Sized
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
@@ -28,7 +29,7 @@ from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import HOLES
+from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
 
 NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
@@ -138,7 +139,7 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
     if not condenses(facts.gas):
         yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
-    if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
+    if facts.operation.condensing_temperature is None or facts.machine.expands:
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
         yield Fault(f"effects.{NAME}", what)
     elif condenses(facts.gas) and facts.operation.gas_cooler is None:
@@ -185,4 +186,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({HOLES}),
     figures=FIGURES,
+    sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),
 )

@@ -12,7 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.parts.usual import FRICTION
 from screwsim.inputs.declare import number
+from screwsim.machine.protocol import CYLINDER, ROTORS
 from screwsim.outputs import power_figure
 
 
@@ -41,4 +43,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     figures=(power_figure("mechanical_power", "mechanical loss"),),
+    usual={ROTORS: FRICTION, CYLINDER: FRICTION},
 )

@@ -23,10 +23,12 @@ from math import inf
 import numpy as np
 
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
+from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import choice, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import BadSheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
+from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
 
@@ -178,7 +180,7 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "suction_gas needs effects.suction_line, into which the warmed gas comes (add it)")
     if "drive" in facts.effects:
         yield Fault(path, "suction_gas cools a motor on the machine's own shaft (remove effects.drive, or cooling)")
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "suction_gas belongs to machine.mode: compressor (remove it)")
 
 
@@ -191,4 +193,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     figures=FIGURES,
+    usual={ROTORS: DRIVE},
 )

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, PowerLoss
+from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import ROTORS
+from screwsim.machine.protocol import DIAMETER, LOBE, ROTORS
 from screwsim.outputs import power_figure
 
 
@@ -118,4 +119,10 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=(power_figure("oil_drag_power", "drag of oil in tip and end gaps"),),
+    sizes=(
+        Sized("tip_gap", LOBE, 1.0, (0.0, 0.1)),
+        Sized("end_gap", LOBE, 1.0, (0.0, 0.1)),
+        Sized("tip_land", DIAMETER, 1.0, (0.0, 0.2)),
+        Sized("female_diameter", DIAMETER, 10.0, (0.5, 1.5)),
+    ),
 )

@@ -12,10 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, HeatRate
+from screwsim.effects.parts.usual import OIL_HEAT, Sized
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import OIL
+from screwsim.machine.protocol import LOBE, OIL, ROTORS
 from screwsim.numerics.kernel import kernel
+from screwsim.outputs import HEATED
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ def build(parameters: Parameters, machine) -> list[HeatRate]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if parameters.equation_12 == "printed" and facts.oil.transport != "paper":
+    if parameters.equation_12 == "printed" and facts.oil.carried:
         yield Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")
 
 
@@ -63,4 +65,7 @@ EFFECT = Effect(
     states=("T_oil",),
     check=check,
     needs=frozenset({OIL}),
+    usual={ROTORS: OIL_HEAT},
+    sizes=(Sized("droplet_radius", LOBE, 1e9, (0.0, 0.2)),),  # the limit of no heat is one of large droplets
+    roles={HEATED[0]: ""},
 )

@@ -143,24 +143,27 @@ def build(parameters: Parameters, machine) -> list[OilPort]:
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
-    if facts.oil_supply.kind == "pump" and parameters.pressure_loss > 0.0:
+    if facts.oil_supply.pumped and parameters.pressure_loss > 0.0:
         what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
         yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
-    if facts.oil_supply.kind == "pump" and parameters.line is not None:
+    if facts.oil_supply.pumped and parameters.line is not None:
         what = "is the line of displaced oil; with oil_supply.kind: pump the pump pays its loss"
         yield Fault(f"effects.{NAME}.line", f"{what} (write it under effects.oil_pump)")
     elif parameters.line is not None and parameters.pressure is not None:
         yield Fault(f"effects.{NAME}.line", "is given beside pressure, which is behind it (remove one of the two)")
+    if not facts.oil_supply.pumped and facts.oil_supply.line is not None:
+        what = f"is that of oil which enters at one angle (write it under effects.{NAME}, whose bore it leads to)"
+        yield Fault("oil_supply.line", what)
     if parameters.pressure is not None:
         yield from _stated(parameters.pressure, parameters.pressure_loss, facts)
-    if facts.oil.transport != "carried":
+    if not facts.oil.carried:
         yield Fault(f"effects.{NAME}", "needs oil.transport: carried (write that, or remove the effect)")
 
 
 def _stated(p: float, loss: float, facts) -> Faults:
     """Yield what is wrong with a stated pressure [Pa] before the bore, beside a loss [Pa]."""
     path = f"effects.{NAME}.pressure"
-    if facts.oil_supply.kind == "pump":
+    if facts.oil_supply.pumped:
         what = "is that of displaced oil; with oil_supply.kind: pump the ratio is stated"
         yield Fault(path, f"{what} (remove it, or write oil_supply.kind: displacement)")
     elif loss > 0.0:

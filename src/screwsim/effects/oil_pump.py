@@ -72,7 +72,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if facts.oil_supply is not None and facts.oil_supply.kind != "pump":
+    if facts.oil_supply is not None and not facts.oil_supply.pumped:
         yield Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")
     if parameters.line is not None and facts.oil is not None and not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", "is missing (effects.oil_pump.line needs it)")

@@ -28,7 +28,7 @@ def build(parameters: Parameters, machine) -> list[OilRoom]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if facts.oil.transport != "carried":
+    if not facts.oil.carried:
         yield Fault("effects.oil_volume", "needs oil.transport: carried (write that, or remove the effect)")
 
 

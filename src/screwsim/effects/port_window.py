@@ -49,7 +49,7 @@ def check_window(name: str, parameters, facts) -> Iterator[Fault]:
     """Yield what is wrong with a window."""
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
-    life = facts.machine.volume.life or 4.0 * pi
-    if facts.machine.volume.law != "profile" and parameters.closes > life + 1e-9:
+    life = facts.machine.stated_life
+    if life is not None and parameters.closes > life + 1e-9:
         what = f"lies beyond the chamber's life of {life / DEGREE:g} deg (choose an earlier angle)"
         yield Fault(f"effects.{name}.closes", what)

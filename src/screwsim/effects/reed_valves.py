@@ -18,10 +18,12 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
+from screwsim.effects.parts.usual import Sized
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import CYLINDER
+from screwsim.machine.protocol import BORE, CYLINDER, PISTON
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import Trace
 
@@ -203,10 +205,19 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({CYLINDER}),
+    roles={WAY_IN: "", WAY_OUT: ""},
     figures=VALVE_LOSSES,
     traces=tuple(
         Trace(f"{side}_valve_{what}", "1", f"{what} of the {side} valve over {over}")
         for side in SIDES
         for what, over in (("lift", "that of its stop"), ("speed", "its scale"))
+    ),
+    sizes=(
+        Sized("suction_port_area", PISTON, 100.0, (0.0, 1.0)),
+        Sized("discharge_port_area", PISTON, 100.0, (0.0, 1.0)),
+        Sized("suction_perimeter", BORE, 1000.0, (0.0, 50.0)),
+        Sized("discharge_perimeter", BORE, 1000.0, (0.0, 50.0)),
+        Sized("suction_stop", BORE, 1.0, (0.0, 0.1)),
+        Sized("discharge_stop", BORE, 1.0, (0.0, 0.1)),
     ),
 )

@@ -36,7 +36,7 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.pchip import Pchip
 from screwsim.numerics.roots import brentq
-from screwsim.outputs import Figure, Scale
+from screwsim.outputs import HELD, Figure, Scale
 
 NAME = "refrigerant_solubility"
 PLENUM, SEPARATOR = "oil_gas", "separator"
@@ -231,4 +231,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({OIL}),
     figures=FIGURES,
+    roles={HELD[0]: ".flash_time"},
 )

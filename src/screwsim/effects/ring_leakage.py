@@ -14,10 +14,11 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
+from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.effects.valves import port_area
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import CYLINDER
+from screwsim.machine.protocol import BORE, CYLINDER, PISTON
 
 
 @dataclass(frozen=True)
@@ -51,4 +52,9 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({CYLINDER}),
+    usual={CYLINDER: LEAK},
+    sizes=(
+        Sized("gap", BORE, 0.5, (0.0, 0.01)),
+        Sized("area", PISTON, 1.0, (0.0, 0.01)),
+    ),
 )

@@ -19,10 +19,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
+from screwsim.effects.parts.usual import SEPARATOR
 from screwsim.fluid.separator import Outflow, Separated, separated
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import OIL
+from screwsim.machine.protocol import OIL, ROTORS
 from screwsim.outputs import Figure, Scale, power_figure
 
 NAME = "separator"
@@ -85,6 +86,7 @@ class Cooler:
 class Parameters(CoolsOil):
     """The cooler (absent: oil_supply.temperature states its outlet, or there is none), and what becomes of losses."""
 
+    outlet_key = "cooler.outlet_temperature"
     cooler: Cooler | None = None
     friction_share: float = number(
         "share of the friction of bearings, seals and gears that heats the oil", 1.0, ge=0.0, le=1.0
@@ -178,4 +180,5 @@ EFFECT = Effect(
     needs=frozenset({OIL}),
     figures=FIGURES,
     warnings=warnings,
+    usual={ROTORS: SEPARATOR},
 )

@@ -20,6 +20,7 @@ from math import pi
 from screwsim.effects import gap_flow
 from screwsim.effects.base import Effect, Faults, LineLeak
 from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.parts.usual import LEAK
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS
@@ -93,7 +94,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if facts.operation.discharge.temperature is not None:
         what = "is given, and what leaks has the outflow's (remove it, or effects.shaft_leakage)"
         yield Fault("operation.discharge.temperature", what)
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
 
 
@@ -127,4 +128,5 @@ EFFECT = Effect(
     numbers=gap_flow.numbers,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
+    usual={ROTORS: LEAK},
 )

@@ -18,9 +18,10 @@ from math import pi
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.gap import flow_coefficient, table_area
-from screwsim.inputs.declare import file, number, quantity
+from screwsim.effects.parts.usual import Sized
+from screwsim.inputs.declare import AREA, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.machine.protocol import ROTORS
+from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
 from screwsim.numerics.spline import features, read_curve
 
 BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
@@ -43,7 +44,7 @@ class Parameters:
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
     radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
     radial_opens_moved: float | None = quantity("angle", "phi_b: at which it opens at the travel's end", None, gt=0.0)
-    area_file: str | None = file("CSV with columns angle_deg, area_m2: the slot, in place of the three")
+    area_file: str | None = file("CSV with columns angle_deg, area_m2: the slot, in place of the three", curve=AREA)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
@@ -99,9 +100,9 @@ def check(parameters: Parameters, facts) -> Faults:
     if given and len(given) < len(_RADIAL):
         missing = next(name for name in _RADIAL if name not in given)
         yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})")
-    if facts.machine.mode == "expander":
+    if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
-    if facts.machine.volume.law == "paper":
+    if facts.machine.volume.by_formula:
         yield from _angles(parameters, path)
 
 
@@ -130,4 +131,8 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({ROTORS}),
+    sizes=(
+        Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)),
+        Sized("radial_area", SHELL, WIDEST, (0.0, 0.5)),
+    ),
 )

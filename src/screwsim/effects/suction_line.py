@@ -17,8 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, SuctionLine
+from screwsim.effects.parts.roles import SUCTION_BACK
+from screwsim.effects.parts.usual import SUCTION_RETURN
 from screwsim.inputs.faults import Fault
-from screwsim.outputs import HEATED, POWER, Figure, over
+from screwsim.machine.protocol import ROTORS
+from screwsim.outputs import CHANGED, HEATED, POWER, Figure, over
 
 FIGURES = (
     Figure("returned_gas_flow", "kg s-1", "gas that comes back to the suction line", over("gas_mass_flow")),
@@ -43,7 +46,7 @@ def build(parameters: Parameters, machine) -> list[SuctionLine]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if facts.oil is not None and facts.oil.transport != "carried":
+    if facts.oil is not None and not facts.oil.carried:
         what = "mixes oil that comes back, which oil.transport: paper does not follow (oil.transport: carried)"
         yield Fault("effects.suction_line", what)
 
@@ -57,4 +60,6 @@ EFFECT = Effect(
     build=build,
     check=check,
     figures=FIGURES,
+    usual={ROTORS: SUCTION_RETURN},
+    roles={CHANGED[0]: "", SUCTION_BACK: ""},
 )

@@ -9,21 +9,30 @@ Parameters: flow_coefficient.
 
 from __future__ import annotations
 
-from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import PortParameters, port_path
+from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.gap import PortParameters, check_port, port_path
+from screwsim.effects.parts.roles import WAY_IN
 from screwsim.machine.protocol import PORTS
+
+NAME = "suction_port"
 
 
 def build(parameters: PortParameters, machine) -> list[FlowPath]:
     return [port_path(parameters, machine.suction_law(), "suction")]
 
 
+def check(parameters: PortParameters, facts) -> Faults:
+    return check_port(NAME, facts)
+
+
 EFFECT = Effect(
-    name="suction_port",
+    name=NAME,
     title="flow between the suction line and the chamber",
     equations=("M12", "M13", "M17"),
     source="Chernov et al. 2015, eqs. (3), (4), (17)",
     parameters=PortParameters,
     build=build,
+    check=check,
     needs=frozenset({PORTS}),
+    roles={WAY_IN: ""},
 )

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Intake
 from screwsim.inputs.declare import number
+from screwsim.outputs import CHANGED
 
 
 @dataclass(frozen=True)
@@ -32,4 +33,5 @@ EFFECT = Effect(
     source="isenthalpic throttling",
     parameters=Parameters,
     build=build,
+    roles={CHANGED[0]: ""},
 )

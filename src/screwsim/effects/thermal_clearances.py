@@ -18,9 +18,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, Turn
+from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import ROTORS
+from screwsim.machine.protocol import DIAMETER, ROTORS, SPAN
 from screwsim.numerics.made import Entry
 from screwsim.outputs import Figure, names_of
 
@@ -133,4 +134,8 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
+    sizes=(
+        Sized("axis_distance", DIAMETER, 10.0, (0.5, 1.2)),
+        Sized("bearing_distance", SPAN, 100.0, (0.0, 2.0)),
+    ),
 )

@@ -19,8 +19,9 @@ from math import pi
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
+from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import choice
-from screwsim.machine.protocol import TIP_GAP
+from screwsim.machine.protocol import LOBE, ROTORS, TIP_GAP
 from screwsim.numerics.kernel import kernel
 
 TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
@@ -76,4 +77,6 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({TIP_GAP}),
+    usual={ROTORS: LEAK},
+    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)),),
 )

@@ -19,12 +19,13 @@ from functools import partial
 
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
+from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import ROTORS
+from screwsim.machine.protocol import DIAMETER, ROTORS, SHELL
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.made import Entry
-from screwsim.outputs import Figure, names_of, power_figure
+from screwsim.outputs import WALLED, Figure, names_of, power_figure
 
 NAME = "wall_heat"
 LUMPS = ("rotor", "housing")
@@ -163,4 +164,10 @@ EFFECT = Effect(
     numbers=numbers,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
+    sizes=(
+        Sized("rotor_area", SHELL, 100.0, (0.0, 2.0)),
+        Sized("housing_area", SHELL, 100.0, (0.0, 2.0)),
+        Sized("characteristic_length", DIAMETER, 30.0, (0.0, 1.0)),
+    ),
+    roles={WALLED[0]: ""},
 )

@@ -7,6 +7,9 @@ from collections.abc import Iterator
 
 from screwsim.build import in_separator, sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.effects import having, stating
+from screwsim.effects.base import CoolsOil
+from screwsim.effects.parts.roles import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
@@ -29,7 +32,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     parts, supply = problem.parts, problem.scene.oil_supply
     if (
         supply is not None
-        and supply.kind == "pump"
+        and supply.pumped
         and parts.oil_port is None
         and (ratio := found["oil_ratio"])
         and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
@@ -82,7 +85,7 @@ def _separated(of: Evaluation) -> Iterator[str]:
     what = f"{1e-3 * abs(needed):.4g} kW of {'heating' if needed > 0.0 else 'cooling'}"
     yield (
         f"the separator's balance closes at {_celsius(T)}, not at the stated {_celsius(stated)}: it would need {what} "
-        "(name effects.separator, which finds the temperature)"
+        f"(name effects.{stating(CoolsOil)}, which finds the temperature)"
     )
 
 
@@ -114,7 +117,7 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
         yield (
             f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, goes with gas and oil that flow "
             f"back into the suction line, and is not counted where it {brings} what is sucked in (name "
-            "effects.suction_line, which lets it come back)"
+            f"{' or '.join(having(SUCTION_BACK))}, which lets it come back)"
         )
 
 

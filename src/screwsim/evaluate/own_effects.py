@@ -70,7 +70,7 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
     scene, parts, life = problem.scene, problem.parts, cycle.trajectory
     own = {name for name in scene.effects if "." in name}
     if scene.machine.kind in scene.own:
-        own |= {"suction_port", "discharge_port"}  # whose areas are the machine's
+        own |= {name for name, path in parts.all(FlowPath) if path.port}  # whose areas are the machine's
     if not own:
         return ""
     wrong = next(_declared(parts, own), "")

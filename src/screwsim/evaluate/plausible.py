@@ -10,7 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath, HeatRate, Plenum, Wall
+from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
+from screwsim.machine.kinds import kind_of
+from screwsim.model.compose import LINES
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
 from screwsim.scene.lines import Lines
@@ -147,13 +151,14 @@ def doubts(told: Told) -> tuple[Doubt, ...]:
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
     """Return that nothing leads from the suction line into a chamber, or from it to the discharge line."""
     found, leads = [], {path.to for _, path in parts.all(FlowPath) if not path.beside}
-    ports = ("suction_port", "discharge_port")
-    for line, port in zip(("suction", "discharge"), reversed(ports) if parts.geometry.expands else ports, strict=True):
+    kind, roles = kind_of(scene.machine), (WAY_IN, WAY_OUT)
+    ways = "from the suction line into", "to the discharge line out of"
+    for line, role, way in zip(LINES, reversed(roles) if parts.geometry.expands else roles, ways, strict=True):
         if line in leads:
             continue
-        way = "from the suction line into" if line == "suction" else "to the discharge line out of"
-        remedy = f"name effects.{port}" if hasattr(scene.machine, port) else "name effects.check_valves or reed_valves"
-        given = getattr(scene.machine, port, None) is not None
-        beside = f"; machine.{port} is given, but only an effect that is named is simulated" if given else ""
+        named = [name for name, effect in catalogue().items() if role in effect.roles and effect.fits(kind)]
+        remedy = f"name {' or '.join(f'effects.{name}' for name in named) or 'an effect that opens one'}"
+        given = [f"machine.{name}" for name in named if getattr(scene.machine, name, None) is not None]
+        beside = f"; {given[0]} is given, but only an effect that is named is simulated" if given else ""
         found.append(f"no port or valve leads {way} the chambers ({remedy}{beside})")
     return tuple(found)

@@ -10,6 +10,7 @@ import numpy as np
 from screwsim.build import open_temperatures
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.ways import way_of
 from screwsim.effects.base import OilRoom, Separator, Stops
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.limits import Limit, Outside
@@ -106,9 +107,9 @@ def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
     for part in problem.parts.pulsations:
         if part.shut is not None and part.shut(of.turn):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
-    if check_of(numerics.integrator) or numerics.closing == "histories" or cycle.status != "not_closed":
-        coupled = "numerics.closing: coupled, or " if cycle.how != "coupled" else ""
-        return f"try {coupled}a tighter numerics.accuracy"
+    if check_of(numerics.integrator) or not problem.wanted.fallbacks or cycle.status != "not_closed":
+        instead = way_of(cycle).instead
+        return f"try {f'{instead}, or ' if instead else ''}a tighter numerics.accuracy"
     if cycle.change < UNSETTLED:
         return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
     hottest = of.life.ends[0].max()

@@ -39,6 +39,7 @@ from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
+from screwsim.numerics.closings import CLOSINGS
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
 from screwsim.scene.types import ActiveEffect, Scene
@@ -54,11 +55,6 @@ STATE_MEANINGS = {
 }
 __all__ = ["WIDTH", "Explanation", "code", "explain"]
 BALANCES = "balances of mass and energy M1, M2; work M7"
-CLOSING = {
-    "auto": "auto: turn by turn as long as that costs no more than all chambers at once would",
-    "histories": "histories: one chamber, its neighbours read from its own last life",
-    "coupled": "coupled: all chambers alive at once",
-}
 
 
 @dataclass(frozen=True)
@@ -156,7 +152,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():
         if law is not None:
-            equation = {"table": "M14", "profile": "docs/reference/rotors.md"}.get(law.law, numbers[name])
+            equation = law.read_by.source or numbers[name]
             yield row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", parameters_text(law)))))
     yield from _rotors(machine, parts)
 
@@ -166,14 +162,14 @@ def _otherwise(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     stated = machine.displacement
     if stated is not None:
         flow, at = readable_quantity(KINDS["displacement"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
-        follows = "the rotors' size" if machine.volume.law == "profile" else "the chambers' volume"
+        follows = "the rotors' size" if machine.volume.from_rotors else "the chambers' volume"
         yield row("displacement", f"{flow} at {at}, from which {follows} follows")
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio
-    if ratio is not None and port is not None and port.law == "table":
+    if ratio is not None and port is not None and port.from_file:
         opens = math.degrees(parts.geometry.discharge_law().opens or 0.0)
         what = f"to which the table of the discharge port is moved: opens {opens:.5g} deg (M394)"
         yield row("volume ratio", f"{ratio:g}, {what}")
-    elif ratio is not None and machine.volume.law != "profile":
+    elif ratio is not None and not machine.volume.from_rotors:
         yield row("volume ratio", f"{ratio:g}, from which the discharge port's angles follow (M16)")
 
 
@@ -315,7 +311,7 @@ def _numerics(scene: Scene) -> Iterator[str]:
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
     yield row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
-    yield row("closing", CLOSING.get(numerics.closing, numerics.closing))
+    yield row("closing", f"{numerics.closing}: {CLOSINGS[numerics.closing].text}")
     suction, discharge, gaps = regularisation(scene)
     text = f"pressure differences below {suction:.3g} Pa (suction port), {discharge:.3g} Pa (discharge port)"
     yield row("regularisation", f"{text}, {gaps:.3g} of the pressure (gaps) are smoothed")

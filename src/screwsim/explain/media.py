@@ -82,10 +82,10 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     if port is not None:
         at = f"a port up to {math.degrees(port.closes):g} deg"
     behind = "" if supply.line is None else ", behind its line (M392)"
-    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else f"the orifice decides (M30){behind}"
+    equation = f"its ratio d at {at} is given" if supply.pumped else f"the orifice decides (M30){behind}"
     equation = equation if supply.discharge_temperature is None else f"its ratio d at {at} is found (M370)"
     equation = equation if supply.flow is None else f"its ratio d at {at} is found (M393)"
-    foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
+    foreign = ("kind", "orifice_count") if supply.pumped else ("kind", "source")
     yield row("supply", f"{supply.kind}: {equation}; {parameters_text(supply, skip=foreign)}")
     if supply.temperature is None:
         outlet = "is that of the cooler's outlet (M283)"

@@ -35,7 +35,7 @@ def document(settings: Any) -> dict[str, Any]:
     if settings.kind != TWIN_SCREW:
         return {"kind": "cylinder", **common}
     machine = twin_screw(settings)
-    if machine.volume.law == "profile":
+    if machine.volume.from_rotors:
         laid = lay(machine)
         start = DEG * (laid.rotors.start - laid.born)
         return {"kind": "rotors", "sketch": False, **common, **drawing(laid.rotors), "start": start, **_sizes(machine)}

@@ -57,7 +57,7 @@ def loads(
 def has_rotors(scene: Scene) -> bool:
     """Tell whether a scene has rotors whose surfaces are known."""
     machine = scene.machine
-    return machine.kind == TWIN_SCREW and machine.mode == "compressor" and twin_screw(machine).volume.law == "profile"
+    return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
 
 
 def write_loads(scene: Scene, result: Result, found: Exported, folder: Path, steps: int = STEPS) -> list[str]:

@@ -10,12 +10,13 @@ from functools import cache
 from operator import is_
 from typing import Any
 
-from screwsim.effects import catalogue, imported
+from screwsim.effects import catalogue, having, imported
 from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
 from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model.parts import Parts
 from screwsim.numerics.remembered import Remembered
 from screwsim.outputs import (
+    AFTERCOOLED,
     CHANGED,
     CYCLE,
     HEATED,
@@ -35,11 +36,12 @@ from screwsim.outputs import (
 from screwsim.outputs.display import Shown, table_html, table_text
 from screwsim.scene.types import ActiveEffect, Scene
 
-_OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells
-    HEATED: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
-    CHANGED: lambda scene, parts: bool(parts.all(Intake)) or parts.suction_line,
-    WALLED: lambda scene, parts: bool(parts.walls),
-    HELD: lambda scene, parts: parts.dissolves,
+_ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # whether a scene has what no key of its own tells
+    HEATED[0]: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
+    CHANGED[0]: lambda scene, parts: bool(parts.all(Intake)) or parts.suction_line,
+    WALLED[0]: lambda scene, parts: bool(parts.walls),
+    HELD[0]: lambda scene, parts: parts.dissolves,
+    AFTERCOOLED[1]: lambda scene, parts: scene.gas.relative_humidity is not None and _has(scene, AFTERCOOLED[1]),
 }
 
 
@@ -121,15 +123,27 @@ def _traces(effects: Mapping[str, Effect]) -> dict[str, Variable]:
 def needs_of(name: str) -> str:
     """Return in words what calls for a figure; empty where nothing does, or every scene."""
     if name in PERFORMANCE:
-        return " or ".join(PERFORMANCE[name].needs)
+        return " or ".join(map(_with_effects, PERFORMANCE[name].needs))
     every = (catalogue() | imported()).items()
     givers = ((effect, each) for effect, declares in every for each in declares.figures if each.name == name)
     return " or ".join(dict.fromkeys(_giver(effect, figure) for effect, figure in givers))
 
 
+def _with_effects(need: str) -> str:
+    """Return what calls for a figure of the core; of a role of effects with those of the catalogue that have it."""
+    those = having(need)
+    return f"{need}, such as {' or '.join(those)}" if those else need
+
+
+def _has(scene: Scene, role: str) -> bool:
+    """Tell whether an effect of a scene says that it has a role there."""
+    every = ((active, active.effect.roles.get(role)) for active in scene.effects.values())
+    return any(key is not None and (not key or _states(scene, active.parameters, key)) for active, key in every)
+
+
 def _giver(effect: str, figure: Figure) -> str:
     own = [f"effects.{effect}{need}" for need in figure.needs if need.startswith(".")]
-    others = [need for need in figure.needs if not need.startswith(".")]
+    others = [_with_effects(need) for need in figure.needs if not need.startswith(".")]
     return " or ".join(own or [f"effects.{effect}"]) + (f", and {' or '.join(others)}" if others and not own else "")
 
 
@@ -207,10 +221,13 @@ def borrowed(name: str, effect: Effect, given: Iterable[str]) -> dict[str, Figur
 
 
 def _is_met(needs: tuple[str, ...], scene: Scene, parts: Parts, parameters: Any = None) -> bool:
-    if needs in _OF_PARTS:
-        return _OF_PARTS[needs](scene, parts)
-    every = ((key.split(": ") for key in need.split(" and ")) for need in needs)
-    return not needs or any(all(_states(scene, parameters, *key) for key in keys) for keys in every)
+    return not needs or any(_is_there(need, scene, parts, parameters) for need in needs)
+
+
+def _is_there(need: str, scene: Scene, parts: Parts, parameters: Any) -> bool:
+    if need in _ROLES:
+        return _ROLES[need](scene, parts)
+    return all(_states(scene, parameters, *key.split(": ")) for key in need.split(" and "))
 
 
 def _states(scene: Scene, parameters: Any, path: str, word: str = "") -> bool:

@@ -34,11 +34,21 @@ class Asked(NamedTuple):
 class GasModel:
     """A model by what makes a gas of what a scene says; what it cannot make raises ValueError in words.
 
-    One that `condenses` does so where CoolProp's fluid of that name saturates: a line's gas must lie above that.
+    One that `condenses` does so where CoolProp's fluid of that name saturates: a line's gas must lie above that. One
+    that is `blind` takes for a gas what of that fluid is a liquid. `finds_exponent`: its k follows from its equation,
+    and none can be stated; `phases`: it can follow both phases; `by_coolprop`: CoolProp can be asked in its place, a
+    `back_end` of studies as it is one itself. `told` returns what of the lines tells the gas beside its settings, None
+    where these do; without it the gas is made anew for every scene.
     """
 
     make: Callable[[Asked], Gas]
     condenses: bool = False
+    blind: bool = False
+    finds_exponent: bool = False
+    phases: bool = False
+    by_coolprop: bool = False
+    back_end: str = "own"
+    told: Callable[[Asked], float | None] | None = None
 
 
 def _ideal(asked: Asked) -> IdealGas:
@@ -53,7 +63,23 @@ def _real(asked: Asked) -> RealGas:
     return RealGas(asked.fluid, asked.two_phase)
 
 
-MODELS: dict[str, GasModel] = {"ideal": GasModel(_ideal), "real": GasModel(_real, condenses=True)}
+def _of_line(asked: Asked) -> float | None:
+    """Return the temperature [K] from which the k of an ideal gas follows; None where k is stated."""
+    return asked.suction_temperature() if asked.isentropic_exponent is None else None
+
+
+MODELS: dict[str, GasModel] = {
+    "ideal": GasModel(_ideal, blind=True, back_end="ideal", told=_of_line),
+    "real": GasModel(
+        _real,
+        condenses=True,
+        finds_exponent=True,
+        phases=True,
+        by_coolprop=True,
+        back_end="compiled",
+        told=lambda asked: None,
+    ),
+}
 
 
 def find_gas_model(name: str) -> GasModel:

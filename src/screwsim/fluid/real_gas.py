@@ -25,6 +25,7 @@ from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phases
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
+from screwsim.fluid.settings import EQUILIBRIUM, REFUSE
 from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kernel import Kernel
 
@@ -38,7 +39,7 @@ class RealGas:
     """A fluid by one of CoolProp's names, or a blend; `two_phase` is 'refuse' or 'equilibrium'."""
 
     fluid: str
-    two_phase: str = "refuse"
+    two_phase: str = REFUSE
     name = "real"
     varies = True  # exponent and choking vary with the state
 
@@ -51,24 +52,29 @@ class RealGas:
         return hash((self.fluid, self.two_phase))
 
     def __post_init__(self) -> None:
-        if self.two_phase == "equilibrium" and self.known.pseudo_pure:
+        if self.equilibrium and self.known.pseudo_pure:
             raise UsageError(
                 f"gas.two_phase: {self.known.name} is a mixture described as if it were pure: its two phases differ in "
                 "composition; use two_phase: refuse, or a pure fluid, or the blend itself (such as R410A.mix)"
             )
 
     @property
+    def equilibrium(self) -> bool:
+        """Are both phases followed where it condenses?"""
+        return self.two_phase == EQUILIBRIUM
+
+    @property
     def equations(self) -> tuple[str, ...]:
         """Numbers of its equations in docs/model.md."""
         if not self.known.blend:
             return "M46", "M47", "M48"
-        own = ("M350", "M351", "M352", "M353") if self.two_phase == "equilibrium" else ()
+        own = ("M350", "M351", "M352", "M353") if self.equilibrium else ()
         return "M46", "M310", "M311", "M312", "M313", "M314", "M315", "M316", *own, "M48"
 
     @property
     def follows(self) -> bool:
         """Is it a blend whose two phases are followed?"""
-        return self.known.blend and self.two_phase == "equilibrium"
+        return self.known.blend and self.equilibrium
 
     @property
     def known(self) -> Description:
@@ -231,7 +237,7 @@ class RealGas:
         Raises Unfound where a fluid with glide would be wet and that is refused.
         """
         T, rho = self._at(p, s, True)
-        below = self.known.glides and self.two_phase == "refuse" and T < saturation(self.fluid).T_c
+        below = self.known.glides and not self.equilibrium and T < saturation(self.fluid).T_c
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
             what = f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K), where an isentrope ends, is wet"
@@ -270,7 +276,7 @@ class RealGas:
 
     def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
         """Return the index of the first of the states (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
-        if self.two_phase == "refuse":
+        if not self.equilibrium:
             found = int(self._kernels["first_outside"](T, rho))
             return found if found >= 0 and self.why_outside(float(T[found]), float(rho[found])) else None
         if self.follows:  # wet states beyond the table may lie anywhere
@@ -292,7 +298,7 @@ class RealGas:
         if T < found.T_low:
             return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {found.T_low:.6g} K")
         if T < found.T_c and rho >= self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
-            if self.two_phase == "equilibrium":
+            if self.equilibrium:
                 return self._beyond(T, rho)
             saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
             what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"

@@ -13,6 +13,7 @@ from screwsim.fluid.blend_dome import blend_equilibrium_kernels
 from screwsim.fluid.description import describe
 from screwsim.fluid.dome import EquilibriumKernels, equilibrium_kernels, margin_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
+from screwsim.fluid.settings import EQUILIBRIUM
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 
@@ -21,7 +22,7 @@ def two_phases(fluid: str, two_phase: str) -> EquilibriumKernels | None:
     """Return the kernels of two phases in equilibrium; None where one phase goes on."""
     if not describe(fluid).glides:
         return equilibrium_kernels(fluid)
-    return blend_equilibrium_kernels(fluid) if two_phase == "equilibrium" else None
+    return blend_equilibrium_kernels(fluid) if two_phase == EQUILIBRIUM else None
 
 
 def state_of(fluid: str, two_phase: str) -> Kernel:

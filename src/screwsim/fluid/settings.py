@@ -9,6 +9,9 @@ from screwsim.fluid.composition import own_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import choice, fluid, number, numbers, quantity
 
+REFUSE, EQUILIBRIUM = "refuse", "equilibrium"  # what `gas.two_phase` says
+CARRIED = "carried"  # what `oil.transport` says, beside the paper's
+
 
 @dataclass(frozen=True)
 class GasSettings:
@@ -28,8 +31,8 @@ class GasSettings:
     )
     two_phase: str = choice(
         "a real gas that condenses: refuse it, or follow both phases in equilibrium",
-        ("refuse", "equilibrium"),
-        "refuse",
+        (REFUSE, EQUILIBRIUM),
+        REFUSE,
     )
     isentropic_exponent: float | None = number(
         "k of the ideal gas (default: cp0/(cp0 - R) at suction temperature; always c_v = R/(k - 1))",
@@ -51,6 +54,11 @@ class GasSettings:
         ge=0.0,
         hardly=(0.0, 30.0),
     )
+
+    @property
+    def equilibrium(self) -> bool:
+        """Tell whether both phases are to be followed where the gas condenses."""
+        return self.two_phase == EQUILIBRIUM
 
     @property
     def name(self) -> str:
@@ -86,9 +94,14 @@ class OilSettings:
     )
     transport: str = choice(
         "paper: ratio d constant after 360 deg; carried: oil mass is a state from 0 deg, leaks carry the donor's ratio",
-        ("paper", "carried"),
-        "carried",
+        ("paper", CARRIED),
+        CARRIED,
     )
+
+    @property
+    def carried(self) -> bool:
+        """Tell whether the oil's mass is a state of every chamber, which leaks carry along."""
+        return self.transport == CARRIED
 
     @property
     def knows_viscosity(self) -> bool:

@@ -32,6 +32,9 @@ class Found(float):
 AUTO = "auto"  # how a scene asks for it
 
 
+AREA, VOLUME = "area_m2", "volume_m3"  # columns of curves over the angle
+
+
 class DerivedCount(int):
     """A whole number that the scene does not state itself."""
 
@@ -187,6 +190,6 @@ def numbers(doc: str, default: Any = None, **limits: Unpack[Limits]) -> Any:
     return _field("numbers", default, doc, **limits)
 
 
-def file(doc: str, default: Any = None) -> Any:
-    """Declare the path of a file, relative to the scene."""
-    return _field("file", default, doc)
+def file(doc: str, default: Any = None, curve: str | None = None) -> Any:
+    """Declare the path of a file, relative to the scene; of a curve over the angle also the column of its values."""
+    return _field("file", default, doc, curve=curve)

@@ -8,39 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from screwsim.machine import moved_port, paper_law, table_law
+from screwsim.machine import moved_port
 from screwsim.machine.protocol import AreaLaw, MachineGeometry, VolumeKernels
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.machine.sliding import wall_speeds
-from screwsim.numerics.spline import features, read_curve
 
 if TYPE_CHECKING:
     from screwsim.machine.profile_law import Interface, Laid
-    from screwsim.machine.profile_tables import Table
-
-KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a breakpoint at every row; finer ones are smooth
-
-
-def table_breakpoints(angles: np.ndarray) -> tuple[float, ...]:
-    """Return the breakpoints of a table: its ends, and its rows when they lie at least 10° apart."""
-    coarse = np.min(np.diff(angles)) >= KNOTTED_SPACING
-    return tuple(angles) if coarse else (float(angles[0]), float(angles[-1]))
-
-
-def area_breakpoints(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
-    """Return the breakpoints of a table of areas: those of its angles, where it opens or has shut, narrow tops."""
-    return tuple(sorted({*table_breakpoints(angles), *features(angles, areas)}))
-
-
-def _area(table: Table) -> AreaLaw:
-    return AreaLaw(
-        table_law.area,
-        {},
-        table.ends,
-        (table.angle, table.value),
-        {"curve": table.curve},
-        own_breakpoints=table.breakpoints,
-    )
 
 
 @dataclass(frozen=True)
@@ -70,7 +44,7 @@ class Geometry(MachineGeometry):
 
     @cached_property  # asked for a thousand times a cycle
     def _profile(self) -> Laid | None:
-        if self.settings.volume.law != "profile":
+        if not self.settings.volume.from_rotors:
             return None
         from screwsim.machine.profile_law import lay  # here: rotors take long to import, and closed forms need none
 
@@ -90,7 +64,7 @@ class Geometry(MachineGeometry):
     @property
     def expands(self) -> bool:
         """Tell whether the machine runs backwards, as an expander (M150)."""
-        return self.settings.mode == "expander"
+        return self.settings.expands
 
     @property
     def discharge_opens(self) -> float | None:
@@ -109,7 +83,7 @@ class Geometry(MachineGeometry):
             return self.profile.volume_ratio
         ratios = (self.settings.built_in_volume_ratio, self.settings.axial_volume_ratio)
         stated = [each for each in ratios if each is not None]
-        return min(stated) if stated and port is not None and port.law == "profile" else None
+        return min(stated) if stated and port is not None and port.from_rotors else None
 
     @property
     def swept_volume(self) -> float:
@@ -120,7 +94,7 @@ class Geometry(MachineGeometry):
     def outcomes(self) -> tuple[float, ...]:
         """What tells machines apart whose numbers are all in tables: volume [m³], opening [rad], way of a slide [m]."""
         port = self.settings.discharge_port
-        tabled = port is not None and port.law == "table" and self.settings.built_in_volume_ratio is not None
+        tabled = port is not None and port.from_file and self.settings.built_in_volume_ratio is not None
         opens = (self.discharge_law().opens or 0.0,) if tabled else ()
         if self.profile is None:
             return opens
@@ -149,71 +123,29 @@ class Geometry(MachineGeometry):
         return replace(law, mirror=self.life, breakpoints=breakpoints, own_breakpoints=own)
 
     def _volume_law(self) -> VolumeKernels:
-        """Return the volume law (M16, or M14 from a table, scaled so that its maximum is the swept volume)."""
-        law, profile = self.settings.volume, self.profile
-        if profile is not None:
-            table, values = profile.volume, {"V_min": law.dead_of(profile.swept)}
-            tables = {"volume_curve": table.curve}
-            laws = table_law.volume, table_law.volume_slope
-            return VolumeKernels(*laws, values, table.ends, tables, table.breakpoints)
-        if law.law == "table":
-            angles, volumes = read_curve(str(law.file), "volume_m3")
-            tables = {"volume_curve": (angles, volumes * (self.swept_volume / np.max(volumes)))}
-            values = {"V_min": law.dead}
-            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table_breakpoints(angles), tables)
-        values = {"V_max": law.max or 0.0, "V_min": law.dead, "phi_A": float(law.phi_A or 0.0)}
-        breakpoints = (values["phi_A"], LIFE - values["phi_A"])
-        return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, breakpoints)
+        return self.settings.volume.read_by.volume(self)
 
     def suction_law(self) -> AreaLaw:
-        """Return the area law of the suction port (M17 or M14), over the angle of a compressor."""
+        """Return the area law of the suction port, over the angle of a compressor."""
         law = self.settings.suction_port
         assert law is not None  # checked with the scene
-        if law.law == "profile" and self.profile is not None:
-            return _area(self.profile.suction)
-        if law.law == "table":
-            return self._table(str(law.file))
-        phi_B, area = float(law.phi_B or 0.0), float(law.area or 0.0)
-        breakpoints, rows = (phi_B, TURN - phi_B, TURN), ((0.0, 0.5 * TURN, TURN), (0.0, area, 0.0))
-        return AreaLaw(paper_law.suction_area, {"S_suc": area, "phi_B": phi_B}, breakpoints, rows)
+        return law.read_by.suction(self)
 
     def discharge_law(self) -> AreaLaw:
-        """Return the area law of the discharge port (M18 or M14), over the angle of a compressor."""
+        """Return the area law of the discharge port, over the angle of a compressor."""
         return self._discharge
 
     @cached_property
     def _discharge(self) -> AreaLaw:
         law = self.settings.discharge_port
         assert law is not None  # checked with the scene
-        if law.law == "profile" and self.profile is not None:
-            return _area(self.profile.discharge)
-        if law.law == "table":
-            return self._moved(str(law.file))
-        opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
-        values = {"S_dis": float(law.area or 0.0), "phi_dis": opens, "phi_C": phi_C}
-        rows = (opens, 0.5 * (opens + LIFE), LIFE), (0.0, values["S_dis"], 0.0)
-        return AreaLaw(paper_law.discharge_area, values, (opens, phi_C, LIFE - (phi_C - opens)), rows)
+        return law.read_by.discharge(self)
 
     def widest_discharge(self) -> float:
         """Return the angle at which the discharge port is widest [rad]; the end of the life without a port."""
         return self.life if self.settings.discharge_port is None else self.discharge_law().widest
 
-    def _moved(self, path: str) -> AreaLaw:
-        """Return the law of a tabulated discharge port, moved to the built-in volume ratio if one is stated (M394)."""
-        ratio = self.settings.built_in_volume_ratio
-        if ratio is None:
-            return self._table(path)
-        return self._rows(*moved_port.moved(*read_curve(path, "area_m2"), self.opening_angle(ratio), ratio))
-
     def opening_angle(self, ratio: float) -> float | None:
         """Return the angle of a compressor's chamber at which it has its largest volume over a ratio [rad]; or None."""
         own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
         return moved_port.opening_angle(self._volume_law(), own, self.life, ratio)
-
-    @classmethod
-    def _table(cls, path: str) -> AreaLaw:
-        return cls._rows(*read_curve(path, "area_m2"))
-
-    @staticmethod
-    def _rows(angles: np.ndarray, areas: np.ndarray) -> AreaLaw:
-        return AreaLaw(table_law.area, {}, area_breakpoints(angles, areas), (angles, areas), {"curve": (angles, areas)})

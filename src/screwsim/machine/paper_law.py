@@ -11,6 +11,7 @@ from math import pi
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
+LIFE = 2.0 * TURN  # angle of a chamber's life, 720° (before eq. 5)
 
 
 @kernel

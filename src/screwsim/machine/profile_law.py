@@ -178,7 +178,7 @@ def _missing(machine: TwinScrew) -> list[Fault]:
 
 def check_profile_law(machine: TwinScrew) -> list[Fault]:
     """Return the faults of a machine whose volume comes from its profile: what is missing, rotors that cannot be."""
-    if machine.volume.law != "profile":
+    if not machine.volume.from_rotors:
         what = f"is not used: machine.volume.law is {machine.volume.law} (write law: profile there, or remove this)"
         return [Fault("machine.profile", what)] if machine.profile is not None else []
     try:

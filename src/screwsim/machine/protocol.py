@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -23,6 +23,17 @@ OIL = "oil"  # is injected into the chambers
 HOLES = "holes"  # in the housing, which the chambers pass: lengths of life and angles of the twin screw's axis
 ROTORS = "screw rotors"  # a male and a female one, with their settings and symbols
 CYLINDER = "cylinder"  # one chamber with a bore, valves and rings
+
+# scales of a machine, against which sizes of effects are held
+LOBE = "height of a lobe"
+DIAMETER, SQUARE = "rotor diameter", "square of the rotor diameter"
+SPAN = "rotor diameter and length together"
+SHELL = "both bores and their ends"
+WIDEST = 350.0  # of the shell: an ideal machine has ports some hundred times too wide to throttle
+BORE, PISTON = "bore", "area of the piston"
+
+
+COMPRESSOR, EXPANDER = "compressor", "expander"  # what `machine.mode` says
 
 
 @dataclass(frozen=True)
@@ -98,6 +109,16 @@ class MachineSettings(Protocol):
     mode: str
     finds_gaps = ""
     counts_otherwise = False
+
+    @property
+    def stated_life(self) -> float | None:
+        """Angle of a chamber's life [rad]; None where these settings alone do not tell it."""
+        return None
+
+    @property
+    def expands(self) -> bool:
+        """Tell whether it runs backwards, as an expander (M150)."""
+        return self.mode == EXPANDER
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
@@ -205,6 +226,13 @@ class MachineGeometry(Protocol):
         return ()
 
 
+class Measure(NamedTuple):
+    """A scale of a machine [SI], by its settings, and what so many of it are in words: 'of the bore'."""
+
+    of: Callable[[Any], float]
+    what: str
+
+
 @dataclass(frozen=True)
 class Size:
     """A size at a path of a scene: its share of `of` [SI] is at most `most`, and hardly outside `usual`."""
@@ -232,7 +260,8 @@ class MachineKind:
     """One kind of machine: a module of its own with a variable MACHINE.
 
     `settings` is the type of its settings, `geometry` makes a `MachineGeometry` of them, `check` returns their faults.
-    `offers` is what effects may ask of it. `sizes` and `speed` bound what can be, `tables` the largest area of a table.
+    `offers` is what effects may ask of it. `sizes` and `speed` bound what can be, `tables` the largest area of a table,
+    `scales` are those against which effects hold sizes of their own.
     `called` are other words for it, `chamber` is its chamber in words; `dead_volume` returns path and size [m³] of what
     is left of a chamber, no path where a table holds it. `derived` fills in what of the settings follows from what they
     state in its place, and `stated` yields what they state twice, or not at all: asked before anything else.
@@ -243,6 +272,7 @@ class MachineKind:
     offers: frozenset[str]
     check: Callable[[Any], list[Fault]] = lambda machine: []
     sizes: tuple[Size, ...] = ()
+    scales: Mapping[str, Measure] = field(default_factory=dict)
     speed: Speed | None = None
     tables: Size | None = None
     called: tuple[str, ...] = ()

@@ -7,30 +7,28 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.inputs.declare import DerivedCount, choice, count, file, number, quantity
+from screwsim.inputs.declare import AREA, VOLUME, DerivedCount, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.protocol import MachineSettings
+from screwsim.machine.laws import LAWS, ByLaw
+from screwsim.machine.paper_law import LIFE, TURN
+from screwsim.machine.protocol import COMPRESSOR, EXPANDER, MachineSettings
 from screwsim.machine.rotors.settings import Profile, SlideValve
-
-TURN = 2.0 * math.pi
-LIFE = 2.0 * TURN  # angle of a chamber's life, 720° (paper, before eq. 5)
-LAWS = ("paper", "table", "profile")
 
 
 def _law_of(equation: str) -> Any:
     what = f"paper: {equation}; table: C1 spline through a CSV file; profile: from machine.profile"
-    return choice(what, LAWS, "paper")
+    return choice(what, tuple(LAWS), "paper")
 
 
 @dataclass(frozen=True)
-class VolumeLaw:
+class VolumeLaw(ByLaw):
     """Chamber volume over the male-rotor angle."""
 
     law: str = _law_of("eq. (16), model.md M16")
     max: float | None = quantity("volume", "swept volume of one chamber (law: profile finds it)", None, gt=0.0)
     min: float | None = quantity("volume", "dead volume (default: 1e-4 of max)", None, gt=0.0)
     phi_A: float | None = quantity("angle", "end of the opening branch of (16), in (0, 360 deg]", None)
-    file: str | None = file("CSV with columns angle_deg, volume_m3 (swept part; law: table)")
+    file: str | None = file("CSV with columns angle_deg, volume_m3 (swept part; law: table)", curve=VOLUME)
     life: float | None = quantity(
         "angle", "angle of a chamber's life, whole lobe pitches (law: table; default: 720 deg)", None, gt=0.0
     )
@@ -49,17 +47,17 @@ class VolumeLaw:
 
 
 @dataclass(frozen=True)
-class SuctionPort:
+class SuctionPort(ByLaw):
     """Area of the suction port over the male-rotor angle."""
 
     law: str = _law_of("eq. (17), model.md M17")
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     phi_B: float | None = quantity("angle", "end of the opening branch of (17), in (0, 180 deg]", None)
-    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
+    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)", curve=AREA)
 
 
 @dataclass(frozen=True)
-class DischargePort:
+class DischargePort(ByLaw):
     """Area of the discharge port over the male-rotor angle."""
 
     law: str = _law_of("eq. (18), model.md M18")
@@ -75,7 +73,7 @@ class DischargePort:
         "5/16 of the way)",
         None,
     )
-    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
+    file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)", curve=AREA)
 
 
 @dataclass(frozen=True)
@@ -96,9 +94,7 @@ class TwinScrew(MachineSettings):
     """A twin-screw machine: one chamber per male lobe and revolution."""
 
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
-    mode: str = choice(
-        "compressor, or expander (discharge below suction pressure)", ("compressor", "expander"), "compressor"
-    )
+    mode: str = choice("compressor, or expander (discharge below suction pressure)", (COMPRESSOR, EXPANDER), COMPRESSOR)
     male_lobes: int = count("number of male lobes z1 (a family's are its own)", DerivedCount(4), ge=1, le=12)
     female_lobes: int = count("number of female lobes z2 (a family's are its own)", DerivedCount(6), ge=1, le=14)
     rotor_diameter: float = quantity(
@@ -147,9 +143,14 @@ class TwinScrew(MachineSettings):
         return 0.5 * self.rotor_diameter * omega
 
     @property
+    def stated_life(self) -> float | None:
+        """Angle of a chamber's life [rad]; None where the rotors tell it."""
+        return None if self.volume.from_rotors else self.volume.life or LIFE
+
+    @property
     def finds_gaps(self) -> str:
         """What finds lengths and neighbours of the gaps; empty where formulas of the effects do."""
-        return "machine.volume.law: profile" if self.volume.law == "profile" else ""
+        return "machine.volume.law: profile" if self.volume.from_rotors else ""
 
     @property
     def counts_otherwise(self) -> bool:
@@ -172,7 +173,7 @@ def check_twin_screw(machine: TwinScrew) -> list[Fault]:
     """Return the faults of the geometry: ranges of φ_A, φ_B, φ_dis, φ_C (0 excluded: it divides), missing fields."""
     parts = {name: getattr(machine, name) for name in ("volume", "suction_port", "discharge_port")}
     laws = {name: law for name, law in parts.items() if law is not None}
-    angles = (fault for name, law in laws.items() if law.law == "paper" for fault in _angles(name, law))
+    angles = (fault for name, law in laws.items() if law.by_formula for fault in _angles(name, law))
     return [*angles, *(fault for name, law in laws.items() for fault in _law(name, law)), *_life(machine)]
 
 
@@ -194,16 +195,16 @@ def _angles(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator
 def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fault]:
     """Yield what a law lacks, and what is given beside it that belongs to another."""
     path = f"machine.{name}"
-    if law.law == "table" and law.file is None:
+    if law.from_file and law.file is None:
         yield Fault(f"{path}.file", "is missing (law: table needs a CSV file)")
-    if law.law != "table" and law.file is not None:
+    if not law.from_file and law.file is not None:
         yield Fault(f"{path}.file", "belongs to law: table (write `law: table`, or remove the file)")
     if isinstance(law, VolumeLaw):
-        if law.law != "profile" and law.max is None:
+        if not law.from_rotors and law.max is None:
             yield Fault(f"{path}.max", "is missing (write e.g. max: 500 cm^3; swept volume of one chamber)")
-    elif law.law == "paper" and law.area is None:
+    elif law.by_formula and law.area is None:
         yield Fault(f"{path}.area", "is missing (law: paper needs it)")
-    for field in ("max", "phi_A", "area", "phi_B", "opens", "phi_C") if law.law == "profile" else ():
+    for field in ("max", "phi_A", "area", "phi_B", "opens", "phi_C") if law.from_rotors else ():
         if getattr(law, field, None) is not None:
             yield Fault(f"{path}.{field}", "belongs to another law: profile finds it from the rotors (remove it)")
 
@@ -213,7 +214,7 @@ def _life(machine: TwinScrew) -> Iterator[Fault]:
     volume, pitch, good = machine.volume, machine.pitch, True
     for field in ("life", "injection_angle"):
         angle, what = getattr(volume, field), ""
-        if angle is not None and volume.law != "table":
+        if angle is not None and not volume.from_file:
             what = f"belongs to law: table; law: {volume.law} knows it (remove it)"
         elif angle is not None and abs(angle / pitch - round(angle / pitch)) > 1e-9:
             step = f"{math.degrees(pitch):.6g} deg"
@@ -227,8 +228,8 @@ def _life(machine: TwinScrew) -> Iterator[Fault]:
         yield Fault("machine.volume.injection_angle", what)
     for name in ("suction_port", "discharge_port"):
         law = getattr(machine, name)
-        if law is not None and law.law == "paper" and (volume.law == "profile" or machine.counts_otherwise):
+        if law is not None and law.by_formula and (volume.from_rotors or machine.counts_otherwise):
             what = "paper counts a life of 720 deg, which volume has not (write law: table or law: profile)"
             yield Fault(f"machine.{name}.law", what)
-        if law is not None and law.law == "profile" and volume.law != "profile":
+        if law is not None and law.from_rotors and not volume.from_rotors:
             yield Fault(f"machine.{name}.law", "profile needs machine.volume.law: profile (write that, too)")

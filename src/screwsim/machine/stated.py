@@ -47,7 +47,7 @@ def states_otherwise(machine: TwinScrew) -> bool:
 
 
 def _opened_by_ratio(machine: TwinScrew) -> bool:
-    return machine.built_in_volume_ratio is not None and machine.volume.law != "profile"
+    return machine.built_in_volume_ratio is not None and not machine.volume.from_rotors
 
 
 def derived(machine: TwinScrew) -> TwinScrew:
@@ -76,7 +76,7 @@ def _sized(machine: TwinScrew) -> TwinScrew:
     """Return a machine with its diameter and length, or the volume of a chamber, from a displacement."""
     profile, stated = machine.profile, machine.displacement
     family = None if profile is None or profile.family is None else FAMILIES[profile.family]
-    if stated is not None and machine.volume.law != "profile":
+    if stated is not None and not machine.volume.from_rotors:
         return replace(machine, volume=replace(machine.volume, max=Derived(stated.volume / machine.male_lobes)))
     if profile is None or family is None:
         return machine
@@ -117,7 +117,7 @@ def unit_volume(name: str, wrap: float) -> float:
 
 def _opened(machine: TwinScrew) -> TwinScrew:
     port, ratio = machine.discharge_port, machine.built_in_volume_ratio
-    if port is None or ratio is None or port.law == "table" or not _opened_by_ratio(machine):
+    if port is None or ratio is None or port.from_file or not _opened_by_ratio(machine):
         return machine
     opens = opening_angle(machine, ratio)
     end = Derived(opens + OPENING * 0.5 * (LIFE - opens))
@@ -130,7 +130,7 @@ def opening_angle(machine: TwinScrew, ratio: float) -> float:
     Dead volume included, as `built_in_volume_ratio` of a result is; the life's end where there is no such angle.
     """
     law = machine.volume
-    if law.law == "table":
+    if law.from_file:
         try:
             found = Geometry(machine).opening_angle(ratio)
         except UsageError:  # told where files are checked
@@ -151,7 +151,7 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
     """Yield what is stated twice, and what nothing states."""
     yield from _of_family(machine)
     yield from _of_displacement(machine)
-    by_family = machine.profile is not None and machine.profile.family is not None and machine.volume.law == "profile"
+    by_family = machine.profile is not None and machine.profile.family is not None and machine.volume.from_rotors
     if own(machine.rotor_diameter) is None and not (by_family and machine.displacement is not None):
         what = "is missing (write rotor_diameter: … mm; outer diameter of the male rotor"
         only = "; displacement states volume.max alone here)" if machine.displacement is not None else ")"
@@ -160,7 +160,7 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
         yield Fault("machine.rotor_length", "is missing (write rotor_length: … mm; length of the rotors)")
     if _opened_by_ratio(machine):
         yield from _of_ratio(machine)
-    if machine.axial_volume_ratio is not None and machine.volume.law != "profile":
+    if machine.axial_volume_ratio is not None and not machine.volume.from_rotors:
         what = "belongs to law: profile, whose discharge port has two parts (remove it)"
         yield Fault("machine.axial_volume_ratio", what)
     if machine.slide_valve is not None:
@@ -169,10 +169,10 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
 
 def _of_slide(machine: TwinScrew) -> Iterator[Fault]:
     port, path = machine.discharge_port, "machine.slide_valve"
-    if machine.volume.law != "profile" or port is None or port.law != "profile":
+    if not machine.volume.from_rotors or port is None or not port.from_rotors:
         what = "needs rotors: machine.volume.law and machine.discharge_port.law: profile"
         yield Fault(path, f"{what} (write these; under other laws effects.slide_valve states its own angles)")
-    elif machine.mode == "expander":
+    elif machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
 
 
@@ -197,7 +197,7 @@ def _of_displacement(machine: TwinScrew) -> Iterator[Fault]:
     if machine.displacement is None:
         return
     path, remedy = "machine.displacement", "remove one of the two, null in place of a base's"
-    if machine.volume.law != "profile":
+    if not machine.volume.from_rotors:
         if own(machine.volume.max) is not None:
             yield Fault("machine.volume.max", f"is given beside {path}, which states it, too ({remedy})")
     elif machine.profile is None or machine.profile.family is None:
@@ -212,7 +212,7 @@ def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
     if port is None:
         yield Fault(PATH, "needs the section machine.discharge_port, which it opens (write it, or remove this)")
         return
-    if port.law == "table":
+    if port.from_file:
         yield from table_port_faults(_sized(machine))
         return
     for name in ("opens", "phi_C"):
@@ -220,7 +220,7 @@ def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
             what = f"is given beside {PATH}, from which it follows"
             yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two, null in place of a base's)")
     law, ratio = machine.volume, machine.built_in_volume_ratio or 0.0
-    known = law.phi_A is not None and 0.0 < law.phi_A <= TURN if law.law == "paper" else law.file is not None
+    known = law.phi_A is not None and 0.0 < law.phi_A <= TURN if law.by_formula else law.file is not None
     if known and (law.max or machine.displacement is not None):
         yield from _late(machine, ratio)
 
@@ -235,9 +235,9 @@ def _late(machine: TwinScrew, ratio: float) -> Iterator[Fault]:
 def table_port_faults(machine: TwinScrew) -> list[Fault]:
     """Return why a tabulated discharge port cannot be moved to the built-in volume ratio."""
     port, law = machine.discharge_port, machine.volume
-    if port is None or port.file is None or (law.law == "table" and (law.file is None or not law.max)):
+    if port is None or port.file is None or (law.from_file and (law.file is None or not law.max)):
         return []  # what is missing is told elsewhere
-    if law.law == "paper" and not (law.max and law.phi_A is not None and 0.0 < law.phi_A <= TURN):
+    if law.by_formula and not (law.max and law.phi_A is not None and 0.0 < law.phi_A <= TURN):
         return []
     try:
         Geometry(machine).discharge_law()

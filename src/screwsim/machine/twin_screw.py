@@ -8,7 +8,7 @@ from operator import attrgetter
 from screwsim.inputs.faults import Fault
 from screwsim.machine import protocol
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.protocol import MachineKind, Size, Speed
+from screwsim.machine.protocol import WIDEST, MachineKind, Measure, Size, Speed
 from screwsim.machine.settings import TwinScrew, check_twin_screw
 from screwsim.machine.stated import derived, stated_faults, table_port_faults
 
@@ -41,9 +41,8 @@ def _line(machine: TwinScrew) -> float:
 _diameter = attrgetter("rotor_diameter")
 _HOLDS = "of what a chamber can have of both rotors' bores"
 _WALL = "of the area of both bores and their ends"
-_LOBE = "of the height of a lobe"
-_D, _DD, _LINE = "rotor diameters", "of the rotor diameter's square", "of rotor diameter and length together"
-_ANY, WIDEST = 0.0, 350.0  # an ideal machine has ports some hundred times too wide to throttle
+_D = "rotor diameters"
+_ANY = 0.0
 _SIZES = (
     Size("machine.rotor_length", _diameter, _D, 30.0, (0.4, 4.0), "shorter rotors, or a larger rotor_diameter"),
     Size(
@@ -60,50 +59,30 @@ _SIZES = (
     Size("machine.suction_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
     Size("machine.discharge_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
     Size("oil_supply.orifice_diameter", _diameter, _D, 0.5, (_ANY, 0.2)),
-    Size("effects.tip_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
-    Size("effects.interlobe_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
-    Size("effects.end_face_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
-    Size("effects.interlobe_leakage.length", _line, _LINE, 30.0, (0.05, 3.0)),
-    Size("effects.interlobe_leakage.tip_length", _line, _LINE, 30.0, (_ANY, 2.0)),
-    Size("effects.end_face_leakage.length", _line, _LINE, 30.0, (0.01, 3.0)),
-    Size("effects.blow_hole.area", _square, _DD, 0.2, (_ANY, 0.02)),
-    Size("effects.blow_hole.suction_area", _square, _DD, 0.2, (_ANY, 0.04)),
-    Size("effects.slide_valve.slot_area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
-    Size("effects.slide_valve.radial_area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
-    Size("effects.bypass.area", _shell, _WALL, WIDEST, (_ANY, 0.2)),
-    Size("effects.economizer.area", _shell, _WALL, WIDEST, (_ANY, 0.2)),
-    Size("effects.liquid_injection.area", _shell, _WALL, WIDEST, (_ANY, 0.05)),
-    Size("effects.oil_heat.droplet_radius", _lobe, _LOBE, 1e9, (_ANY, 0.2)),
-    Size("effects.droplets.diameter", _lobe, _LOBE, 1e9, (_ANY, 0.3)),  # none exchange heat in that limit
-    Size("effects.droplets.orifice_diameter", _diameter, _D, 1e9, (_ANY, 0.2)),
-    Size("effects.oil_drag.tip_gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
-    Size("effects.oil_drag.end_gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
-    Size("effects.oil_drag.tip_land", _diameter, _D, 1.0, (_ANY, 0.2)),
-    Size("effects.oil_drag.female_diameter", _diameter, _D, 10.0, (0.5, 1.5)),
-    Size("effects.bearings.bore", _diameter, _D, 10.0, (0.05, 1.0)),
-    Size("effects.bearings.mean_diameter", _diameter, _D, 10.0, (0.05, 1.5)),
-    Size("effects.wall_heat.rotor_area", _shell, _WALL, 100.0, (_ANY, 2.0)),
-    Size("effects.wall_heat.housing_area", _shell, _WALL, 100.0, (_ANY, 2.0)),
-    Size("effects.wall_heat.characteristic_length", _diameter, _D, 30.0, (_ANY, 1.0)),
-    Size("effects.thermal_clearances.axis_distance", _diameter, _D, 10.0, (0.5, 1.2)),
-    Size("effects.thermal_clearances.bearing_distance", _line, _LINE, 100.0, (_ANY, 2.0)),
 )
+_SCALES = {
+    protocol.LOBE: Measure(_lobe, "of the height of a lobe"),
+    protocol.DIAMETER: Measure(_diameter, _D),
+    protocol.SQUARE: Measure(_square, "of the rotor diameter's square"),
+    protocol.SPAN: Measure(_line, "of rotor diameter and length together"),
+    protocol.SHELL: Measure(_shell, _WALL),
+}
 
 
 def _check(machine: TwinScrew) -> list[Fault]:
     found = check_twin_screw(machine)
-    if machine.volume.law != "profile" and machine.profile is None:
+    if not machine.volume.from_rotors and machine.profile is None:
         return list(found)
     from screwsim.machine.profile_law import check_profile_law  # here: rotors take long to import
 
     found = [*found, *check_profile_law(machine)]
     port = machine.discharge_port
-    moves = machine.volume.law == "profile" and port is not None and port.law == "table"
+    moves = machine.volume.from_rotors and port is not None and port.from_file
     return [*found, *table_port_faults(machine)] if moves and not found else found
 
 
 def _dead_volume(machine: TwinScrew) -> tuple[str, float]:
-    path = "machine.volume.min" if machine.volume.law != "table" else ""
+    path = "machine.volume.min" if not machine.volume.from_file else ""
     return path, machine.volume.dead_of(Geometry(machine).swept_volume)
 
 
@@ -115,6 +94,7 @@ MACHINE = MachineKind(
     offers=_OFFERS,
     check=_check,
     sizes=_SIZES,
+    scales=_SCALES,
     speed=Speed("moves the rotors' tips at", 1000.0, 150.0, "steel bursts at about 500 m/s"),
     tables=Size("", _shell, _WALL, WIDEST, (_ANY, math.inf)),
     called=("screw", "double_screw"),

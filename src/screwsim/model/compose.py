@@ -31,7 +31,7 @@ from screwsim.numerics.kernel import Kernel
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 Named = Sequence[tuple[str, FlowPath]]
-PORTS, LINES = ("suction_port", "discharge_port"), ("suction", "discharge")
+LINES = ("suction", "discharge")
 
 
 def compose(parts: Parts) -> Composition:
@@ -101,7 +101,7 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
     """Return the cells and connections of a scene; what is called of them is written later."""
     oil, ported = parts.oil, parts.oil_port is not None
     heated = bool(parts.all(HeatRate)) or ported or parts.oil_room
-    carried = heated and oil is not None and oil.transport == "carried"
+    carried = heated and oil is not None and oil.carried
     if not carried and (ported or parts.oil_room):
         raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
     if not carried and any(parts.films):
@@ -121,7 +121,7 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
         network.ports.append(port)
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
     # effects that open chambers beyond the injection angle to suction, or others to discharge
-    network.across = any(name not in PORTS and path.to in LINES for name, path in plenum)
+    network.across = any(not path.port and path.to in LINES for _, path in plenum)
     network.chambers = parts.geometry.chambers
     return network
 

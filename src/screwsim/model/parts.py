@@ -31,7 +31,7 @@ Widths = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class OilPart:
-    """The oil in the model: properties [SI], transport ('paper' or 'carried') and supply.
+    """The oil in the model: properties [SI], whether its mass is `carried` as a state, and supply.
 
     `supply` is {'ratio': d} for a pump, or the orifice's density, viscosity, diameter, length, number, p_separator.
     """
@@ -39,7 +39,7 @@ class OilPart:
     density: float
     heat_capacity: float
     temperature: float
-    transport: str
+    carried: bool
     supply: Mapping[str, float]
     source_pressure: float = 0.0
 

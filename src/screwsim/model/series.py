@@ -54,9 +54,9 @@ def _alike(parts: Parts, other: Parts) -> bool:
     return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
 
 
-def _supplied(parts: Parts) -> tuple[str, ...]:
+def _supplied(parts: Parts) -> tuple[Any, ...]:
     """Return what of the oil decides on the structure: nothing without oil, its transport, names of its supply."""
-    return () if parts.oil is None else (parts.oil.transport, *parts.oil.supply)
+    return () if parts.oil is None else (parts.oil.carried, *parts.oil.supply)
 
 
 def _filled(composition: Composition, parts: Parts) -> Composition:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.inputs.declare import choice, number
+from screwsim.numerics.closings import AUTO, CLOSINGS
 from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
 
 
@@ -18,8 +19,8 @@ class NumericsSettings:
     )
     closing: str = choice(
         "auto: histories as long as they cost no more than coupled chambers would",
-        ("auto", "histories", "coupled"),
-        "auto",
+        tuple(CLOSINGS),
+        AUTO,
     )
     rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
     error: str = choice(

@@ -6,6 +6,7 @@ an effect gives it declares itself. A result has those that its scene calls for:
 """
 
 from screwsim.outputs.core import (
+    AFTERCOOLED,
     CHANGED,
     CONDENSED,
     COOLED,
@@ -52,6 +53,7 @@ from screwsim.outputs.variables import (
 )
 
 __all__ = [
+    "AFTERCOOLED",
     "BALANCE",
     "BESIDE",
     "BESIDE_RATIO",

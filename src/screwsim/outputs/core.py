@@ -8,13 +8,14 @@ from screwsim.outputs.declared import LEAST_OIL, POWER, Figure, Scale, efficienc
 
 # what calls for a figure of the core, beside keys of a scene (`figures.called_for`)
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
-HEATED = ("an effect that gives the oil a temperature, such as effects.oil_heat",)
 COOLED = ("operation.condensing_temperature and machine.mode: compressor", "operation.gas_cooler")
-CHANGED = ("effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "another effect with an Intake")
-WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
-HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
-
 HUMID = ("gas.relative_humidity",)
+# roles of effects, which say that they have them (`effects.base`)
+HEATED = ("an effect that gives the oil a temperature",)
+CHANGED = ("an effect with an Intake",)
+WALLED = ("an effect with a Wall",)
+HELD = ("an effect by which the oil gives its gas off over time",)
+AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity, an effect with an aftercooler")
 # of what condenses: saturation changes by 15 and more times what the temperature does
 CONDENSED = Scale(15.0, ("water_flow",))
 
@@ -106,7 +107,7 @@ _CORE = (
         "kg s-1",
         "water that condenses in the aftercooler",
         CONDENSED,
-        ("operation.aftercooler_temperature", "gas.relative_humidity and effects.air_package.aftercooler"),
+        AFTERCOOLED,
         shown="kg h-1",
     ),
     _humid(

@@ -37,9 +37,11 @@ def laid_of(scene: Scene) -> Laid:
     kind = scene.machine.kind
     if kind != TWIN_SCREW:
         raise UsageError(f"machine.kind is {kind}: there are no rotors (name a scene of a {TWIN_SCREW})")
-    law = twin_screw(scene.machine).volume.law
-    if law != "profile":
-        raise UsageError(f"machine.volume.law is {law}: there are no rotors (write machine.profile and law: profile)")
+    law = twin_screw(scene.machine).volume
+    if not law.from_rotors:
+        raise UsageError(
+            f"machine.volume.law is {law.law}: there are no rotors (write machine.profile and law: profile)"
+        )
     return lay(twin_screw(scene.machine))
 
 
@@ -176,7 +178,7 @@ def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
     ports = {
         name: replace(port, law="table", file=str(folder / f"{name}.csv"))
         for name in ("suction_port", "discharge_port")
-        if (port := getattr(machine, name)) is not None and port.law == "profile"
+        if (port := getattr(machine, name)) is not None and port.from_rotors
     }
     stated = {name: plain(getattr(machine, name)) for name in sizes}
     return replace(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
+from screwsim.effects import stating
 from screwsim.effects.base import CoolsOil
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
-from screwsim.inputs.declare import Found
+from screwsim.inputs.declare import AREA, VOLUME, Found
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.kinds import check_machine, kind_of, offering
 from screwsim.machine.protocol import OIL
@@ -17,13 +18,6 @@ from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
-
-SEPARATOR = "separator"  # the effect that finds the oil's temperature
-VOLUME_COLUMN = "volume_m3"
-CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
-AREA_COLUMN = "area_m2"
-# points of a profile, efficiencies of a motor: no curves over the angle, read with their own checks
-READ_ELSEWHERE = {"machine.profile.file", "effects.motor.efficiency_file"}
 
 
 def cross_check(scene: Scene) -> list[Fault]:
@@ -55,7 +49,7 @@ def _dry(scene: Scene) -> Iterator[Fault]:
 
 def _expander(scene: Scene) -> Iterator[Fault]:
     """Yield what does not go together with an expander; asked of a scene whose lines are those of one."""
-    if scene.machine.mode == "expander" and scene.oil_supply is not None:
+    if scene.machine.expands and scene.oil_supply is not None:
         why = "oil is injected where compression begins, at the end of an expansion"
         yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
 
@@ -87,13 +81,16 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
         return
     if scene.oil is None:
         yield Fault("oil", "is missing (oil_supply needs it: write density and heat_capacity, or remove oil_supply)")
-    if supply.temperature is None and SEPARATOR not in scene.effects:
-        remedy = f"write e.g. temperature: 325 K, or name effects.{SEPARATOR}, which finds it"
+    if supply.temperature is None and _cooling(scene) is None:
+        remedy = f"write e.g. temperature: 325 K, or name effects.{stating(CoolsOil)}, which finds it"
         yield Fault("oil_supply.temperature", f"is missing ({remedy})")
-    if supply.kind == "pump":
-        yield from _pump(scene)
-    if supply.kind == "displacement":
-        yield from _displacement(scene)
+    yield from _pump(scene) if supply.pumped else _displacement(scene)
+
+
+def _cooling(scene: Scene) -> tuple[str, CoolsOil] | None:
+    """Return the effect that cools the oil and may find its temperature, and its parameters; None without one."""
+    every = ((name, active.parameters) for name, active in scene.effects.items())
+    return next(((name, one) for name, one in every if isinstance(one, CoolsOil)), None)
 
 
 def _pump(scene: Scene) -> Iterator[Fault]:
@@ -123,18 +120,18 @@ def _sought(scene: Scene) -> Iterator[Fault]:
     """Yield what does not go together with an oil flow that is found for a temperature at discharge."""
     supply, path = scene.oil_supply, "oil_supply.discharge_temperature"
     assert supply is not None and supply.discharge_temperature is not None
-    active = scene.effects.get(SEPARATOR)
+    cooling = _cooling(scene)
     if supply.ratio is not None and not isinstance(supply.ratio, Found):
         yield Fault("oil_supply.ratio", f"is given beside {path}, which finds it (remove one of the two)")
-    if active is None:
-        yield Fault(path, f"needs effects.{SEPARATOR}, in which gas and oil have one temperature (name it)")
+    if cooling is None:
+        yield Fault(path, f"needs effects.{stating(CoolsOil)}, in which gas and oil have one temperature (name it)")
         return
-    outlet = active.parameters.outlet if isinstance(active.parameters, CoolsOil) else None
-    cold = outlet or supply.temperature
+    name, parameters = cooling
+    cold = parameters.outlet or supply.temperature
     if cold is None or isinstance(supply.temperature, Found):
         what = "needs oil of a stated temperature (write oil_supply.temperature, or"
         if cold is None:
-            yield Fault(path, f"{what} effects.{SEPARATOR}.cooler.outlet_temperature: 50 degC)")
+            yield Fault(path, f"{what} effects.{name}.{parameters.outlet_key}: 50 degC)")
     elif cold >= supply.discharge_temperature:
         what = f"{supply.discharge_temperature:.6g} K is not above the oil's {cold:.6g} K (raise it, or cool the oil)"
         yield Fault(path, what)
@@ -150,7 +147,7 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
     if supply.flow is not None:
         yield Fault("oil_supply.flow", "belongs to kind: pump; displaced oil follows from its bore (remove it)")
-    if supply.source != "separator":
+    if supply.from_sump:
         yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
@@ -159,9 +156,6 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         what = f"is {length:.3g} diameters: no formula holds for so long a bore"
         low, high = FITTED_SLENDERNESS
         yield Fault("oil_supply.orifice_length", f"{what} (choose {low:g} to {high:g} diameters)")
-    if supply.line is not None and "oil_injection" in scene.effects:
-        what = "is that of oil which enters at one angle (write it under effects.oil_injection, whose bore it leads to)"
-        yield Fault("oil_supply.line", what)
     if scene.oil is not None and not scene.oil.knows_viscosity:
         yield Fault("oil.viscosity", "is missing (oil_supply.kind: displacement needs it, e.g. viscosity: 20 mPa s)")
 
@@ -176,8 +170,6 @@ def _effects(scene: Scene) -> Iterator[Fault]:
             fitting = f"belongs to machine.kind: {fitting}" if fitting else f"is for no {scene.machine.kind}"
             yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
             continue
-        if name in ("suction_port", "discharge_port") and getattr(scene.machine, name, kind) is None:
-            yield Fault(path, f"needs the section machine.{name} (write it, or remove the effect)")
         if active.effect.needs_oil and lacking:
             yield Fault(path, f"needs {' and '.join(lacking)}, absent here (write that, or remove the effect)")
         elif active.effect.check is not None:
@@ -189,9 +181,10 @@ def check_files(scene: Scene) -> list[Fault]:
     parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
     leaves = leaf_paths(parameters, scene.machine.kind)
     faults = []
-    for path in (path for path, leaf in leaves.items() if leaf.kind == "file" and path not in READ_ELSEWHERE):
+    curves = {path: leaf.limits["curve"] for path, leaf in leaves.items() if "curve" in leaf.limits}
+    for path, column in curves.items():  # any other file is read with its own checks
         name = value_at(scene, path)
-        what = None if name is None else _curve_fault(name, CURVE_COLUMNS.get(path, AREA_COLUMN), scene)
+        what = None if name is None else _curve_fault(name, column, scene)
         if what is not None:
             faults.append(Fault(path, what))
     return faults
@@ -207,9 +200,9 @@ def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
         _, values = read_curve(name, column)
     except UsageError as error:
         return f"{shown}: {str(error).removeprefix(f'{name}: ')}"
-    if column == VOLUME_COLUMN and not max(values) > 0.0:
+    if column == VOLUME and not max(values) > 0.0:
         return f"{shown}: the volume is zero everywhere (write the volume of a chamber [m3] over its angle)"
-    if column == VOLUME_COLUMN and abs(values[0] - values[-1]) > 1e-6 * max(values):
+    if column == VOLUME and abs(values[0] - values[-1]) > 1e-6 * max(values):
         return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
-    beyond = area_fault(scene, float(max(values))) if column == AREA_COLUMN else None
+    beyond = area_fault(scene, float(max(values))) if column == AREA else None
     return None if beyond is None else f"{shown}: {beyond}"

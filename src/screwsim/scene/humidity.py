@@ -30,7 +30,7 @@ def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fau
     elif "." in gas.model:
         what = "needs gas.model: ideal or real, whose air is known to be dry air"
         yield Fault(HUMIDITY, f"{what} (write one of them, or remove this)")
-    elif gas.two_phase == "equilibrium":
+    elif gas.equilibrium:
         what = "belongs to a pure fluid; water of moist air condenses in equilibrium by itself"
         yield Fault("gas.two_phase", f"{what} (remove it, or write refuse)")
 

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from screwsim.effects.base import Effect
 from screwsim.inputs.declare import ANY
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of
+from screwsim.scene.sizes import sizes_of_effect
 from screwsim.scene.units import customary_unit, readable_quantity
 from screwsim.scene.values import text_of
 
@@ -39,17 +41,18 @@ def section_keys(name: str, kind: str) -> list[Key]:
     """Return the keys of a plain section of a scene with that kind of machine."""
     section = scene_section(kind).fields[name]
     assert isinstance(section, Section)
-    return list(_keys(section, "", _sizes(f"{name}.", kind)))
+    return list(_keys(section, "", _below(f"{name}.", find_machine(kind).sizes)))
 
 
-def effect_keys_of(name: str, parameters: type, kind: str) -> list[Key]:
+def effect_keys_of(name: str, effect: Effect, kind: str) -> list[Key]:
     """Return the keys of an effect."""
-    return list(_keys(section_of(parameters), "", _sizes(f"effects.{name}.", kind)))
+    machine = find_machine(kind)
+    sizes = (*machine.sizes, *sizes_of_effect(machine, name, effect))
+    return list(_keys(section_of(effect.parameters), "", _below(f"effects.{name}.", sizes)))
 
 
-def _sizes(prefix: str, kind: str) -> dict[str, Size]:
-    """Return the sizes of a kind of machine by their paths below a prefix."""
-    sizes = find_machine(kind).sizes
+def _below(prefix: str, sizes: Iterable[Size]) -> dict[str, Size]:
+    """Return sizes by their paths below a prefix."""
     return {size.path.removeprefix(prefix): size for size in sizes if size.path.startswith(prefix)}
 
 

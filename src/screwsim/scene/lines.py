@@ -85,7 +85,7 @@ def condensate_enthalpy(scene: Scene) -> float | None:
 
     None where the scene states neither, and for an expander.
     """
-    return None if scene.machine.mode == "expander" else _condensate_enthalpy(scene.operation, scene.gas.name)
+    return None if scene.machine.expands else _condensate_enthalpy(scene.operation, scene.gas.name)
 
 
 def _condensate_enthalpy(operation: Operation, fluid: str) -> float | None:
@@ -105,7 +105,7 @@ def refrigerating_effect(scene: Scene) -> float | None:
 
     None where the scene states neither condenser nor gas cooler, and for an expander.
     """
-    if scene.machine.mode == "expander":
+    if scene.machine.expands:
         return None
     return _effect(scene.operation, scene.gas)
 

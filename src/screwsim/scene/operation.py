@@ -8,7 +8,7 @@ from operator import attrgetter
 from screwsim.fluid import constants, names
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
-from screwsim.fluid.models import condenses
+from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.scene.fluids import fluid_faults
@@ -55,15 +55,16 @@ def _gas(scene: Scene) -> Iterator[Fault]:
     gas = scene.gas
     yield from fluid_faults(gas)
     yield from humidity_faults(gas, scene.operation.aftercooler_temperature)
-    if gas.model == "real" and gas.isentropic_exponent is not None:
+    model = find_gas_model(gas.model)
+    if model.finds_exponent and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
-    if gas.model != "real" and gas.two_phase == "equilibrium":
+    if gas.equilibrium and not model.phases:
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
-    elif gas.two_phase == "equilibrium" and is_blend(gas.name) and constants.limits(gas.name) is not None:
+    elif gas.equilibrium and is_blend(gas.name) and constants.limits(gas.name) is not None:
         why = names.why_no_dome(gas.name)
         if why is not None:
             yield Fault("gas.two_phase", why)
-    if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
+    if scene.operation.suction.quality is not None and not (model.phases and gas.equilibrium):
         yield Fault(QUALITY, "needs gas.model: real and gas.two_phase: equilibrium (write both, or give a superheat)")
 
 
@@ -104,7 +105,7 @@ def _instead_of_a_condenser(scene: Scene) -> Iterator[Fault]:
     for path in _given(scene, (CONDENSING, SUBCOOLING)):
         what = "is given beside operation.gas_cooler, which states pressure and temperature itself"
         yield Fault(path, f"{what} (remove one of the two, with null where a base gives it)")
-    if scene.machine.mode == "expander":
+    if scene.machine.expands:
         yield Fault(GAS_COOLER, "belongs to machine.mode: compressor (state the lines by pressures, or remove it)")
 
 
@@ -191,9 +192,9 @@ def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
     if p_s == p_d:
         equal = "equals" if path == P_D else "is"
         yield Fault(path, f"{shown} {equal} the suction pressure (nothing is compressed; choose another)")
-    elif scene.machine.mode == "compressor" and p_d < p_s:
+    elif not scene.machine.expands and p_d < p_s:
         yield Fault(path, f"{shown} is below the suction pressure {low} (raise it, or write machine.mode: expander)")
-    elif scene.machine.mode == "expander" and p_d > p_s:
+    elif scene.machine.expands and p_d > p_s:
         yield Fault(path, f"{shown} is above the suction pressure {low} (lower it, or write machine.mode: compressor)")
 
 
@@ -215,10 +216,10 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     if T_liquid < limits.T_triple:
         what = f"{fluid} freezes at {_shown(limits.T_triple)} (choose a smaller one)"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}; {what}")
-    elif scene.machine.mode == "compressor" and operation.subcooling and T_liquid < T_e < T_c:
+    elif not scene.machine.expands and operation.subcooling and T_liquid < T_e < T_c:
         what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}: {what} (choose a smaller one)")
-    compressor, shown = scene.machine.mode == "compressor", f"the evaporating temperature {_shown(T_e)}"
+    compressor, shown = not scene.machine.expands, f"the evaporating temperature {_shown(T_e)}"
     if T_c == T_e:
         yield Fault(CONDENSING, f"{_shown(T_c)} equals the evaporating temperature (choose another)")
     elif compressor and T_c < T_e:

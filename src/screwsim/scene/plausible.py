@@ -14,7 +14,7 @@ from itertools import chain
 from typing import Any
 
 from screwsim.fluid import constants
-from screwsim.fluid.models import condenses
+from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import ANY, KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import Profile, unread
@@ -106,7 +106,7 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
             here, dew = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (cooler.outlet_temperature, T))
             what = f"{scene.gas.name} leaves it as a gas, of {here}: it condenses below the critical pressure, at {dew}"
             yield f"{GAS_COOLER}.outlet_temperature", f"{what} (a colder one, or a higher pressure)"
-    if scene.gas.model == "ideal":
+    if find_gas_model(scene.gas.model).blind:
         boiling = constants.liquid_below(scene.gas.name, at.p_s, at.T_s)
         if boiling is not None:
             p = readable_quantity(KINDS["pressure"], at.p_s)

@@ -13,15 +13,17 @@ from functools import cache
 from itertools import groupby
 from typing import Any
 
+from screwsim.effects.base import Effect
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
-from screwsim.machine.protocol import Size, Speed
+from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
 RPM = 30.0 / math.pi
+_EFFECTS, _IN_EFFECTS = "effects", "effects."
 
 
 def _shares(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
@@ -34,6 +36,8 @@ def _shares(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float
 
 @cache
 def _keys(path: str) -> tuple[str, ...]:
+    if path.startswith(_IN_EFFECTS):  # whose names may have dots, those of a user's own
+        return (_EFFECTS, *path.removeprefix(_IN_EFFECTS).rsplit(".", 1))
     return tuple(path.split("."))
 
 
@@ -95,13 +99,33 @@ _last: dict[int, tuple[Any, Any, _Told]] = {}  # by number of a section: machine
 def _of_sections(scene: Scene) -> Iterator[_Told]:
     """Yield faults and doubts of the sizes of each section; cases that share machine and section share these, too."""
     machine = scene.machine
-    for number, (head, sizes) in enumerate(_by_section(kind_of(machine).sizes)):
+    kind = kind_of(machine)
+    for number, (head, sizes) in enumerate((*_by_section(kind.sizes), (_EFFECTS, ()))):
         part = getattr(scene, head)
         last = _last.get(number)  # at once: threads share it
         if last is None or last[0] is not machine or last[1] is not part:
-            told = tuple(_beyond(scene, sizes)), tuple(_unusual(scene, sizes))
+            asked = sizes or tuple(_of_effects(scene, kind))
+            told = tuple(_beyond(scene, asked)), tuple(_unusual(scene, asked))
             last = _last[number] = machine, part, told
         yield last[2]
+
+
+def sizes_of_effect(kind: MachineKind, name: str, effect: Effect) -> Iterator[Size]:
+    """Yield the sizes of an effect for which a kind of machine has a scale."""
+    for key, scale, most, usual in effect.sizes:
+        if scale in kind.scales:
+            yield Size(f"{_IN_EFFECTS}{name}.{key}", *kind.scales[scale], most, usual)
+
+
+def sizes_of(scene: Scene) -> Iterator[Size]:
+    """Yield the sizes that are bounded in a scene: those of the machine, then those of its effects."""
+    kind = kind_of(scene.machine)
+    yield from (*kind.sizes, *_of_effects(scene, kind))
+
+
+def _of_effects(scene: Scene, kind: MachineKind) -> Iterator[Size]:
+    for name, active in scene.effects.items():
+        yield from sizes_of_effect(kind, name, active.effect)
 
 
 @Remembered

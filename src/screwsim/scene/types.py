@@ -151,12 +151,15 @@ class Operation:
     gas_cooler: GasCooler | None = None
 
 
+PUMP, SUMP = "pump", "suction"  # what `oil_supply.kind` and `.source` say
+
+
 @dataclass(frozen=True)
 class OilSupply:
     """How the oil gets into the chamber at 360°."""
 
     kind: str = choice(
-        "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
+        "pump: the ratio is given; displacement: the separator pushes it through an orifice", (PUMP, "displacement")
     )
     ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
     discharge_temperature: float | None = quantity(
@@ -180,13 +183,23 @@ class OilSupply:
     )
     source: str = choice(
         "where the pump draws from: separator (p_d) or a sump at suction pressure",
-        ("separator", "suction"),
+        ("separator", SUMP),
         "separator",
     )
     orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
     orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)
     orifice_count: float = number("number of such bores", 1.0, gt=0.0, le=1e6, hardly=(None, 100.0))
     line: OilLine | None = None
+
+    @property
+    def pumped(self) -> bool:
+        """Tell whether a pump gives the oil its flow; else the discharge pressure displaces it."""
+        return self.kind == PUMP
+
+    @property
+    def from_sump(self) -> bool:
+        """Tell whether the pump draws from a sump at suction pressure, and not from the separator."""
+        return self.source == SUMP
 
 
 @dataclass(frozen=True)

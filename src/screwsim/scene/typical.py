@@ -8,26 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from screwsim.effects import catalogue
+from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.machine.kinds import kind_of
-from screwsim.machine.protocol import CYLINDER, ROTORS
 from screwsim.scene.types import Scene
-
-LEAKS = {
-    ROTORS: ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "shaft_leakage"),
-    CYLINDER: ("ring_leakage",),
-}
-OTHERS = {  # each by its names, of which one is enough
-    ROTORS: (
-        ("oil_heat", "droplets"),
-        ("hydromechanical",),
-        ("mechanical", "bearings"),
-        ("suction_line",),
-        ("separator",),
-        ("motor",),
-    ),
-    CYLINDER: (("cylinder_heat", "wall_heat"), ("mechanical", "bearings")),
-}
-OF_OIL = {"oil_heat", "hydromechanical", "separator"}  # a dry machine has none
 
 
 def what_is_left_out(scene: Scene) -> list[str]:
@@ -37,9 +20,7 @@ def what_is_left_out(scene: Scene) -> list[str]:
 
 def leaks_told(scene: Scene) -> str:
     """Return which of a machine's leaks are simulated, where not all of them are; empty where they are."""
-    kind = kind_of(scene.machine)
-    leaks = next((names for offer, names in LEAKS.items() if offer in kind.offers), ())
-    there, lacking = _parted(scene, leaks)
+    there, lacking = _parted(scene, _named(scene).get(LEAK, []))
     if not lacking:
         return ""
     only = f"{_listed([_short(name) for name in there])} only" if there else "none"
@@ -60,12 +41,22 @@ def left_out_told(scene: Scene) -> str:
 
 def _usual(scene: Scene) -> Iterator[str]:
     """Yield what scenes of this kind of machine name, and this one does not, leaks apart."""
-    kind = kind_of(scene.machine)
-    groups = next((names for offer, names in OTHERS.items() if offer in kind.offers), ())
-    for names in groups:
-        dry = scene.oil_supply is None and names[0] in OF_OIL
-        if not dry and not any(name in scene.effects for name in names):
+    named = _named(scene)
+    for what in USUAL:
+        names = named.get(what, [])
+        dry = scene.oil_supply is None and what.oiled
+        if names and not dry and not any(name in scene.effects for name in names):
             yield " or ".join(names)
+
+
+def _named(scene: Scene) -> dict[Usual, list[str]]:
+    """Return the effects that are something usual of this kind of machine, by what they are."""
+    kind, found = kind_of(scene.machine), {}
+    for name, effect in catalogue().items():
+        for offer, what in effect.usual.items():
+            if offer in kind.offers:
+                found.setdefault(what, []).append(name)
+    return found
 
 
 def _parted(scene: Scene, names: Sequence[str]) -> tuple[list[str], list[str]]:

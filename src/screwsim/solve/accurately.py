@@ -14,6 +14,7 @@ from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution, Led
 from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.ways import way_of
 from screwsim.effects.base import Separator
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import worst
@@ -149,7 +150,7 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
     A gas outside its equation stays there, whatever is tried. What nothing closes is left as the first way left it.
     """
     cycle = close(problem, machinery, wanted, course)
-    if cycle.status == "ok" or wanted.check or wanted.closing == "histories" or _outside(problem, cycle):
+    if cycle.status == "ok" or wanted.check or not wanted.fallbacks or _outside(problem, cycle):
         return cycle
     for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
         better = attempt()
@@ -163,11 +164,10 @@ def _outside(problem: Problem, cycle: CycleSolution) -> bool:
 
     That of any chamber where all stopped in their first pitch, with which every further try begins as well.
     """
-    gas, n = problem.parts.gas, len(problem.composition.states)
+    gas, c = problem.parts.gas, problem.composition
     if cycle.status == "failed":
-        first = cycle.how == "coupled" and cycle.turns * problem.composition.chambers <= 1.0
-        states = zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True) if first else [cycle.y[:2]]
-        return any(gas.why_outside(float(T), float(rho)) is not None for T, rho in states)
+        stopped = way_of(cycle).stopped(cycle, len(c.states), c.chambers)
+        return any(gas.why_outside(float(y[S_T]), float(y[S_RHO])) is not None for y in stopped)
     return gas.first_outside(*cycle.trajectory.ends) is not None
 
 
@@ -179,7 +179,7 @@ def note(course: Course, of: Evaluation, cycle: CycleSolution, wanted: Wanted, t
     """
     curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
     made = np.concatenate([of.problem.entries.possible(of.image), curve])
-    course.add(cycle, of.problem.parameters, made, wanted, tightness)
+    course.add(cycle, of.problem.parameters, made, way_of(cycle).share(cycle, wanted), tightness)
 
 
 class Watch:

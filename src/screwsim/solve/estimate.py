@@ -20,11 +20,12 @@ from screwsim.cycle.fallbacks import MOST_OF_A_TRY
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.relaxation import SLOW, along, relax
+from screwsim.cycle.relaxation import SLOW, along
 from screwsim.cycle.search import SEARCH
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution, Hope, Led
+from screwsim.cycle.solution import CycleSolution, Led
 from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import flow_errors, relative_errors, worst
 from screwsim.model.exchange import station
@@ -85,7 +86,7 @@ def estimated_errors(
     station()
     errors = _shown(found, finer, of.least)
     c = of.problem.composition
-    told = c.chambers == 1 or cycle.how == "coupled" or finer.left is not None  # what comes back from other chambers
+    told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # what comes back from other chambers
     among_leaks = not told and _filling(found) < LEAKY  # chambers live on what leaks
     whole = WHOLE * ((HIDDEN if _filling(found) > 0.0 else EMPTY) if among_leaks else 1.0)
     left = cycle.left if len(finer.lives) == 1 else 0.0  # more than one life shows it
@@ -182,7 +183,7 @@ def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSol
         if together is not None:
             return Finer([together])
         machinery.put(cycle.trajectory)
-    finer = NOTHING if cycle.needed or cycle.how == "coupled" else _finer_lives(of, machinery, wanted, cycle)
+    finer = NOTHING if cycle.needed or way_of(cycle).whole else _finer_lives(of, machinery, wanted, cycle)
     if len(finer.lives) == 1 or _tells(of, finer):
         return finer
     closed = _finer_cycle(of.problem, machinery, wanted, cycle)
@@ -196,7 +197,7 @@ def _hidden(of: Evaluation, cycle: CycleSolution) -> bool:
 
     Where nothing is delivered all that a chamber holds comes from the others, whose errors a correction leaves alone.
     """
-    return cycle.how == "histories" and cycle.tangents is not None and _filling(of.figures) < BARELY
+    return not way_of(cycle).whole and cycle.tangents is not None and _filling(of.figures) < BARELY
 
 
 def _tells(of: Evaluation, finer: Finer) -> bool:
@@ -342,9 +343,6 @@ def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: 
     wanted = replace(wanted, rtol=FINER * cycle.rtol, tolerance=FINER * wanted.tolerance)
     if cycle.needed:
         finer = again(problem, machinery, wanted, cycle)
-    elif cycle.how == "coupled":
-        finer = close_together(problem, machinery, wanted, cycle.y.copy(), most=MOST_OF_A_TRY)
     else:
-        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
-        finer = relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
+        finer = way_of(cycle).finer(problem, machinery, wanted, cycle, MOST_OF_A_TRY)
     return finer if finer is not None and finer.status == "ok" else None

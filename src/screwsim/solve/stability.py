@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.model.run import Machinery
 
@@ -25,7 +26,7 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
 
     0 where it is not asked: of machines without seats and stops, and where the cycle closed within `EASY` turns.
     """
-    if not problem.composition.stops or (cycle.how == "histories" and cycle.turns <= EASY):
+    if not problem.composition.stops or (not way_of(cycle).whole and cycle.turns <= EASY):
         return 0.0
     machinery.put(cycle.trajectory)
     y, worst, work = cycle.y.copy(), 0.0, float(cycle.q[0])

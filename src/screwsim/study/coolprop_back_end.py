@@ -14,6 +14,7 @@ from typing import Any
 from screwsim.codegen.modules import Module
 from screwsim.cycle.problem import problem_of
 from screwsim.fluid.description import describe
+from screwsim.fluid.models import find_gas_model
 from screwsim.fluid.nozzle import choking
 from screwsim.model.run import Machinery
 from screwsim.numerics.derivative import tangent
@@ -67,12 +68,17 @@ def state_function(fluid: str) -> Any:
     return ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)(fill)
 
 
+def can_be_asked(scene: Scene) -> bool:
+    """Tell whether CoolProp can be asked in place of a scene's gas."""
+    return find_gas_model(scene.gas.model).by_coolprop and not scene.gas.relative_humidity
+
+
 def machinery_with_coolprop(scene: Scene) -> Machinery:
     """Return a machinery for a real-gas scene whose chambers ask CoolProp; compiled anew in every process.
 
     Raises ValueError for an ideal gas.
     """
-    if scene.gas.model != "real" or scene.gas.relative_humidity:
+    if not can_be_asked(scene):
         raise ValueError("gas.model: only a real gas can be asked of CoolProp, and no moist air")
     problem = problem_of(scene)
     gas, text = problem.parts.gas, problem.composition.text

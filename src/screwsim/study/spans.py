@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import Scene, leaf_of, value_at
+from screwsim.scene.sizes import sizes_of
 from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search goes over the logarithm
@@ -117,7 +118,7 @@ def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
     lows = [leaf.limits.get("gt"), leaf.limits.get("ge"), leaf.hardly[0], near[0]]
     highs = [leaf.limits.get("lt"), leaf.limits.get("le"), leaf.hardly[1], near[1]]
     kind = kind_of(scene.machine)
-    for size in (each for each in kind.sizes if each.path == path):
+    for size in (each for each in sizes_of(scene) if each.path == path):
         lows.append(size.usual[0] * size.of(scene.machine))
         highs.append(size.usual[1] * size.of(scene.machine))
     if path == "operation.speed" and kind.speed is not None:

@@ -54,7 +54,8 @@ class FlowPath:
     valve): its arguments are `drop` [Pa], the plenum's pressure less the chamber's, `width` [Pa], below which pressure
     differences may be smoothed, names of the chamber's states, `held` and `values`. A path that is `narrow` never holds
     the chamber's pressure to its plenum's; of ports and valves the widest open one may. One that is `beside` the ports,
-    as a bore back to suction, takes the place of none: a machine without ports is told so all the same.
+    as a bore back to suction, takes the place of none: a machine without ports is told so all the same. A `port` is the
+    machine's own, open to its line only where the machine's law of that port is.
 
     `one_way` (1: into the chamber, −1: out of it) makes it a switch: the pressure difference tells at the start of a
     step whether it is open, `held` 1 or 0 tells the kernel so, and the step ends where that changes. `held` is FREE
@@ -82,6 +83,7 @@ class FlowPath:
     narrow: bool = False
     one_way: int = 0
     beside: bool = False
+    port: bool = False
     law: Kernel | None = None
 
     def mirrored(self, life: float, pitch: float) -> FlowPath:

@@ -110,7 +110,12 @@ class LosesPressure:
 
 
 class CoolsOil:
-    """Parameters of an effect that sends the oil back through a cooler, and may find the temperature of its supply."""
+    """Parameters of an effect that sends the oil back through a cooler, and may find the temperature of its supply.
+
+    `outlet_key` is the key among them that keeps the oil's temperature behind the cooler.
+    """
+
+    outlet_key = ""
 
     @property
     def outlet(self) -> float | None:

@@ -17,29 +17,35 @@ import numpy as np
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault
 
-NEEDED = {"line": ("slope",), "induction": ("breakdown_torque", "breakdown_slip")}
-BELONGS = {"line": (*NEEDED["line"], "torque_limit"), "induction": NEEDED["induction"]}
+LINE, INDUCTION = "line", "induction"
+NEEDED = {LINE: ("slope",), INDUCTION: ("breakdown_torque", "breakdown_slip")}
+BELONGS = {LINE: (*NEEDED[LINE], "torque_limit"), INDUCTION: NEEDED[INDUCTION]}
 
 
 @dataclass(frozen=True)
 class Motor:
     """The law of the motor's torque and its numbers."""
 
-    law: str = choice("line: slope, and a limit; induction: Kloss's law", ("line", "induction"))
+    law: str = choice("line: slope, and a limit; induction: Kloss's law", (LINE, INDUCTION))
     slope: float | None = quantity("torsional_damping", "torque by which the speed falls below no load", None, gt=0.0)
     torque_limit: float | None = quantity("torque", "most that the motor gives (line)", None, gt=0.0)
     breakdown_torque: float | None = quantity("torque", "M_k: most that the motor gives (induction)", None, gt=0.0)
     breakdown_slip: float | None = number("s_k: slip at which it does (induction)", None, gt=0.0, lt=1.0)
 
     @property
+    def is_line(self) -> bool:
+        """Tell whether the torque falls in a straight line, without a breakdown."""
+        return self.law == LINE
+
+    @property
     def most(self) -> float:
         """Return the largest torque [N m]; infinite of a line without a limit."""
-        known = self.torque_limit if self.law == "line" else self.breakdown_torque
+        known = self.torque_limit if self.is_line else self.breakdown_torque
         return math.inf if known is None else known
 
     def torque(self, omega: Any, no_load: float) -> Any:
         """Return the torque [N m] at a speed [rad/s] and no-load speed (M212), without the limit of a line."""
-        if self.law == "line":
+        if self.is_line:
             return (self.slope or 0.0) * (no_load - omega)
         x = (no_load - omega) / (no_load * (self.breakdown_slip or 1.0))
         return 2.0 * (self.breakdown_torque or 0.0) * x / (x * x + 1.0)
@@ -51,7 +57,7 @@ class Motor:
 
     def slopes(self, omega: Any, no_load: float) -> tuple[Any, Any]:
         """Return the derivatives of the torque by the speed and by the no-load speed [N m s/rad]."""
-        if self.law == "line":
+        if self.is_line:
             slope = (self.slope or 0.0) * np.ones_like(omega)
             return -slope, slope
         scale = no_load * (self.breakdown_slip or 1.0)
@@ -64,13 +70,13 @@ class Motor:
 
         The torque lies below `most`.
         """
-        if self.law == "line":
+        if self.is_line:
             return omega + moment / (self.slope or 1.0)
         return omega / (1.0 - self._slip(moment))
 
     def speed(self, no_load: float, moment: float) -> float:
         """Return the speed [rad/s] at which the motor gives a torque, on its stable branch."""
-        if self.law == "line":
+        if self.is_line:
             return no_load - moment / (self.slope or 1.0)
         return no_load * (1.0 - self._slip(moment))
 

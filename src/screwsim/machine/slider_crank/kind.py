@@ -4,27 +4,16 @@ from __future__ import annotations
 
 from operator import attrgetter
 
-from screwsim.machine.protocol import CYLINDER, MachineKind, Size, Speed
+from screwsim.machine.protocol import BORE, CYLINDER, PISTON, MachineKind, Measure, Size, Speed
 from screwsim.machine.slider_crank.cylinder import Cylinder
 from screwsim.machine.slider_crank.settings import SliderCrank, check_slider_crank
 
 _bore, _piston, _swept = (attrgetter(name) for name in ("bore", "piston_area", "swept_volume"))
-_AREA, _BORE = "of the piston's area", "of the bore"
-_ANY = 0.0
+_BORE = "of the bore"
 _SIZES = (
     Size("machine.crank_radius", _bore, _BORE, 100.0, (0.05, 5.0)),
     Size("machine.rod_length", _bore, _BORE, 1000.0, (0.1, 30.0)),
     Size("machine.clearance", _swept, "of the swept volume", 100.0, (1e-4, 0.5)),
-    Size("effects.ring_leakage.gap", _bore, _BORE, 0.5, (_ANY, 0.01)),
-    Size("effects.ring_leakage.area", _piston, _AREA, 1.0, (_ANY, 0.01)),
-    Size("effects.check_valves.suction_area", _piston, _AREA, 100.0, (_ANY, 1.0)),
-    Size("effects.check_valves.discharge_area", _piston, _AREA, 100.0, (_ANY, 1.0)),
-    Size("effects.reed_valves.suction_port_area", _piston, _AREA, 100.0, (_ANY, 1.0)),
-    Size("effects.reed_valves.discharge_port_area", _piston, _AREA, 100.0, (_ANY, 1.0)),
-    Size("effects.reed_valves.suction_perimeter", _bore, _BORE, 1000.0, (_ANY, 50.0)),
-    Size("effects.reed_valves.discharge_perimeter", _bore, _BORE, 1000.0, (_ANY, 50.0)),
-    Size("effects.reed_valves.suction_stop", _bore, _BORE, 1.0, (_ANY, 0.1)),
-    Size("effects.reed_valves.discharge_stop", _bore, _BORE, 1.0, (_ANY, 0.1)),
 )
 
 MACHINE = MachineKind(
@@ -33,6 +22,7 @@ MACHINE = MachineKind(
     offers=frozenset({CYLINDER}),
     check=check_slider_crank,
     sizes=_SIZES,
+    scales={BORE: Measure(_bore, _BORE), PISTON: Measure(_piston, "of the piston's area")},
     speed=Speed("moves the piston, in the mean, at", 300.0, 25.0, "those of engines for races move at 25 m/s"),
     called=("piston", "reciprocating"),
     chamber="a cylinder",

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.build import WIDTH
+from screwsim.fluid.models import find_gas_model
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.integrators import CHECKS, DEFAULT
 from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
+from screwsim.study.coolprop_back_end import can_be_asked
 
 TIGHT = 1e-7  # accuracy of all but the one choice that a case looks at
 
@@ -72,7 +74,7 @@ class Case:
 
 def own_back_end(scene: Scene) -> str:
     """Return the back end of a scene's gas."""
-    return {"real": "compiled", "ideal": "ideal"}.get(scene.gas.model, "own")
+    return find_gas_model(scene.gas.model).back_end
 
 
 def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
@@ -95,7 +97,7 @@ def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
     k = None if model == "real" else scene.gas.isentropic_exponent
     changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")
     tries: list[tuple[str, Scene]] = [(other, changed)]
-    if scene.gas.model == "real" and not scene.gas.relative_humidity:
+    if can_be_asked(scene):
         tries.append(("coolprop", scene))
     for gas, base in tries:
         for name, closing in ((DEFAULT, "histories"), ("scipy-lsoda", "coupled")):
@@ -140,7 +142,7 @@ def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield what is not tried at all, and why."""
     yield "start and end angle", "the model has none: a chamber's whole life is integrated"
     yield "regularisation x 0", "taken as 1e-12 of the pressure: with none the model divides 0 by 0 at equal pressures"
-    if scene.gas.model == "ideal":
+    if not find_gas_model(scene.gas.model).by_coolprop:
         yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
     elif scene.gas.relative_humidity:
         yield "CoolProp called directly", "its equations of moist air have no liquid in them"

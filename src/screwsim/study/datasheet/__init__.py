@@ -103,7 +103,7 @@ def _sheet(
     bounds = limits_of(scene, limits)
     operation = scene.operation
     states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
-    if states_lines and scene.machine.mode == "compressor":
+    if states_lines and not scene.machine.expands:
         from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 
         _refuse({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")

@@ -49,7 +49,7 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
     stated = read_bounds(scene, texts, "--limit")
     found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
     motor = scene.effects.get("motor")
-    power = "output_power" if scene.machine.mode == "expander" else "shaft_power"
+    power = "output_power" if scene.machine.expands else "shaft_power"
     if motor is not None and not any(bound.figure == power for bound in found):
         found.append(Bound(power, 1, float(motor.parameters.rated_power), RATED))
     return tuple(found)

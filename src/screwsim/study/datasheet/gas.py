@@ -40,7 +40,7 @@ def asked_of(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bo
     """Return what of a scene is to be rated, by ranges of its lines' options; raise UsageError."""
     base, options = replace(scene, sweep={}, joints=()), options_of(scene)
     (first, inlet), (second, outlet) = options.items()
-    expands = base.machine.mode == "expander"
+    expands = base.machine.expands
     beside = {SPEED, RATIO} if expands else {RATIO, *ENDS}
     others = [path for path in scene.sweep if path not in {inlet, outlet, *beside}]
     if others or scene.joints:
@@ -73,7 +73,7 @@ def _stated(scene: Scene, path: str) -> tuple[float, ...]:
 def _own(base: Scene, path: str) -> tuple[float, ...]:
     """Return values around the scene's own."""
     own = float(value_at(base, path))
-    shares = SWING if base.machine.mode != "expander" else INLETS if path == P_S else OUTLETS
+    shares = SWING if not base.machine.expands else INLETS if path == P_S else OUTLETS
     every = [share * own for share in shares]
     if path in (EVAPORATING, CONDENSING):
         every = [own + 5.0 * step for step in (-2, -1, 0, 1, 2)]

@@ -83,7 +83,7 @@ def _of_gas(scene: Scene) -> list[str]:
 
 
 def _expands(rated: Rating) -> bool:
-    return rated.asked.scene.machine.mode == "expander"
+    return rated.asked.scene.machine.expands
 
 
 def normal_factor(scene: Scene) -> float:

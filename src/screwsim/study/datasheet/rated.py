@@ -142,7 +142,7 @@ def _case(asked: Asked, across: float, down: float) -> Scene | Result | None:
 def pressure_ratio(scene: Scene) -> float:
     """Return the higher pressure of a scene's lines over the lower, as the machine is meant to turn."""
     at = lines(scene)
-    return at.p_s / at.p_d if scene.machine.mode == "expander" else at.p_d / at.p_s
+    return at.p_s / at.p_d if scene.machine.expands else at.p_d / at.p_s
 
 
 def _died(asked: Asked, count: int, number: int) -> _Part:

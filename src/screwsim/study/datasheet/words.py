@@ -64,7 +64,7 @@ def cooled(scene: Scene) -> bool:
 def _oil(scene: Scene, found: Mapping[str, Any]) -> str:
     supply = scene.oil_supply
     assert supply is not None
-    text = "from a pump" if supply.kind == "pump" else "displaced by the discharge pressure"
+    text = "from a pump" if supply.pumped else "displaced by the discharge pressure"
     if found.get("oil_flow_volume") is not None:
         text += f", {quantity('L min-1', found['oil_flow_volume'])}"
     temperature = found.get("oil_supply_temperature", supply.temperature)

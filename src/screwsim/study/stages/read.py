@@ -153,7 +153,7 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
                 problems.append(Problem(place, KEY, f"{what} (leave it out there)"))
     if first.gas != second.gas:
         problems.append(Problem(place, KEY, "have different gases (write the same section gas in both)"))
-    if "expander" in (first.machine.mode, second.machine.mode):
+    if first.machine.expands or second.machine.expands:
         problems.append(Problem(place, KEY, "compress: machine.mode: expander is none (choose compressors)"))
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, and nothing follows the water that the gas loses between the stages"

@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.build import build_gas
 from screwsim.cycle.problem import Inlet
-from screwsim.effects import catalogue
+from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.performance import efficiencies
 from screwsim.fluid import constants
@@ -18,7 +18,6 @@ from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
-from screwsim.scene.checks import SEPARATOR
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
@@ -105,8 +104,9 @@ def _parted(scene: Scene) -> Scene:
     every = scene.effects.values()
     if scene.oil_supply is None or any(isinstance(active.parameters, CoolsOil) for active in every):
         return scene
-    effect = catalogue()[SEPARATOR]
-    parted = replace(scene, effects={**scene.effects, SEPARATOR: ActiveEffect(effect, effect.parameters())})
+    name = stating(CoolsOil)
+    effect = catalogue()[name]
+    parted = replace(scene, effects={**scene.effects, name: ActiveEffect(effect, effect.parameters())})
     stated = any(isinstance(active.parameters, InSeparator) for active in every)  # beside it, no file could say that
     return parted if stated else replace(parted, text=scene_text(parted))
 
@@ -175,7 +175,7 @@ class _Chain:
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
         """Raise `_Stop` where the first stage delivers wet vapour: its temperature does not tell its enthalpy."""
         gas = self.chain.first.gas
-        if gas.two_phase != "equilibrium":
+        if not gas.equilibrium:
             return
         try:
             saturation = constants.saturation_temperature(gas.name, p)

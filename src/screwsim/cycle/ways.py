@@ -1,0 +1,177 @@
+"""The ways to close a cycle, and how what one of them closed is taken further.
+
+`cycle.how` is the name of the way that closed it: what depends on that is asked of the way, nowhere else. Another one
+is a `Way` in `WAYS` and an entry of `numerics.closings`.
+
+Source: docs/explanation/numerics.md.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+
+import numpy as np
+
+from screwsim.cycle.linear_pitch import Tangents
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.relaxation import relax
+from screwsim.cycle.search import SEARCH, sought
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.cycle.solution import Array, CycleSolution, Hope, Led
+from screwsim.cycle.wanted import Wanted
+from screwsim.model.run import Machinery
+from screwsim.model.slots import R_TRAPPED
+from screwsim.numerics.closings import CLOSINGS, TOGETHER, WAVEFORMS
+
+
+class Way(ABC):
+    """How a cycle is closed.
+
+    `whole`: a turn has all chambers in it, so that what comes back from others shows; else it is one life among stored
+    ones. `instead` is what to try where it does not close a cycle.
+    """
+
+    whole: bool
+    instead: str = ""
+
+    @abstractmethod
+    def close(
+        self,
+        problem: Problem,
+        machinery: Machinery,
+        wanted: Wanted,
+        y: Array,
+        hope: Hope,
+        lent: Tangents | None,
+        last: bool,
+    ) -> CycleSolution | None:
+        """Close the cycle from a state at 0° and an installed guess; None where another way, if not `last`, is due."""
+
+    @abstractmethod
+    def again(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
+    ) -> CycleSolution:
+        """Close a cycle that it closed once more, from where finer lives have led, if that is told."""
+
+    @abstractmethod
+    def finer(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
+    ) -> CycleSolution | None:
+        """Close a cycle with finer steps, which may take `most` evaluations where they can be many."""
+
+    @abstractmethod
+    def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
+        """Return the share of the wanted tolerance of a step with which the balances closed."""
+
+    @abstractmethod
+    def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
+        """Return the states, of so many each, that may be where a cycle that failed has stopped."""
+
+
+class Waveforms(Way):
+    """Waveform relaxation: one life among its own last ones."""
+
+    whole = False
+    instead = "numerics.closing: coupled"
+
+    def close(
+        self,
+        problem: Problem,
+        machinery: Machinery,
+        wanted: Wanted,
+        y: Array,
+        hope: Hope,
+        lent: Tangents | None,
+        last: bool,
+    ) -> CycleSolution | None:
+        """Relax; None once that has cost as much as all chambers together would."""
+        return relax(problem, machinery, wanted, y.copy(), last, hope, lent)
+
+    def again(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
+    ) -> CycleSolution:
+        """Relax from the cycle, or from where its finer lives have led."""
+        y, seen = led or (cycle.y, cycle.seen)
+        hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
+        return by_ways(problem, machinery, wanted, y, hope, cycle.tangents)
+
+    def finer(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
+    ) -> CycleSolution | None:
+        """Relax from the machinery's last life; how long is bounded by itself."""
+        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
+        return relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
+
+    def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
+        """Return that of the steps of waveforms."""
+        return cycle.rtol / (wanted.of_histories * wanted.rtol)
+
+    def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
+        """Return that of the one chamber."""
+        return [cycle.y[:states]]
+
+
+class Together(Way):
+    """Simultaneous closing: all chambers over a pitch."""
+
+    whole = True
+
+    def close(
+        self,
+        problem: Problem,
+        machinery: Machinery,
+        wanted: Wanted,
+        y: Array,
+        hope: Hope,
+        lent: Tangents | None,
+        last: bool,
+    ) -> CycleSolution | None:
+        """Close from where the chambers stand in the installed life."""
+        return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+
+    def again(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
+    ) -> CycleSolution:
+        """Close from the states of the cycle; by a search where that has found it."""
+        found = None
+        if cycle.needed == SEARCH:
+            found = sought(problem, machinery, wanted, cycle.y.copy(), judged=False)
+        return found or close_together(problem, machinery, wanted, cycle.y.copy())
+
+    def finer(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
+    ) -> CycleSolution | None:
+        """Close from the states of the cycle."""
+        return close_together(problem, machinery, wanted, cycle.y.copy(), most=most)
+
+    def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
+        """Return all of it: waveforms that follow learn nothing from pitches."""
+        return 1.0
+
+    def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
+        """Return those of all chambers that stopped in their first pitch, else that of the first."""
+        first = cycle.turns * chambers <= 1.0
+        return np.reshape(cycle.y, (-1, states)) if first else [cycle.y[:states]]
+
+
+WAYS: dict[str, Way] = {WAVEFORMS: Waveforms(), TOGETHER: Together()}
+
+
+def way_of(cycle: CycleSolution) -> Way:
+    """Return the way that closed a cycle, or failed to."""
+    return WAYS[cycle.how]
+
+
+def by_ways(
+    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope, lent: Tangents | None
+) -> CycleSolution:
+    """Close the cycle by the ways that are wanted, one after the other."""
+    *first, last = (WAYS[name] for name in CLOSINGS[wanted.closing].ways)
+    for way in first:
+        found = way.close(problem, machinery, wanted, y, hope, lent, last=False)
+        if found is not None:
+            return found
+    found = last.close(problem, machinery, wanted, y, hope, lent, last=True)
+    assert found is not None
+    return found

@@ -1,0 +1,170 @@
+"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.roles`).
+
+Names in words of a source outside `screwsim.effects` are listed here, each file with its reason. A text that sends a
+reader to `effects.NAME.key` has to be true.
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import is_dataclass
+from functools import cache
+from pathlib import Path
+
+from screwsim.effects import catalogue
+from screwsim.scene.fields import Section, section_of
+
+PACKAGE = Path(__file__).parents[2] / "src" / "screwsim"
+SOURCES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.relative_to(PACKAGE).parts[0] != "effects"]
+HELPERS = {"base", "gap", "parts"}  # modules of effects that are no effect
+PATH = re.compile(r"\beffects\.([a-z_]+)((?:\.[a-z_]+)*)")
+
+SECTIONS = "sections of a scene's machine that have the names of their effects"
+FIGURES = "a figure, a curve or an entry of results, which keeps its name"
+GAPS = "the protocol of a machine asks for gaps by their effects, and machines of users' own answer to these names"
+REMEDY = "sends the reader of a message to the effect by name"
+STUDY = "a study, page or export of this effect, above the simulation"
+WORDS = "a word of its own that an effect is called by as well"
+ALLOWED = {
+    "evaluate/figures.py": ({"wall_heat"}, FIGURES),
+    "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
+    "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),
+    "export/inputs.py": ({"slide_valve"}, STUDY),
+    "export/run_of.py": ({"bearings"}, WORDS),
+    "export/spectra.py": ({"suction_port", "discharge_port"}, REMEDY),
+    "machine/profile_law.py": ({"tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage"}, GAPS),
+    "machine/rotors/curves.py": ({"blow_hole"}, GAPS),
+    "machine/settings.py": ({"suction_port", "discharge_port"}, SECTIONS),
+    "machine/sliding.py": ({"tip_leakage", "end_face_leakage"}, GAPS),
+    "machine/stated.py": ({"slide_valve"}, REMEDY),
+    "model/network/balances.py": ({"oil_heat"}, WORDS),
+    "model/network/flows.py": ({"oil_heat"}, WORDS),
+    "model/network/network.py": ({"oil_heat"}, WORDS),
+    "outputs/core.py": ({"wall_heat"}, FIGURES),
+    "outputs/variables.py": ({"drive"}, FIGURES),
+    "report/drive.py": ({"motor", "gas_torque"}, STUDY),
+    "report/rotors.py": ({"blow_hole", "slide_valve"}, STUDY),
+    "report/rotors_scene.py": (
+        {
+            *("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve"),
+            *("suction_port", "discharge_port"),
+        },
+        STUDY,
+    ),
+    "report/torque.py": ({"gas_torque"}, STUDY),
+    "scene/checks.py": ({"oil_pump"}, REMEDY),
+    "scene/types.py": ({"air_package", "separator"}, REMEDY),
+    "simulate.py": ({"drive"}, FIGURES),
+    "solve/start_up.py": ({"drive", "gas_torque"}, "a start-up is the study of the drive, and has its curves"),
+    "study/calibration/read.py": ({"tip_leakage"}, REMEDY),
+    "study/datasheet/air_rating.py": ({"air_package"}, STUDY),
+    "study/datasheet/air_sheet.py": ({"air_package", "motor"}, STUDY),
+    "study/datasheet/bounds.py": ({"motor"}, STUDY),
+    "study/datasheet/gas_sheet.py": ({"air_package", "motor"}, STUDY),
+    "study/datasheet/refrigeration_tables.py": ({"motor"}, STUDY),
+    "study/datasheet/words.py": ({"motor", "separator"}, STUDY),
+    "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
+    "study/stages/explain.py": ({"economizer"}, STUDY),
+    "study/stages/read.py": ({"economizer"}, STUDY),
+    "study/stages/solve.py": ({"economizer"}, STUDY),
+    "template/refrigeration.py": ({"separator", "drive", "motor"}, "a template writes scenes with effects"),
+}
+IMPORTS = {  # of what an effect's file has
+    "solve/start_up.py": {"gas_torque"},
+    "study/datasheet/air_rating.py": {"air_package"},
+    "study/datasheet/air_sheet.py": {"air_package"},
+    "template/gas.py": {"oil_drag"},
+}
+
+
+def named(path: Path) -> str:
+    return path.relative_to(PACKAGE).as_posix()
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def texts(path: Path) -> Iterator[str]:
+    """Yield the strings of a source, docstrings apart."""
+    tree = parsed(path)
+    owners = (node for node in ast.walk(tree) if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef))
+    docs = {id(node.body[0].value) for node in owners if node.body and isinstance(node.body[0], ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docs:
+            yield node.value
+
+
+def named_in(path: Path) -> set[str]:
+    """Return the effects that strings of a source name: alone, or as effects.NAME."""
+    effects, every = set(catalogue()), set(texts(path))
+    return (every & effects) | {name for text in every for name, _ in PATH.findall(text) if name in effects}
+
+
+def imported(path: Path) -> set[str]:
+    """Return the effects whose files a source imports from."""
+    nodes = (node for node in ast.walk(parsed(path)) if isinstance(node, ast.ImportFrom))
+    modules = [(node.module or "").split(".") for node in nodes]
+    return {each[2] for each in modules if each[:2] == ["screwsim", "effects"] and len(each) > 2} - HELPERS
+
+
+def test_a_source_outside_of_the_effects_names_none_but_for_a_reason():
+    found = {named(path): named_in(path) for path in SOURCES}
+    assert {name: effects for name, effects in found.items() if effects} == {
+        name: effects for name, (effects, _) in ALLOWED.items()
+    }
+    found = {named(path): imported(path) for path in SOURCES}
+    assert {name: effects for name, effects in found.items() if effects} == IMPORTS
+
+
+def test_every_text_that_sends_to_an_effect_or_its_key_tells_one_that_is_there():
+    told = [(named(path), *found) for path in SOURCES for text in texts(path) for found in PATH.findall(text)]
+    assert len(told) > 10
+    assert [each for each in told if not exists(each[1], each[2])] == []
+
+
+def exists(name: str, keys: str) -> bool:
+    """Tell whether there is an effect of that name, with a key at that path."""
+    if name not in catalogue():
+        return False
+    section = catalogue()[name].parameters
+    assert is_dataclass(section)
+    found = section_of(section)
+    for key in keys.split(".")[1:]:
+        if not isinstance(found, Section) or key not in found.fields:
+            return False
+        found = found.fields[key]
+    return True
+
+
+CHOICES = {  # choices of a scene that decide on more than one place: who holds them against a word
+    ".how": set(),  # cycle.ways
+    ".closing": set(),  # numerics.closings
+    ".mode": {"machine/protocol.py"},
+    ".transport": {"fluid/settings.py"},
+    ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
+    ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
+    "gas.model": set(),  # fluid.models
+    "supply.kind": set(),
+    "supply.source": set(),
+}
+
+
+def compared(path: Path) -> Iterator[str]:
+    """Yield what a source holds against a word, or against the name of one."""
+    for node in ast.walk(parsed(path)):
+        if isinstance(node, ast.Compare) and isinstance(node.left, ast.Attribute):
+            words = node.comparators[0]
+            if isinstance(words, ast.Tuple) and words.elts:
+                words = words.elts[0]
+            if (isinstance(words, ast.Constant) and isinstance(words.value, str)) or isinstance(words, ast.Name):
+                yield ast.unparse(node.left)
+
+
+def test_a_choice_is_held_against_its_words_in_one_place():
+    """Elsewhere the answer is asked of what the choice selects: a property, or the entry of a registry."""
+    every = sorted(PACKAGE.rglob("*.py"))
+    for choice, allowed in CHOICES.items():
+        found = {named(path) for path in every for left in compared(path) if left.endswith(choice)}
+        assert found == allowed, choice
