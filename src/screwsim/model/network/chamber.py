@@ -15,8 +15,9 @@ from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
 from screwsim.model.network.flows import drag_flux, film_flux, gap_flux, needed, place_of, port_flux, read_place
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
-from screwsim.model.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import CONTEXT, step_texts
+from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
 KEPT = ["own[PRESSURE] = p", "own[TPT] = TpT"]

@@ -20,9 +20,10 @@ from screwsim.model.network.cell import CONSTANT, Cell
 from screwsim.model.network.flows import Place, place_of, read_place
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
-from screwsim.model.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import step_texts
 from screwsim.model.network.steps_together import SIDE, held_phase, step_texts_together
+from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"
