@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
-from screwsim.derivatives.pitch import Numbers, Pitch
+from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import (
     BEFORE,
@@ -71,19 +72,24 @@ QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5)  # 1e-3
 
 
 class Closed(NamedTuple):
-    """A collocated cycle: states at the start and the nodes, quadratures, its linearised pitch, its unknowns.
-
-    `by_unknowns` are the responses to each unknown, `back` (u, u) what the unknowns make of themselves, in coordinates;
-    `given` tells which of them the scene states.
-    """
+    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns."""
 
     pitch: Pitch
     start: Array
     nodes: Array
+    slopes: Slopes
     sums: Array
-    linear: Linear
     at: Numbers
     met: Array
+
+
+class Linearised(NamedTuple):
+    """How a collocated cycle responds to changes, a column each, the unknowns held, and to each unknown.
+
+    `back` (u, u) is what the unknowns make of themselves, in coordinates; `given` tells which of them the scene states.
+    """
+
+    by_changes: Response
     by_unknowns: Response
     back: Array
     given: Array
@@ -132,7 +138,8 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
             np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
             plain = refined(plain, of_plain, tolerance)
         closing = good or left <= 3
-    return _linearised(pitch, Y)
+    slopes = pitch.slopes(Y)
+    return Closed(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.met)
 
 
 def _peak(pitch: Pitch) -> float:
@@ -217,14 +224,23 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tu
     raise NotClosed(f"the collocated cycle leaves {size:.1g} open")
 
 
-def _linearised(pitch: Pitch, Y: Array) -> Closed:
-    """Return a collocated cycle that is closed, with what its unknowns make of it and of themselves."""
-    start, slopes, at, met = pitch.begin(Y), pitch.slopes(Y), pitch.numbers, pitch.met
-    sums = pitch.sums(slopes.g)
-    changes = [_moved(pitch, at, met, j) for j in range(len(met))]
-    linear = Linear(pitch, Y, slopes, changes)
-    back = made_of(pitch, Read(start, Y, sums, at), linear.first, met, 0)
-    return Closed(pitch, start, Y, sums, linear, at, met, linear.first, back, _given(back))
+def linearised(cycle: Closed, changes: Sequence[Change], injected: tuple[Array, Array]) -> Linearised:
+    """Return the cycle's responses to changes, and what its unknowns make of it and of themselves.
+
+    `injected` are what of each change the injection makes of the states and of the cells it sets (…, changes). All are
+    asked for together: rates side by side, and changes that follow the slices in one pass, cost less.
+    """
+    pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
+    pitch.put(at)
+    unknowns = [_moved(pitch, at, met, j) for j in range(len(met))]
+    widened = [np.pad(each, ((0, 0), (len(met), 0))) for each in injected]
+    linear = Linear(pitch, Y, cycle.slopes, [*unknowns, *changes], injected=widened)
+    by_unknowns, by_changes = (
+        Response(*(each[..., columns] for each in linear.first))
+        for columns in (slice(len(met)), slice(len(met), None))
+    )
+    back = made_of(pitch, Read(cycle.start, Y, cycle.sums, at), by_unknowns, met, 0)
+    return Linearised(by_changes, by_unknowns, back, _given(back))
 
 
 def _given(back: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.derivatives.closed import Closed, solved
-from screwsim.derivatives.directions import Direction, Directions, sources_of
+from screwsim.derivatives.directions import Direction, Directions, along
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.peak import peak_pressure
 from screwsim.derivatives.pitch import Pitch
@@ -47,16 +47,15 @@ def _moved(pitch: Pitch, response: Response, unknowns: Array) -> Moved:
 
 
 def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
-    """Return how the cycle moves along directions, a column each, its unknowns with it."""
-    found = cycle.linear.respond(sources_of(cycle, list(directions)))
-    off, pitch = np.zeros((len(cycle.met), len(directions))), cycle.pitch
-    held = _moved(pitch, found, off.copy())
-    own = _coordinates(standing(cycle, made)) if directions else np.empty(0)
+    """Return how the cycle moves along directions (at least one), a column each, its unknowns with it."""
+    linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.met), len(directions))), cycle.pitch
+    held = _moved(pitch, linear.by_changes, off.copy())
+    own = _coordinates(standing(cycle, made))
     for j, direction in enumerate(directions):
         image = _coordinates(placed(cycle, direction, held.by(j), made))
-        off[:, j] = np.where(cycle.given, direction.stated, (image - own) / direction.step)
-    unknowns = np.stack([solved(cycle.back, each, cycle.given) for each in off.T], axis=-1) if len(directions) else off
-    return _moved(pitch, found.added(cycle.by_unknowns.weighted(unknowns)), unknowns)
+        off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
+    unknowns = np.stack([solved(linear.back, each, linear.given) for each in off.T], axis=-1)
+    return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
 
 
 def _coordinates(of: Evaluation) -> Array:

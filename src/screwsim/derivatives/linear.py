@@ -143,16 +143,24 @@ class Linear:
     """The linearised pitch, at states Y and numbers as they stand.
 
     `first` is its response to `stages`, which are added to the stage equations as they are, and to changes, a column
-    each: what is known beforehand costs little more than the matrices.
+    each: what is known beforehand costs little more than the matrices. `injected` are what the changes make of states
+    behind the injection and of the cells it sets, a column each.
     """
 
     def __init__(
-        self, pitch: Pitch, Y: Array, slopes: Slopes, changes: Sequence[Change] = (), stages: Array | None = None
+        self,
+        pitch: Pitch,
+        Y: Array,
+        slopes: Slopes,
+        changes: Sequence[Change] = (),
+        stages: Array | None = None,
+        injected: Sequence[Array] = (),
     ) -> None:
         self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
         reach = max(pitch.machinery.composition.offsets, default=1)
         self.inject, self.noted = injection(pitch, Y)
-        self._feels, self._felt, self.changed = self._first(changes)
+        self._feels, self._felt, changed = self._first(changes)
+        self.changed = changed._replace(**dict(zip(("start", "cells"), injected, strict=False)))
         felt, N = len(self._feels), pitch.N
         known = [self._felt.right, *([] if stages is None else [stages]), self.changed.right]
         right = np.zeros((*Y.shape, N + sum(each.shape[-1] for each in known)))
