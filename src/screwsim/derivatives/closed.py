@@ -48,6 +48,7 @@ ROUGHLY = 100.0  # ... and in the first round, whose slices are too long by far
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 LOST = 20.0  # layers from a crossing, within which it may be one of before
+STANDS = 0.5 * BEFORE  # layers from where slices end before a crossing, within which it stands
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -56,7 +57,8 @@ class Fineness(NamedTuple):
 
     That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
     leaves open, of the slices around a turning of a flow: of the first, and of each further one over that before; of
-    the longest slice.
+    the longest slice, and of how near to its turning a slice must end. Where the cycle is not `estimated` it is the one
+    that the scene's tolerances close first, whatever the error of its figures.
     """
 
     error: float = 1.0
@@ -65,10 +67,12 @@ class Fineness(NamedTuple):
     ring: float = 1.0
     wider: float = 1.0
     longest: float = 1.0
+    near: float = 1.0
+    estimated: bool = True
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5)  # 1e-3
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 30.0, False)  # 1e-3
 
 
 class Closed(NamedTuple):
@@ -130,7 +134,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
             Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept, own)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_lost(crossings(pitch), turns)
-        if closing and (left == 1 or (good and _stand(turns, before))):
+        if closing and (left == 1 or (good and _stand(turns, before, fineness.near * STANDS))):
             break
         if not good:
             errors = errors_of(pitch, start, Y)
@@ -168,12 +172,12 @@ def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
     return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
-def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
-    """Tell whether crossings are where slices end before them."""
+def _stand(turns: list[Crossing], before: list[Crossing], bound: float) -> bool:
+    """Tell whether crossings are where slices end before them, within so many layers."""
     if len(before) != len(turns):
         return False
     pairs = zip(turns, before, strict=True)
-    return all(abs(one.angle - other.angle) < 0.5 * BEFORE * one.layer for one, other in pairs)
+    return all(abs(one.angle - other.angle) < bound * one.layer for one, other in pairs)
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
