@@ -213,22 +213,19 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tu
         stages = -residual[..., None]
         if linear is None or size > KEPT * before:
             changes = [_moved(pitch, at, met, j) for j in range(len(met))]
-            linear = Linear(pitch, Y, pitch.slopes(Y), changes, stages)
-            response = linear.first
-        else:
-            of_unknowns = Response(*(each[..., 1:] for each in linear.first))
-            none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
-            response = linear.respond(none, stages).and_then(of_unknowns)
+            linear = Linear(pitch, Y, pitch.slopes(Y), changes)
+        response, of_unknowns = linear.respond(stages), linear.first
         before = size
-        back = made_of(pitch, Read(read[0], Y, read[1], at), response, met, 1)
-        change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
-        last = tamed(response.nodes @ np.append(1.0, change), last)
+        cycle = Read(read[0], Y, read[1], at)
+        back = made_of(pitch, cycle, of_unknowns, met, 0)
+        change = solved(back, off + made_of(pitch, cycle, response, met, 1)[:, 0], _given(back))
+        last = tamed(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
         Y = stepped(pitch, Y, last)
         pitch.meet(entries.coordinates(met) + change, met)
     raise NotClosed(f"the collocated cycle leaves {size:.1g} open")
 
 
-def linearised(cycle: Closed, changes: Sequence[Change], injected: tuple[Array, Array]) -> Linearised:
+def linearised(cycle: Closed, changes: Sequence[Change], injected: Sources) -> Linearised:
     """Return the cycle's responses to changes, and what its unknowns make of it and of themselves.
 
     `injected` are what of each change the injection makes of the states and of the cells it sets (…, changes). All are
@@ -237,12 +234,8 @@ def linearised(cycle: Closed, changes: Sequence[Change], injected: tuple[Array, 
     pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
     pitch.put(at)
     unknowns = [_moved(pitch, at, met, j) for j in range(len(met))]
-    widened = [np.pad(each, ((0, 0), (len(met), 0))) for each in injected]
-    linear = Linear(pitch, Y, cycle.slopes, [*unknowns, *changes], injected=widened)
-    by_unknowns, by_changes = (
-        Response(*(each[..., columns] for each in linear.first))
-        for columns in (slice(len(met)), slice(len(met), None))
-    )
+    linear = Linear(pitch, Y, cycle.slopes, [*unknowns, *changes], injected)
+    by_unknowns, by_changes = (linear.first.of(columns) for columns in (slice(len(met)), slice(len(met), None)))
     back = made_of(pitch, Read(cycle.start, Y, cycle.sums, at), by_unknowns, met, 0)
     return Linearised(by_changes, by_unknowns, back, _given(back))
 
@@ -283,7 +276,8 @@ def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: in
     def fill(by: float, j: int) -> None:
         nonlocal read
         read = True
-        pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
+        one = response.of(j)
+        pitch.install(cycle.start + by * one.start, cycle.nodes + by * one.nodes)
 
     for j in range(found.shape[1]):
         images = []

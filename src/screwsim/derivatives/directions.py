@@ -14,7 +14,7 @@ import numpy as np
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.closed import Closed, Linearised, linearised
-from screwsim.derivatives.linear import Change
+from screwsim.derivatives.linear import Change, Sources
 from screwsim.derivatives.pitch import Numbers
 from screwsim.derivatives.slices import moved
 from screwsim.inputs.faults import UsageError
@@ -138,4 +138,4 @@ class Directions:
 def along(cycle: Closed, directions: Sequence[Direction]) -> Linearised:
     """Return the cycle linearised along directions, a column each."""
     start, cells = (np.stack([getattr(each, name) for each in directions], axis=-1) for name in ("start", "cells"))
-    return linearised(cycle, [each.change for each in directions], (start, cells))
+    return linearised(cycle, [each.change for each in directions], Sources(start, cells))
