@@ -18,6 +18,8 @@ from screwsim.derivatives.slices import INTEGRALS
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import kernel
 
+LITTLE = 24  # rows of a matrix up to which one column after the other is eliminated
+
 
 @kernel
 def fill(J, k, h, n, reach, M):
@@ -42,31 +44,73 @@ def fill(J, k, h, n, reach, M):
 
 
 @kernel
+def pivoted(M, k, column, last, wide):
+    """Return which row of M[k] below `column` has the largest number there; that row has changed places with it."""
+    p = column
+    for i in range(column + 1, last):
+        if abs(M[k, i, column]) > abs(M[k, p, column]):
+            p = i
+    if p != column:
+        for j in range(wide):  # with what was eliminated of them: rows then follow each other
+            M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
+    return p
+
+
+@kernel
+def eliminate(M, k, column, row, first, last):
+    """Take from a row of M[k], in columns from first to last, its share of the one that stands at `column`."""
+    share = M[k, row, column]
+    if share != 0.0:
+        for j in range(first, last):
+            M[k, row, j] -= share * M[k, column, j]
+
+
+@kernel
+def eliminate_four(M, k, column, row, last):
+    """Do so with the four rows that stand from `column` on, in the columns behind them."""
+    s0 = M[k, row, column]
+    s1 = M[k, row, column + 1]
+    s2 = M[k, row, column + 2]
+    s3 = M[k, row, column + 3]
+    if s0 != 0.0 or s1 != 0.0 or s2 != 0.0 or s3 != 0.0:
+        for j in range(column + 4, last):
+            M[k, row, j] -= (
+                s0 * M[k, column, j] + s1 * M[k, column + 1, j] + (s2 * M[k, column + 2, j] + s3 * M[k, column + 3, j])
+            )
+
+
+@kernel
 def factor(J, widths, n, reach, M, pivots):
-    """Factor 1 − h a J of all slices [h: widths] in M (slices, 3 N, 3 N); rows that change places in pivots."""
+    """Factor 1 − h a J of all slices [h: widths] in M (slices, 3 N, 3 N); rows that change places in pivots.
+
+    Four columns at once, so that what lies behind them is gone through once and not four times; of little, each alone.
+    """
     size = M.shape[1]
     band = 3 * n * (reach + 1) - 1
     for k in range(widths.shape[0]):
         fill(J, k, widths[k], n, reach, M)
-        for column in range(size):
-            last = min(size, column + band + 1)
-            wide = min(size, column + 2 * band + 1)
-            p = column
-            for i in range(column + 1, last):
-                if abs(M[k, i, column]) > abs(M[k, p, column]):
-                    p = i
-            pivots[k, column] = p
-            if p != column:
-                for j in range(wide):  # with what was eliminated of them: rows then follow each other
-                    M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
-            inverse = 1.0 / M[k, column, column]
-            M[k, column, column] = inverse
-            for i in range(column + 1, last):
-                share = M[k, i, column] * inverse
-                M[k, i, column] = share
-                if share != 0.0:
-                    for j in range(column + 1, wide):
-                        M[k, i, j] -= share * M[k, column, j]
+        column = 0
+        while column < size:
+            behind = column + 4 if size > LITTLE and column + 4 <= size else column + 1
+            wide = min(size, behind + 2 * band)
+            for c in range(column, behind):
+                last = min(size, c + band + 1)
+                pivots[k, c] = pivoted(M, k, c, last, wide)
+                inverse = 1.0 / M[k, c, c]
+                M[k, c, c] = inverse
+                for i in range(c + 1, last):
+                    M[k, i, c] *= inverse
+                    eliminate(M, k, c, i, c + 1, behind)
+            for c in range(column, behind):
+                for i in range(c + 1, behind):
+                    eliminate(M, k, c, i, behind, wide)
+            last = min(size, behind + band)
+            for i in range(behind, last):
+                if behind == column + 4:
+                    eliminate_four(M, k, column, i, wide)
+                else:
+                    eliminate(M, k, column, i, behind, wide)
+            column = behind
 
 
 @kernel
