@@ -72,7 +72,7 @@ class Fineness(NamedTuple):
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 30.0, False)  # 1e-3
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # 1e-3
 
 
 class Closed(NamedTuple):
