@@ -5,7 +5,7 @@ import pytest
 from closed_points import closed_point
 
 from screwsim.derivatives import beside, nearby
-from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.slices import INTEGRALS
 
 
@@ -34,6 +34,8 @@ def test_what_is_followed_solves_the_stage_equations(cycle):
     start, right = draw.normal(size=(pitch.N, 3)), draw.normal(size=(*cycle.nodes.shape, 3))
     blocks = Blocks(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets))
     found = blocks.follow(start, right.copy())
+    once = follow_once(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets), start, right.copy())
+    np.testing.assert_array_equal(once, found)
     before = np.concatenate([start[None], found[:-1, -1]])[:, None]
     inside = np.einsum("k,ij,kjnm,kjmc->kinc", pitch.slices.widths, INTEGRALS, J, found)
     left = found - before - inside - right

@@ -13,10 +13,11 @@ import numpy as np
 
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
-from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PLACE, PRESSURE, R_RATIO
+from screwsim.numerics.once import once
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # of the regularisation: steps of differences, a tenth of how near to its turn a node is ...
@@ -164,7 +165,6 @@ class Linear:
         injected: Sources | None = None,
     ) -> None:
         self.pitch, self.slopes = pitch, slopes
-        reach = max(pitch.machinery.composition.offsets, default=1)
         self.inject, self.noted = injection(pitch, Y)
         sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
         self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
@@ -174,12 +174,22 @@ class Linear:
         of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # rates side by side cost less
         right[..., N : self._known] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
-        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
-        self._followed = self.blocks.follow(np.eye(N, right.shape[-1]), right)
+        self._followed = follow_once(*self._equations, np.eye(N, right.shape[-1]), right)
         self._sums = self._summed(self._followed)
         self._sums[:, N:] += of_rates
         self._around = self._closing(self._followed[-1, -1, :, : self._known])
         self.first = self._responded(self._followed, self._sums, injected)
+
+    @property
+    def _equations(self) -> tuple[Array, Array, int, int]:
+        """What the stage equations are factored from."""
+        reach = max(self.pitch.machinery.composition.offsets, default=1)
+        return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
+
+    @once
+    def blocks(self) -> Blocks:
+        """The stage equations, factored to be followed again."""
+        return Blocks(*self._equations)
 
     def _is_felt(self, cell: int) -> bool:
         """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
