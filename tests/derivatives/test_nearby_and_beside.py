@@ -5,7 +5,7 @@ import pytest
 from closed_points import closed_point
 
 from screwsim.derivatives import beside, nearby
-from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.slices import INTEGRALS
 
 
@@ -29,11 +29,13 @@ def test_states_nearby_leave_less_open_than_asked_and_are_near(cycle, bound):
 
 
 def test_what_is_followed_solves_the_stage_equations(cycle):
-    pitch, J = cycle.pitch, cycle.linear.slopes.by_states
+    pitch, J = cycle.pitch, cycle.slopes.by_states
     draw = np.random.default_rng(1)
     start, right = draw.normal(size=(pitch.N, 3)), draw.normal(size=(*cycle.nodes.shape, 3))
     blocks = Blocks(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets))
     found = blocks.follow(start, right.copy())
+    once = follow_once(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets), start, right.copy())
+    np.testing.assert_array_equal(once, found)
     before = np.concatenate([start[None], found[:-1, -1]])[:, None]
     inside = np.einsum("k,ij,kjnm,kjmc->kinc", pitch.slices.widths, INTEGRALS, J, found)
     left = found - before - inside - right
@@ -43,7 +45,7 @@ def test_what_is_followed_solves_the_stage_equations(cycle):
 def test_what_is_followed_chamber_by_chamber_begins_with_what_the_one_before_leaves(cycle):
     pitch, n = cycle.pitch, cycle.pitch.n
     chambers, draw = pitch.N // n, np.random.default_rng(2)
-    J = cycle.linear.slopes.by_states.reshape(pitch.count, 3, chambers, n, chambers, n)
+    J = cycle.slopes.by_states.reshape(pitch.count, 3, chambers, n, chambers, n)
     own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, 3, n, n)
     blocks = Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0)
     right, inject = draw.normal(size=cycle.nodes.shape), draw.normal(size=(pitch.N, pitch.N))

@@ -23,7 +23,7 @@ def cycle(request):
 
 def test_the_pressure_where_it_turns_is_that_of_the_history_and_asks_for_none(cycle):
     pitch, asked = cycle.pitch, []
-    turning = Turning(STEP, SHARE, in_step(pitch, cycle.start, cycle.nodes, STEP))
+    turning = Turning(STEP, SHARE, in_step(pitch, cycle.start, cycle.nodes.__getitem__, STEP))
     life = Placed.of(pitch, lambda: asked.append("a history"), turning)
     times = pitch.machinery.trajectory.times
     angle = (1.0 - SHARE) * times[STEP] + SHARE * times[STEP + 1]

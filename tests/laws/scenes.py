@@ -111,6 +111,18 @@ SPEEDS = (5000, 3000, 1000, 500, 250)
 DROP = object()  # as a value: the field is left out
 OIL_PORT["effects.oil_pump"] = DROP
 TOGETHER = {**ECONOMIZER, **OIL_PORT, **OIL_VOLUME}
+PLENUMS = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
+OF_ALL_STREAMS = {  # scenes that have every kind of stream between them
+    "paper": {"oil.transport": "paper"},
+    "carried": {"oil.transport": "carried"},
+    "ports and room": TOGETHER,
+    "gaps held back": HELD_GAPS,
+    "oil films": FILMS,
+    "oil films that take room": {**FILMS, **OIL_VOLUME},
+    "oil films, lines that pulsate": {**SOLUBLE_RATE, **FILMS, "effects.plenums": PLENUMS},
+    "oil that flashes": SOLUBLE,
+    "oil that flashes over time": SOLUBLE_RATE,
+}
 
 
 def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import FILMS, HELD_GAPS, OIL_VOLUME, SOLUBLE, SOLUBLE_RATE, closed, make
-from scenes import TOGETHER as PORTS_AND_ROOM
+from scenes import OF_ALL_STREAMS, closed, make
 
 Array = np.ndarray
 # off the breakpoints: there the derivatives of both sides differ
@@ -29,24 +28,10 @@ class Driver(NamedTuple):
     nq: int
 
 
-PLENUMS = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
-CASES = {
-    "paper": {"oil.transport": "paper"},
-    "carried": {"oil.transport": "carried"},
-    "ports and room": PORTS_AND_ROOM,
-    "gaps held back": HELD_GAPS,
-    "oil films": FILMS,
-    "oil films that take room": {**FILMS, **OIL_VOLUME},
-    "oil films, lines that pulsate": {**SOLUBLE_RATE, **FILMS, "effects.plenums": PLENUMS},
-    "oil that flashes": SOLUBLE,
-    "oil that flashes over time": SOLUBLE_RATE,
-}
-
-
-@pytest.fixture(scope="module", params=CASES)
+@pytest.fixture(scope="module", params=OF_ALL_STREAMS)
 def machinery(request):
     numerics = {"closing": "coupled", "accuracy": 6e-4}  # so wide that differences of 1e-6 resolve the roots
-    scene = make({"operation.speed": "1000 rpm", "numerics": numerics, **CASES[request.param]})
+    scene = make({"operation.speed": "1000 rpm", "numerics": numerics, **OF_ALL_STREAMS[request.param]})
     _, machinery, cycle = closed(scene)
     assert cycle.status == "ok"
     machinery.kept[0] = 0  # both sides are read from the last turn

@@ -52,9 +52,9 @@ def derivatives(
         except (Structural, UsageError) as why:
             refused[path] = str(why)
     every = [*around, *directions.values()]
-    moves, read = responses(cycle, every, made), []
     if not every:
         return {}, refused
+    moves, read = responses(cycle, every, made), []
     turn = turn_of(standing(cycle, made))
     here = _read(standing(cycle, made, turn), bool(around))
     for j, direction in enumerate(every):

@@ -42,3 +42,11 @@ class Blocks:
         rows = np.array(parts, order="C").reshape(-1, NODES * self.states, 1)
         compiled().stages__follow_one_by_one(self.factors, self.pivots, self.states, inject, rows)
         return rows.reshape(parts.shape).transpose(1, 2, 0, 3).reshape(count, NODES, N)
+
+
+def follow_once(J: Array, widths: Array, states: int, reach: int, start: Array, right: Array) -> Array:
+    """Do what `Blocks(J, …).follow(start, right)` does, without keeping what is factored: slice after slice."""
+    count, _, N, k = right.shape
+    now, rows = np.array(start, order="C"), right.reshape(count, NODES * N, k)
+    compiled().stages__follow_once(J.reshape(-1, N, N), widths, states, reach, now, rows)
+    return right

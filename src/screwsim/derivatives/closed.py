@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
-from screwsim.derivatives.pitch import Numbers, Pitch
+from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import (
     BEFORE,
@@ -47,6 +48,7 @@ ROUGHLY = 100.0  # ... and in the first round, whose slices are too long by far
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 LOST = 20.0  # layers from a crossing, within which it may be one of before
+STANDS = 0.5 * BEFORE  # layers from where slices end before a crossing, within which it stands
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -55,7 +57,8 @@ class Fineness(NamedTuple):
 
     That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
     leaves open, of the slices around a turning of a flow: of the first, and of each further one over that before; of
-    the longest slice.
+    the longest slice, and of how near to its turning a slice must end. Where the cycle is not `estimated` it is the one
+    that the scene's tolerances close first, whatever the error of its figures.
     """
 
     error: float = 1.0
@@ -64,26 +67,33 @@ class Fineness(NamedTuple):
     ring: float = 1.0
     wider: float = 1.0
     longest: float = 1.0
+    near: float = 1.0
+    estimated: bool = True
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5)  # 1e-3
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # 1e-3
 
 
 class Closed(NamedTuple):
-    """A collocated cycle: states at the start and the nodes, quadratures, its linearised pitch, its unknowns.
-
-    `by_unknowns` are the responses to each unknown, `back` (u, u) what the unknowns make of themselves, in coordinates;
-    `given` tells which of them the scene states.
-    """
+    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns."""
 
     pitch: Pitch
     start: Array
     nodes: Array
+    slopes: Slopes
     sums: Array
-    linear: Linear
     at: Numbers
     met: Array
+
+
+class Linearised(NamedTuple):
+    """How a collocated cycle responds to changes, a column each, the unknowns held, and to each unknown.
+
+    `back` (u, u) is what the unknowns make of themselves, in coordinates; `given` tells which of them the scene states.
+    """
+
+    by_changes: Response
     by_unknowns: Response
     back: Array
     given: Array
@@ -124,7 +134,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
             Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY, kept, own)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_lost(crossings(pitch), turns)
-        if closing and (left == 1 or (good and _stand(turns, before))):
+        if closing and (left == 1 or (good and _stand(turns, before, fineness.near * STANDS))):
             break
         if not good:
             errors = errors_of(pitch, start, Y)
@@ -132,7 +142,8 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
             np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
             plain = refined(plain, of_plain, tolerance)
         closing = good or left <= 3
-    return _linearised(pitch, Y)
+    slopes = pitch.slopes(Y)
+    return Closed(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.met)
 
 
 def _peak(pitch: Pitch) -> float:
@@ -161,12 +172,12 @@ def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
     return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
-def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
-    """Tell whether crossings are where slices end before them."""
+def _stand(turns: list[Crossing], before: list[Crossing], bound: float) -> bool:
+    """Tell whether crossings are where slices end before them, within so many layers."""
     if len(before) != len(turns):
         return False
     pairs = zip(turns, before, strict=True)
-    return all(abs(one.angle - other.angle) < 0.5 * BEFORE * one.layer for one, other in pairs)
+    return all(abs(one.angle - other.angle) < bound * one.layer for one, other in pairs)
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
@@ -202,29 +213,31 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tu
         stages = -residual[..., None]
         if linear is None or size > KEPT * before:
             changes = [_moved(pitch, at, met, j) for j in range(len(met))]
-            linear = Linear(pitch, Y, pitch.slopes(Y), changes, stages)
-            response = linear.first
-        else:
-            of_unknowns = Response(*(each[..., 1:] for each in linear.first))
-            none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in linear.changed))
-            response = linear.respond(none, stages).and_then(of_unknowns)
+            linear = Linear(pitch, Y, pitch.slopes(Y), changes)
+        response, of_unknowns = linear.respond(stages), linear.first
         before = size
-        back = made_of(pitch, Read(read[0], Y, read[1], at), response, met, 1)
-        change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
-        last = tamed(response.nodes @ np.append(1.0, change), last)
+        cycle = Read(read[0], Y, read[1], at)
+        back = made_of(pitch, cycle, of_unknowns, met, 0)
+        change = solved(back, off + made_of(pitch, cycle, response, met, 1)[:, 0], _given(back))
+        last = tamed(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
         Y = stepped(pitch, Y, last)
         pitch.meet(entries.coordinates(met) + change, met)
     raise NotClosed(f"the collocated cycle leaves {size:.1g} open")
 
 
-def _linearised(pitch: Pitch, Y: Array) -> Closed:
-    """Return a collocated cycle that is closed, with what its unknowns make of it and of themselves."""
-    start, slopes, at, met = pitch.begin(Y), pitch.slopes(Y), pitch.numbers, pitch.met
-    sums = pitch.sums(slopes.g)
-    changes = [_moved(pitch, at, met, j) for j in range(len(met))]
-    linear = Linear(pitch, Y, slopes, changes)
-    back = made_of(pitch, Read(start, Y, sums, at), linear.first, met, 0)
-    return Closed(pitch, start, Y, sums, linear, at, met, linear.first, back, _given(back))
+def linearised(cycle: Closed, changes: Sequence[Change], injected: Sources) -> Linearised:
+    """Return the cycle's responses to changes, and what its unknowns make of it and of themselves.
+
+    `injected` are what of each change the injection makes of the states and of the cells it sets (…, changes). All are
+    asked for together: rates side by side, and changes that follow the slices in one pass, cost less.
+    """
+    pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
+    pitch.put(at)
+    unknowns = [_moved(pitch, at, met, j) for j in range(len(met))]
+    linear = Linear(pitch, Y, cycle.slopes, [*unknowns, *changes], injected)
+    by_unknowns, by_changes = (linear.first.of(columns) for columns in (slice(len(met)), slice(len(met), None)))
+    back = made_of(pitch, Read(cycle.start, Y, cycle.sums, at), by_unknowns, met, 0)
+    return Linearised(by_changes, by_unknowns, back, _given(back))
 
 
 def _given(back: Array) -> Array:
@@ -263,7 +276,8 @@ def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: in
     def fill(by: float, j: int) -> None:
         nonlocal read
         read = True
-        pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
+        one = response.of(j)
+        pitch.install(cycle.start + by * one.start, cycle.nodes + by * one.nodes)
 
     for j in range(found.shape[1]):
         images = []

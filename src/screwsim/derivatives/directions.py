@@ -6,14 +6,14 @@ cycle, whose own side is the same for all numbers: they are exact but for less t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.derivatives.closed import Closed
+from screwsim.derivatives.closed import Closed, Linearised, linearised
 from screwsim.derivatives.linear import Change, Sources
 from screwsim.derivatives.pitch import Numbers
 from screwsim.derivatives.slices import moved
@@ -135,10 +135,7 @@ class Directions:
         return (y - y_below) / (2.0 * step), (cells - cells_below) / (2.0 * step)
 
 
-def sources_of(cycle: Closed, directions: list[Direction]) -> Sources:
-    """Return the sources of directions, a column each."""
-    found = cycle.linear.sources([each.change for each in directions])
-    if not directions:
-        return found
+def along(cycle: Closed, directions: Sequence[Direction]) -> Linearised:
+    """Return the cycle linearised along directions, a column each."""
     start, cells = (np.stack([getattr(each, name) for each in directions], axis=-1) for name in ("start", "cells"))
-    return found._replace(start=start, cells=cells)
+    return linearised(cycle, [each.change for each in directions], Sources(start, cells))

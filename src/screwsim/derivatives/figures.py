@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.derivatives.closed import Closed, solved
-from screwsim.derivatives.directions import Direction, Directions, sources_of
+from screwsim.derivatives.directions import Direction, Directions, along
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.peak import peak_pressure
 from screwsim.derivatives.pitch import Pitch
@@ -31,7 +31,7 @@ class Moved(NamedTuple):
 
     def by(self, j: int) -> Move:
         """Return how it moves with one of them."""
-        return Move(Response(*(each[..., j] for each in self.response)), self.unknowns[:, j], lambda: self.lives()[j])
+        return Move(self.response.of(j), self.unknowns[:, j], lambda: self.lives()[j])
 
 
 class Move(NamedTuple):
@@ -47,16 +47,15 @@ def _moved(pitch: Pitch, response: Response, unknowns: Array) -> Moved:
 
 
 def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
-    """Return how the cycle moves along directions, a column each, its unknowns with it."""
-    found = cycle.linear.respond(sources_of(cycle, list(directions)))
-    off, pitch = np.zeros((len(cycle.met), len(directions))), cycle.pitch
-    held = _moved(pitch, found, off.copy())
-    own = _coordinates(standing(cycle, made)) if directions else np.empty(0)
+    """Return how the cycle moves along directions (at least one), a column each, its unknowns with it."""
+    linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.met), len(directions))), cycle.pitch
+    held = _moved(pitch, linear.by_changes, off.copy())
+    own = _coordinates(standing(cycle, made))
     for j, direction in enumerate(directions):
         image = _coordinates(placed(cycle, direction, held.by(j), made))
-        off[:, j] = np.where(cycle.given, direction.stated, (image - own) / direction.step)
-    unknowns = np.stack([solved(cycle.back, each, cycle.given) for each in off.T], axis=-1) if len(directions) else off
-    return _moved(pitch, found.added(cycle.by_unknowns.weighted(unknowns)), unknowns)
+        off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
+    unknowns = np.stack([solved(linear.back, each, linear.given) for each in off.T], axis=-1)
+    return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
 
 
 def _coordinates(of: Evaluation) -> Array:
@@ -68,7 +67,7 @@ def standing(cycle: Closed, made: Directions, turn: tuple[int, float] | None = N
     """Return the evaluation of the cycle as it stands, to be read as one that is `placed`."""
     pitch = cycle.pitch
     pitch.put(made.own[0])
-    turning = None if turn is None else Turning(*turn, in_step(pitch, cycle.start, cycle.nodes, turn[0]))
+    turning = None if turn is None else Turning(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
     return Evaluation(pitch.problem, Placed.of(pitch, lambda: pitch.install_life(made.life), turning), cycle.sums)
 
 
@@ -80,11 +79,11 @@ def placed(
     It stands on the machinery of the cycle: it is to be read before anything else is done with that.
     """
     pitch, problem, by = cycle.pitch, direction.problem, direction.step
-    at, entries, (start, nodes, cells, sums) = direction.side, problem.entries, moves.response
+    at, entries, response = direction.side, problem.entries, moves.response
     if moves.unknowns.any():
         met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
         at = made.numbers(problem, met)[0]
-    pitch.put(at.plus(by, pitch.cells_as_numbers(cells)))
+    pitch.put(at.plus(by, pitch.cells_as_numbers(response.cells)))
 
     def fill() -> None:
         edges = direction.change.edges
@@ -93,9 +92,9 @@ def placed(
 
     turning = None
     if turn is not None:
-        here, change = (in_step(pitch, *each, turn[0]) for each in ((cycle.start, cycle.nodes), (start, nodes)))
-        turning = Turning(*turn, here + by * change)
-    return Evaluation(problem, Placed.of(pitch, fill, turning), cycle.sums + by * sums)
+        here = in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0])
+        turning = Turning(*turn, here + by * in_step(pitch, response.start, response.inside, turn[0]))
+    return Evaluation(problem, Placed.of(pitch, fill, turning), cycle.sums + by * response.sums)
 
 
 def figures_of(of: Evaluation) -> dict[str, float]:

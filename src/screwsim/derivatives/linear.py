@@ -13,11 +13,11 @@ import numpy as np
 
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
-from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
-from screwsim.derivatives.slices import NODES
 from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PLACE, PRESSURE, R_RATIO
+from screwsim.numerics.once import once
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # of the regularisation: steps of differences, a tenth of how near to its turn a node is ...
@@ -26,37 +26,44 @@ SMALL = 1e-3  # of a state or a cell, for relative steps
 
 
 class Sources(NamedTuple):
-    """Columns (…, k): right sides of the stage equations, quadratures, states behind the injection, cells it sets."""
+    """Columns (…, k) that a change makes beside rates: states behind the injection, cells it sets."""
 
-    right: Array
-    sums: Array
     start: Array
     cells: Array
-
-    def and_then(self, *others: Sources) -> Sources:
-        """Return these columns and those of others behind them."""
-        return Sources(*(np.concatenate(each, axis=-1) for each in zip(self, *others, strict=True)))
 
 
 class Response(NamedTuple):
-    """Columns (…, k): changes of the states at the start and at the nodes, of the cells, of the quadratures."""
+    """Columns (…, k): changes of the states at the start, of the cells, of the quadratures, and of the states at nodes.
+
+    Those at nodes are sums of what was followed (slices, NODES, N, K), `weights` (K, k): most are never asked for.
+    """
 
     start: Array
-    nodes: Array
     cells: Array
     sums: Array
+    weights: Array
+    followed: Array
 
-    def and_then(self, other: Response) -> Response:
-        """Return these columns and those of another behind them."""
-        return Response(*(np.concatenate(each, axis=-1) for each in zip(self, other, strict=True)))
+    @property
+    def nodes(self) -> Array:
+        """Changes of the states at all nodes (slices, NODES, N, k)."""
+        return self.inside(slice(None))
+
+    def inside(self, slices: slice) -> Array:
+        """Return changes of the states at the nodes of some slices."""
+        return self.followed[slices] @ self.weights
+
+    def of(self, columns: int | slice) -> Response:
+        """Return some of the columns, or one of them, without its axis."""
+        return Response(*(each[..., columns] for each in self[:-1]), self.followed)
 
     def weighted(self, weights: Array) -> Response:
-        """Return sums of the columns (k, m)."""
-        return Response(*(each @ weights for each in self))
+        """Return sums of the columns (k, m), or one sum of them (k,)."""
+        return Response(*(each @ weights for each in self[:-1]), self.followed)
 
     def added(self, other: Response) -> Response:
-        """Return both together, in the place of these."""
-        return Response(*(np.add(one, more, out=one) for one, more in zip(self, other, strict=True)))
+        """Return both together, of the same that was followed."""
+        return Response(*(one + more for one, more in zip(self[:-1], other[:-1], strict=True)), self.followed)
 
 
 def step_of(pitch: Pitch) -> float:
@@ -87,12 +94,15 @@ class Change(NamedTuple):
         return bool(self.numbers.R[PRESSURE:R_RATIO:PLACE].any())
 
 
-def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tuple[Array, Array]:
-    """Return what rates along changes make of the stage equations (slices, NODES, N, changes) and of quadratures."""
-    right, sums = (np.zeros((*shape, len(changes))) for shape in ((pitch.count, NODES, pitch.N), (pitch.q - 1,)))
+def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right: Array, first: int) -> Array:
+    """Return what rates along changes make of the quadratures, a column each.
+
+    What they make of the stage equations is added to `right` (slices, NODES, N, …), from column `first` on.
+    """
+    sums = np.zeros((pitch.q - 1, len(changes)))
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
-        return right, sums
+        return sums
     step, asked, of_asked = step_of(pitch), [Asked(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
@@ -105,16 +115,16 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change]) -> tup
     for which, *found in rates_of(pitch, Y, asked):
         found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
         own = own or [rates[..., 0].copy() for rates in found]
-        first, widths = int(not which.start), pitch.slices.widths
-        of_lanes = of_asked[which.start + first - 1 : which.stop - 1]
-        edges = [each.edges for each in asked[which.start + first : which.stop]]
+        lane, widths = int(not which.start), pitch.slices.widths
+        of_lanes = of_asked[which.start + lane - 1 : which.stop - 1]
+        edges = [each.edges for each in asked[which.start + lane : which.stop]]
         there = [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)]
         here = [per * one_sided * widths for _, per, one_sided in of_lanes]
-        how = first, *(np.ascontiguousarray(np.transpose(each)) for each in (there, here))
+        how = lane, *(np.ascontiguousarray(np.transpose(each)) for each in (there, here))
         columns = np.array([i for i, *_ in of_lanes])
-        compiled().sweeps__add_stages(found[0], own[0], *how, columns, right.reshape(-1, *right.shape[2:]))
+        compiled().sweeps__add_stages(found[0], own[0], *how, first + columns, right.reshape(-1, *right.shape[2:]))
         compiled().sweeps__add_sums(found[1], own[1], *how, columns, sums)
-    return right, sums
+    return sums
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
@@ -142,50 +152,58 @@ def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
 class Linear:
     """The linearised pitch, at states Y and numbers as they stand.
 
-    `first` is its response to `stages`, which are added to the stage equations as they are, and to changes, a column
-    each: what is known beforehand costs little more than the matrices.
+    `first` is its response to changes, a column each: what is known beforehand costs little more than the matrices.
+    `injected` are what the last of the changes make of states behind the injection and of the cells it sets.
     """
 
     def __init__(
-        self, pitch: Pitch, Y: Array, slopes: Slopes, changes: Sequence[Change] = (), stages: Array | None = None
+        self,
+        pitch: Pitch,
+        Y: Array,
+        slopes: Slopes,
+        changes: Sequence[Change] = (),
+        injected: Sources | None = None,
     ) -> None:
-        self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
-        reach = max(pitch.machinery.composition.offsets, default=1)
+        self.pitch, self.slopes = pitch, slopes
         self.inject, self.noted = injection(pitch, Y)
-        self._feels, self._felt, self.changed = self._first(changes)
-        felt, N = len(self._feels), pitch.N
-        known = [self._felt.right, *([] if stages is None else [stages]), self.changed.right]
-        right = np.zeros((*Y.shape, N + sum(each.shape[-1] for each in known)))
-        np.concatenate(known, axis=-1, out=right[..., N:])
-        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, max(1, reach))
-        nodes = self.blocks.follow(np.eye(N, right.shape[-1]), right)
-        self._from, self._around = nodes[..., : N + felt], self._closing(nodes[-1, -1, :, : N + felt])
-        columns = 0 if stages is None else stages.shape[-1]
-        nothing = Sources(*(np.zeros((*each.shape[:-1], columns)) for each in self.changed))
-        self.first = self._responded(nothing.and_then(self.changed), nodes[..., N + felt :])
+        sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
+        self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
+        felt = [Change(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
+        self._known = N + len(felt)  # columns of what is followed before those of changes
+        right = np.zeros((*Y.shape, self._known + len(changes)))
+        of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # rates side by side cost less
+        right[..., N : self._known] /= sizes[self._feels]
+        of_rates[:, : len(felt)] /= sizes[self._feels]
+        self._followed = follow_once(*self._equations, np.eye(N, right.shape[-1]), right)
+        self._sums = self._summed(self._followed)
+        self._sums[:, N:] += of_rates
+        self._around = self._closing(self._followed[-1, -1, :, : self._known])
+        self.first = self._responded(self._followed, self._sums, injected)
 
-    def _first(self, changes: Sequence[Change]) -> tuple[list[int], Sources, Sources]:
-        """Return which cells the rates feel, their sources, one column each, and those of changes.
+    @property
+    def _equations(self) -> tuple[Array, Array, int, int]:
+        """What the stage equations are factored from."""
+        reach = max(self.pitch.machinery.composition.offsets, default=1)
+        return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
 
-        They are asked for together: rates side by side cost less.
-        """
-        sizes = np.maximum(np.abs(self.pitch.cells()), SMALL)
-        felt = [i for i in range(len(sizes)) if self._is_felt(i)]
-        asked = (self.pitch.cells_as_numbers(each) for each in np.diag(sizes)[felt])
-        every = self.sources([*map(Change, asked), *changes])
-        found = Sources(*(each[..., : len(felt)] / sizes[felt] for each in every))
-        return felt, found, Sources(*(each[..., len(felt) :] for each in every))
+    @once
+    def blocks(self) -> Blocks:
+        """The stage equations, factored to be followed again."""
+        return Blocks(*self._equations)
 
     def _is_felt(self, cell: int) -> bool:
         """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
         c = self.pitch.machinery.composition
         return (cell == 0 and not c.carried and "T_oil" in c.states) or cell >= self.pitch.run_cells
 
-    def sources(self, changes: Sequence[Change]) -> Sources:
-        """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
-        pitch, count = self.pitch, len(changes)
-        right, sums = along(pitch, self.Y, self.at, changes)
-        return Sources(right, sums, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
+    def _summed(self, nodes: Array) -> Array:
+        """Return what changes at the nodes (slices, NODES, N, k) make of the quadratures."""
+        sums, widths = np.zeros((self.pitch.q - 1, nodes.shape[-1])), self.pitch.slices.widths
+        slopes = self.slopes.g_by_states
+        compiled().sweeps__add_through(
+            slopes.reshape(-1, *slopes.shape[2:]), nodes.reshape(-1, *nodes.shape[2:]), widths, sums
+        )
+        return sums
 
     def _closing(self, end: Array) -> Array:
         """Return the inverse of what closes the period: of start and cells less what they make of themselves.
@@ -198,24 +216,23 @@ class Linear:
         back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
         return np.linalg.inv(np.eye(len(back)) - back)
 
-    def respond(self, sources: Sources, stages: Array | None = None) -> Response:
-        """Return what sources make, the period closed; `stages` are added to the stage equations as they are.
+    def respond(self, stages: Array) -> Response:
+        """Return what is made, the period closed, of stages that are added to the stage equations (…, k)."""
+        nodes = self.blocks.follow(np.zeros((self.pitch.N, stages.shape[-1])), stages.copy())
+        followed = np.concatenate([self._followed[..., : self._known], nodes], axis=-1)
+        return self._responded(followed, np.concatenate([self._sums[:, : self._known], self._summed(nodes)], axis=-1))
 
-        What `right` of the sources holds is written over.
+    def _responded(self, followed: Array, sums: Array, injected: Sources | None = None) -> Response:
+        """Return the response to what was followed behind start and felt cells, a column each.
+
+        `sums` are what all that was followed makes of the quadratures; the last columns have sources that are injected.
         """
-        right = sources.right
-        if stages is not None:
-            right += stages
-        return self._responded(sources, self.blocks.follow(np.zeros_like(sources.start), right))
-
-    def _responded(self, sources: Sources, nodes: Array) -> Response:
-        """Return what sources make that, the start held, make `nodes` (slices, NODES, N, k) of the states."""
-        N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        end = shifted(nodes[-1, -1], chambers)
-        found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
+        N, chambers, known = self.pitch.N, self.pitch.machinery.composition.chambers, self._known
+        end = shifted(followed[-1, -1, :, known:], chambers)
+        made = np.concatenate([self.inject @ end, self.noted @ end])
+        if injected is not None:
+            made[:, made.shape[1] - injected.start.shape[1] :] += np.concatenate(injected)
+        found = self._around @ made
         start, cells = found[:N], found[N:]
-        felt = cells[self._feels]
-        through = self._from @ np.concatenate([start, felt])
-        nodes = np.add(nodes, through, out=through)
-        sums = self.pitch.sums(self.slopes.g_by_states @ nodes) + sources.sums + self._felt.sums @ felt
-        return Response(start, nodes, cells, sums)
+        weights = np.concatenate([start, cells[self._feels], np.eye(end.shape[1])])
+        return Response(start, cells, sums @ weights, weights, followed)

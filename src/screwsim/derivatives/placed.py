@@ -30,11 +30,15 @@ class Turning(NamedTuple):
     states: Array
 
 
-def in_step(pitch: Pitch, y: Array, Y: Array, step: int) -> Array:
-    """Return states at the start and the nodes (4, n) of a step of a life, or changes of these."""
+def in_step(pitch: Pitch, y: Array, inside: Callable[[slice], Array], step: int) -> Array:
+    """Return states at the start and the nodes (4, n) of a step of a life, or changes of these.
+
+    `inside` returns those at the nodes of some slices (slices, NODES, N).
+    """
     chamber, k = divmod(step, pitch.count)
     rows = slice(chamber * pitch.n, (chamber + 1) * pitch.n)
-    return np.concatenate([(y[rows] if k == 0 else Y[k - 1, -1, rows])[None], Y[k, :, rows]])
+    before = y[rows] if k == 0 else inside(slice(k - 1, k))[0, -1, rows]
+    return np.concatenate([before[None], inside(slice(k, k + 1))[0, :, rows]])
 
 
 def between(states: Array, share: float) -> Array:

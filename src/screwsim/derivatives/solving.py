@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 from screwsim.build.sought import is_sought
@@ -33,6 +34,8 @@ def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) 
     """Return the derivatives of a scene's figures by numbers [SI] at paths of it."""
     series = Series()
     try:
+        if not fineness.estimated:
+            scene = replace(scene, numerics=replace(scene.numerics, error="none"))
         problem, search = steady(problem_of(scene, series), series)
         why = _refused(problem)
         if why:

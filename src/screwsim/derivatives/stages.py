@@ -18,15 +18,17 @@ from screwsim.derivatives.slices import INTEGRALS
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import kernel
 
+LITTLE = 24  # rows of a matrix up to which one column after the other is eliminated
+
 
 @kernel
-def fill(J, k, h, n, reach, M):
-    """Fill M[k] with 1 − h a J of slice k; J (slices nodes, N, N), n states a chamber, `reach` chambers on it meets."""
+def fill(J, k, h, n, reach, M, m):
+    """Fill M[m] with 1 − h a J of slice k; J (slices nodes, N, N), n states a chamber, `reach` chambers on it meets."""
     N = J.shape[1]
     chambers = N // n
     for row in range(3 * N):
         for column in range(3 * N):
-            M[k, row, column] = 0.0
+            M[m, row, column] = 0.0
     for c in range(chambers):
         for d in range(max(0, c - reach), min(chambers, c + reach + 1)):
             for i in range(3):
@@ -36,37 +38,85 @@ def fill(J, k, h, n, reach, M):
                     for s in range(n):
                         row = (3 * c + i) * n + s
                         for t in range(n):
-                            M[k, row, (3 * d + j) * n + t] = -weight * J[at, c * n + s, d * n + t]
+                            M[m, row, (3 * d + j) * n + t] = -weight * J[at, c * n + s, d * n + t]
     for row in range(3 * N):
-        M[k, row, row] += 1.0
+        M[m, row, row] += 1.0
+
+
+@kernel
+def pivoted(M, k, column, last, wide):
+    """Return which row of M[k] below `column` has the largest number there; that row has changed places with it."""
+    p = column
+    for i in range(column + 1, last):
+        if abs(M[k, i, column]) > abs(M[k, p, column]):
+            p = i
+    if p != column:
+        for j in range(wide):  # with what was eliminated of them: rows then follow each other
+            M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
+    return p
+
+
+@kernel
+def eliminate(M, k, column, row, first, last):
+    """Take from a row of M[k], in columns from first to last, its share of the one that stands at `column`."""
+    share = M[k, row, column]
+    if share != 0.0:
+        for j in range(first, last):
+            M[k, row, j] -= share * M[k, column, j]
+
+
+@kernel
+def eliminate_four(M, k, column, row, last):
+    """Do so with the four rows that stand from `column` on, in the columns behind them."""
+    s0 = M[k, row, column]
+    s1 = M[k, row, column + 1]
+    s2 = M[k, row, column + 2]
+    s3 = M[k, row, column + 3]
+    if s0 != 0.0 or s1 != 0.0 or s2 != 0.0 or s3 != 0.0:
+        for j in range(column + 4, last):
+            M[k, row, j] -= (
+                s0 * M[k, column, j] + s1 * M[k, column + 1, j] + (s2 * M[k, column + 2, j] + s3 * M[k, column + 3, j])
+            )
+
+
+@kernel
+def factor_one(J, k, h, n, reach, M, m, pivots):
+    """Factor 1 − h a J of slice k in M[m] (3 N, 3 N); rows that change places in pivots[m].
+
+    Four columns at once, so that what lies behind them is gone through once and not four times; of little, each alone.
+    """
+    size = M.shape[1]
+    band = 3 * n * (reach + 1) - 1
+    fill(J, k, h, n, reach, M, m)
+    column = 0
+    while column < size:
+        behind = column + 4 if size > LITTLE and column + 4 <= size else column + 1
+        wide = min(size, behind + 2 * band)
+        for c in range(column, behind):
+            last = min(size, c + band + 1)
+            pivots[m, c] = pivoted(M, m, c, last, wide)
+            inverse = 1.0 / M[m, c, c]
+            M[m, c, c] = inverse
+            for i in range(c + 1, last):
+                M[m, i, c] *= inverse
+                eliminate(M, m, c, i, c + 1, behind)
+        for c in range(column, behind):
+            for i in range(c + 1, behind):
+                eliminate(M, m, c, i, behind, wide)
+        last = min(size, behind + band)
+        for i in range(behind, last):
+            if behind == column + 4:
+                eliminate_four(M, m, column, i, wide)
+            else:
+                eliminate(M, m, column, i, behind, wide)
+        column = behind
 
 
 @kernel
 def factor(J, widths, n, reach, M, pivots):
     """Factor 1 − h a J of all slices [h: widths] in M (slices, 3 N, 3 N); rows that change places in pivots."""
-    size = M.shape[1]
-    band = 3 * n * (reach + 1) - 1
     for k in range(widths.shape[0]):
-        fill(J, k, widths[k], n, reach, M)
-        for column in range(size):
-            last = min(size, column + band + 1)
-            wide = min(size, column + 2 * band + 1)
-            p = column
-            for i in range(column + 1, last):
-                if abs(M[k, i, column]) > abs(M[k, p, column]):
-                    p = i
-            pivots[k, column] = p
-            if p != column:
-                for j in range(wide):  # with what was eliminated of them: rows then follow each other
-                    M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
-            inverse = 1.0 / M[k, column, column]
-            M[k, column, column] = inverse
-            for i in range(column + 1, last):
-                share = M[k, i, column] * inverse
-                M[k, i, column] = share
-                if share != 0.0:
-                    for j in range(column + 1, wide):
-                        M[k, i, j] -= share * M[k, column, j]
+        factor_one(J, k, widths[k], n, reach, M, k, pivots)
 
 
 @kernel
@@ -79,16 +129,16 @@ def places(n, chambers, place):
 
 
 @kernel
-def lessen(B, M, k, row, first, last, place):
+def lessen(B, k, M, m, row, first, last, place):
     """Take from a row of B[k] others from first to last, weighted by a row of factors; four at once."""
     columns = B.shape[2]
     a = place[row]
     j = first
     while j + 4 <= last:
-        s0 = M[k, row, j]
-        s1 = M[k, row, j + 1]
-        s2 = M[k, row, j + 2]
-        s3 = M[k, row, j + 3]
+        s0 = M[m, row, j]
+        s1 = M[m, row, j + 1]
+        s2 = M[m, row, j + 2]
+        s3 = M[m, row, j + 3]
         if s0 != 0.0 or s1 != 0.0 or s2 != 0.0 or s3 != 0.0:
             b0 = place[j]
             b1 = place[j + 1]
@@ -98,7 +148,7 @@ def lessen(B, M, k, row, first, last, place):
                 B[k, a, c] -= s0 * B[k, b0, c] + s1 * B[k, b1, c] + (s2 * B[k, b2, c] + s3 * B[k, b3, c])
         j += 4
     for i in range(j, last):
-        share = M[k, row, i]
+        share = M[m, row, i]
         b = place[i]
         if share != 0.0:
             for c in range(columns):
@@ -106,27 +156,41 @@ def lessen(B, M, k, row, first, last, place):
 
 
 @kernel
-def solve(M, pivots, k, place, band, B):
-    """Solve with the factors of slice k, right sides B[k] (3 N, columns) in place, their rows by node."""
+def solve(M, pivots, m, place, band, B, k):
+    """Solve with the factors M[m], right sides B[k] (3 N, columns) in place, their rows by node."""
     size = M.shape[1]
     columns = B.shape[2]
     for row in range(size):
         a = place[row]
-        b = place[pivots[k, row]]
+        b = place[pivots[m, row]]
         if a != b:
             for c in range(columns):
                 B[k, a, c], B[k, b, c] = B[k, b, c], B[k, a, c]
     for row in range(size):
         first = 0  # a row that changed places more than once may begin far before the band
-        while first < row and M[k, row, first] == 0.0:
+        while first < row and M[m, row, first] == 0.0:
             first += 1
-        lessen(B, M, k, row, first, row, place)
+        lessen(B, k, M, m, row, first, row, place)
     for row in range(size - 1, -1, -1):
-        lessen(B, M, k, row, row + 1, min(size, row + 2 * band + 1), place)
+        lessen(B, k, M, m, row, row + 1, min(size, row + 2 * band + 1), place)
         a = place[row]
-        inverse = M[k, row, row]
+        inverse = M[m, row, row]
         for c in range(columns):
             B[k, a, c] *= inverse
+
+
+@kernel
+def through(M, pivots, m, place, band, now, B, k):
+    """Follow changes through slice k with the factors M[m]: from `now` (N, columns), which becomes those at its end."""
+    size = M.shape[1]
+    N = size // 3
+    for row in range(size):
+        for c in range(B.shape[2]):
+            B[k, row, c] += now[row % N, c]
+    solve(M, pivots, m, place, band, B, k)
+    for i in range(N):
+        for c in range(B.shape[2]):
+            now[i, c] = B[k, 2 * N + i, c]
 
 
 @kernel
@@ -136,17 +200,23 @@ def follow(M, pivots, n, reach, now, B):
     They begin with `now` (N, columns), which becomes those at the end; B holds the right sides of the stage equations.
     """
     size = M.shape[1]
-    N = size // 3
     place = np.empty(size, np.int64)
+    places(n, size // 3 // n, place)
+    for k in range(B.shape[0]):
+        through(M, pivots, k, place, 3 * n * (reach + 1) - 1, now, B, k)
+
+
+@kernel
+def follow_once(J, widths, n, reach, now, B):
+    """Do what `factor` and `follow` do, of each slice in turn: its factors are not kept."""
+    N = J.shape[1]
+    M = np.empty((1, 3 * N, 3 * N))
+    pivots = np.empty((1, 3 * N), np.int64)
+    place = np.empty(3 * N, np.int64)
     places(n, N // n, place)
     for k in range(B.shape[0]):
-        for row in range(size):
-            for c in range(B.shape[2]):
-                B[k, row, c] += now[row % N, c]
-        solve(M, pivots, k, place, 3 * n * (reach + 1) - 1, B)
-        for i in range(N):
-            for c in range(B.shape[2]):
-                now[i, c] = B[k, 2 * N + i, c]
+        factor_one(J, k, widths[k], n, reach, M, 0, pivots)
+        through(M, pivots, 0, place, 3 * n * (reach + 1) - 1, now, B, k)
 
 
 @kernel
@@ -172,7 +242,7 @@ def follow_one_by_one(M, pivots, n, inject, B):
         for k in range(chamber * count, (chamber + 1) * count):
             for row in range(3 * n):
                 B[k, row, 0] += now[row % n]
-            solve(M, pivots, k, place, 3 * n - 1, B)
+            solve(M, pivots, k, place, 3 * n - 1, B, k)
             for s in range(n):
                 now[s] = B[k, 2 * n + s, 0]
 
@@ -180,4 +250,4 @@ def follow_one_by_one(M, pivots, n, inject, B):
 @cache
 def compiled() -> ModuleType:
     """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((factor, follow, follow_one_by_one)), "stages", fast=True)
+    return modules.load(flat_module((factor, follow, follow_once, follow_one_by_one)), "stages", fast=True)

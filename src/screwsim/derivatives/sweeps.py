@@ -49,6 +49,21 @@ def add_sums(rates, own, first, there, here, columns, sums):
 
 
 @kernel
+def add_through(slopes, nodes, widths, sums):
+    """Add to sums (quadratures, …) what changes at the nodes (slices 3, states, …) make of them, by slopes of rates."""
+    for k in range(widths.shape[0]):
+        for j in range(3):
+            at = 3 * k + j
+            weight = INTEGRALS[2, j] * widths[k]
+            for i in range(sums.shape[0]):
+                for s in range(nodes.shape[1]):
+                    slope = weight * slopes[at, i, s]
+                    if slope != 0.0:
+                        for c in range(sums.shape[1]):
+                            sums[i, c] += slope * nodes[at, s, c]
+
+
+@kernel
 def lives(start, nodes, n, found):
     """Fill found (columns, chambers slices, 4 n) with the dense output of columns of states.
 
@@ -77,4 +92,4 @@ def lives(start, nodes, n, found):
 @cache
 def compiled() -> ModuleType:
     """Return the module of these kernels, the same for all models."""
-    return modules.load(flat_module((add_stages, add_sums, lives)), "sweeps", fast=True)
+    return modules.load(flat_module((add_stages, add_sums, add_through, lives)), "sweeps", fast=True)

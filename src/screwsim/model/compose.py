@@ -63,6 +63,7 @@ def compose(parts: Parts) -> Composition:
     return Composition(
         text=module_text(key, own, called, *items, _read_with(network)),
         together=lambda: module_text(key, own, called, *items, together=True),
+        along=lambda: module_text(key, own, called, *items, together=True, along=True),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         breakpoints=breakpoints(parts, geometry.volume_law(), named, port.breakpoints if port is not None else ()),

@@ -26,6 +26,7 @@ class Composition:
 
     text: str
     together: Callable[[], str] = field(compare=False)  # the text of all chambers, written when it is asked for
+    along: Callable[[], str] = field(compare=False)  # that with the change of their rates along one of their numbers
     P: np.ndarray
     TAB: np.ndarray
     breakpoints: np.ndarray  # of one chamber's life, neighbours' included [rad]

@@ -29,6 +29,24 @@ class ChamberContext(NamedTuple):
     own: Array
 
 
+class Changes(NamedTuple):
+    """How what the rates of all chambers take changes along one direction; states and angles have a row each."""
+
+    y: Array
+    angles: Array
+    P: Array
+    TAB: Array
+    R: Array
+
+
+class Sides(NamedTuple):
+    """Parameters, tables and run-time cells moved along a direction, moved back, and as they are: three rows each."""
+
+    P: Array
+    TAB: Array
+    R: Array
+
+
 class CoupledContext(NamedTuple):
     """Of all chambers together.
 

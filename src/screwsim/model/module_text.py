@@ -7,6 +7,8 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model import ledger, places, slices, trace
+from screwsim.model.network import along as along_network
+from screwsim.model.network.along import along_text
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts
 from screwsim.model.network.layout import Layout
@@ -54,23 +56,29 @@ def module_text(
     structure: tuple[tuple[str, int], ...],
     read_with: tuple[Kernel, ...] = (),
     together: bool = False,
+    along: bool = False,
 ) -> str:
     """Return a flat module: constants, pasted kernels, the composition's functions, the driver.
 
     `key` is that of the network, `own_functions` with `kernels` what was written of it already. The module of one
     chamber holds all that a closed cycle is read with, `read_with` too; that of all chambers `together` the driver
-    alone. A text that was written before is read from the cache folder, where it is found by all that it is made of.
+    alone, or beside it how their rates change `along` a change of all they take. A text that was written before is read
+    from the cache folder, where it is found by all that it is made of.
     """
     *network, called = key
-    drivers, stops = (rodas.integrate, *OF_A_PITCH, *READ_WITH, *OF_EACH), Layout(Network(*key)).stops
+    drivers = (rodas.integrate, *OF_A_PITCH, slices.rates_along, *READ_WITH, *OF_EACH)
+    stops = Layout(Network(*key)).stops
 
     def write() -> str:
         texts, more = (chambers_texts if together else chamber_texts)(key)
+        if along:
+            text, of_text = along_text(key)
+            texts, more = (*texts, text), (*more, *of_text)
         moments = () if together else (moment_text(key),)
         own = (*own_functions, *texts, *moments)
-        return _written(own, (*kernels, *more), named, structure, read_with, stops, together)
+        return _written(own, (*kernels, *more), named, structure, read_with, stops, together, along)
 
-    made_of = (network, own_functions, named, structure, together)
+    made_of = (network, own_functions, named, structure, together, *(("along",) if along else ()))
     return kept_text(("model", "numerics"), (*kernels, *dict(called).values(), *drivers, *read_with), made_of, write)
 
 
@@ -82,6 +90,7 @@ def _written(
     read_with: tuple[Kernel, ...],
     stops: Sequence[str],
     together: bool,
+    along: bool,
 ) -> str:
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
@@ -96,8 +105,9 @@ def _written(
     slots = dict(ALL if together else ONE)
     if together:  # derivatives by numbers of a scene are of all there is; of an ideal gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
+        slots["all_along"] = along_network.NAME
         slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]
-    drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
+    drivers = (rodas.integrate, *(OF_A_PITCH if together else ()), *((slices.rates_along,) if along else ()))
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
     rest = () if together else (*READ_WITH, *read_with)
     for more in (flatten(rest, own, numbers=numbers), driver):

@@ -23,6 +23,7 @@ INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as
 BESIDE = 1e-7  # rad, for derivatives by the angle, which nothing here uses
 
 exact_jacobian = Slot("exact_jacobian")
+all_along = Slot("all_along")
 
 
 @kernel
@@ -46,6 +47,50 @@ def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq):
     for k in range(angles.shape[0]):
         surroundings(angles[k], middles[k], context, E)
         exact_jacobian(y[k], E, E, BESIDE, context, f[k], g[k], J[k], Jq[k], f_phi, g_phi)
+
+
+@kernel
+def rates_along(angles, middles, y, context, n_e, sides, step, changes, f, g, f_along, g_along):
+    """Do what `rates_at` does; fill f_along[k] and g_along[k] with the change of both along one of all numbers.
+
+    `changes` are those of states (a row an angle), angles, parameters, tables and run-time cells (`Changes`), `sides`
+    these numbers moved along by step, by -step, and as they are (a row each): what is around the chambers is a function
+    of numbers and angle alone, whose change is a difference. That of the rates is exact.
+    """
+    E = np.empty(n_e)
+    E_below = np.empty(n_e)
+    E_along = np.empty(n_e)
+    places_along = np.zeros(context.places.shape[0])
+    work_along = np.zeros(context.work.shape[0])
+    for k in range(angles.shape[0]):
+        for side in range(3):
+            fill(context.P, sides.P[side])
+            fill(context.TAB, sides.TAB[side])
+            fill(context.R, sides.R[side])
+            if side == 0:
+                surroundings(angles[k] + step * changes.angles[k], middles[k], context, E_along)
+            elif side == 1:
+                surroundings(angles[k] - step * changes.angles[k], middles[k], context, E_below)
+            else:
+                surroundings(angles[k], middles[k], context, E)
+        for i in range(n_e):
+            E_along[i] = (E_along[i] - E_below[i]) / (2.0 * step)
+        all_along(
+            y[k],
+            E,
+            context,
+            f[k],
+            g[k],
+            changes.y[k],
+            E_along,
+            changes.P,
+            changes.TAB,
+            changes.R,
+            places_along,
+            work_along,
+            f_along[k],
+            g_along[k],
+        )
 
 
 @kernel

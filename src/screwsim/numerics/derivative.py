@@ -4,8 +4,9 @@
 ones. What does not depend on them is left as it stands; a branch is differentiated where it runs, so that a kink has
 the slope of the side that the kernel itself takes. Any argument can be a seed: states today, a scene's numbers as well.
 
-A kernel may assign, branch, loop, unpack, call kernels and the functions of `math`, and read arrays; it may not write
-into one. Derivatives are tested against differences for all kernels of scalars (tests/numerics/test_derivative.py).
+A kernel may assign, branch, loop, unpack, call kernels and the functions of `math`, and read arrays; statements may
+write into arrays that move along. Derivatives are tested against differences for all kernels of scalars
+(tests/numerics/test_derivative.py).
 
 Within a statement the derivatives by the variables in it come first, and each argument's through these: a statement's
 own derivatives are worked out once, however many arguments there are.
@@ -17,30 +18,45 @@ Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chs
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 from screwsim.numerics.dependence import Active, find_active, seeds_of
-from screwsim.numerics.expressions import Expression, Slopes, added, assign, assigned, is_unit, product
+from screwsim.numerics.expressions import (
+    ALONG,
+    Expression,
+    Slopes,
+    added,
+    assign,
+    assigned,
+    is_element,
+    is_unit,
+    product,
+    slope_name,
+)
 from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
 from screwsim.numerics.partials import Partials
 
 
 @lru_cache(maxsize=256)
-def tangent(item: Kernel, by: tuple[str, ...]) -> Kernel:
+def tangent(item: Kernel, by: tuple[str, ...], arrays: tuple[str, ...] = ()) -> Kernel:
     """Return the kernel that returns a kernel's value and its derivatives by arguments of it.
 
     Of a kernel that returns several values: all of them, then their derivatives by the first argument named, then those
     by the second. It is compiled into its callers where the kernel is, or where that is asked for. Raises TypeError,
     which names the kernel, for what cannot be differentiated.
+
+    `arrays` are arguments that move along: the kernel returned takes behind the others, for each, an array of how much
+    every number of it does; `ALONG` in `by` stands for the derivative that they make together.
     """
-    missing = [name for name in by if name not in item.arguments]
+    missing = [name for name in (*by, *arrays) if name not in (*item.arguments, *([ALONG] if arrays else []))]
     if missing or not by:
         raise TypeError(f"kernel {item.__name__} has no argument {', '.join(missing) or 'to be differentiated by'}")
     function = parsed(item.source).body[0]
     assert isinstance(function, ast.FunctionDef)
-    text, uses = _OfKernel(item, function, by).written()
+    text, uses = _OfKernel(item, function, by, arrays).written()
     return written(text, f"slopes_of_{item.__name__}", uses)
 
 
@@ -48,6 +64,8 @@ class Forward:
     """Differentiates statements by seeds; `active` holds which variables depend on which of them.
 
     `given` are derivatives that are not made but stated, by variable and seed; what is `held` depends on nothing.
+    Numbers that are read of `arrays` move with the seed `ALONG`, by what stands in the array beside it (`slope_name`);
+    what is written into them is written there with its derivative.
     """
 
     def __init__(
@@ -58,8 +76,10 @@ class Forward:
         known: Mapping[str, Any],
         given: Mapping[tuple[str, str], Expression] | None = None,
         held: Collection[str] = (),
+        arrays: Collection[str] = (),
     ) -> None:
         self.name, self.by, self.known, self.given, self.held = name, by, known, given or {}, held
+        self.arrays = arrays
         self.active: Active = {name: (name,) for name in by}
         for name in dict.fromkeys(name for name, _ in self.given):
             self.active[name] = tuple(seed for seed in by if (name, seed) in self.given or name == seed)
@@ -70,8 +90,9 @@ class Forward:
         self.once = {name for name in names if names.count(name) == 1}
         self.whole = set(by) & set(names)  # seeds that are assigned to: variables like others
         self.once -= self.whole
+        self.active |= dict.fromkeys(arrays, (ALONG,))
         find_active(self.active, self.pairs, by, self.given, held)
-        self._partials = Partials(name, known, self.active, taken, tangent)
+        self._partials = Partials(name, known, self.active, taken, tangent, arrays)
         self.uses = self._partials.uses  # kernels that the new statements call, by name
 
     def statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
@@ -80,17 +101,15 @@ class Forward:
 
     def slope(self, name: str, seed: str) -> Expression | None:
         """Return the derivative of a variable by a seed; None where that is nothing."""
+        if name in self._partials.read:
+            return self._partials.read[name] if seed == ALONG else None
         if seed not in self.active.get(name, ()):
             return None
         if name == seed and name not in self.whole:
             return ast.Constant(1.0)
         if (name, seed) in self.plain:
             return self.plain[name, seed]
-        return ast.Name(self._slope_name(name, seed), ast.Load())
-
-    @staticmethod
-    def _slope_name(name: str, seed: str) -> str:
-        return f"{name}__{seed}"
+        return ast.Name(slope_name(name, seed), ast.Load())
 
     def _statement(self, node: ast.stmt) -> list[ast.stmt]:
         match node:
@@ -100,6 +119,10 @@ class Forward:
                 return self._assignment(name, value)
             case ast.Assign(targets=[ast.Tuple(elts=targets)], value=value):
                 return self._unpacking(targets, value)
+            case ast.Assign(targets=[ast.Subscript() as target], value=value) if self._moves(target):
+                return self._storing(target, value, lambda at, one: ast.Assign([at], one))
+            case ast.AugAssign(ast.Subscript() as target, ast.Add() | ast.Sub() as op, value) if self._moves(target):
+                return self._storing(target, value, lambda at, one: ast.AugAssign(at, op, one))
             case ast.AugAssign(target=ast.Name(id=name), op=op, value=value):
                 return self._assignment(name, ast.BinOp(ast.Name(name, ast.Load()), op, value))
             case ast.If(test=test, body=body, orelse=orelse):
@@ -123,17 +146,34 @@ class Forward:
         after: list[ast.stmt] = []
         for seed, slope in found.items():
             if (name, seed) in self.given:  # which may be stated by the new value
-                after.append(assign(self._slope_name(name, seed), self.given[name, seed]))
+                after.append(assign(slope_name(name, seed), self.given[name, seed]))
             elif name in self.once and is_unit(slope):
                 self.plain[name, seed] = slope
             else:
-                own.append(assign(self._slope_name(name, seed), slope))
+                own.append(assign(slope_name(name, seed), slope))
         return [*before, *own, assign(name, plain), *after]
+
+    def _moves(self, target: ast.Subscript) -> bool:
+        """Tell whether a number is one of an array that moves."""
+        return isinstance(target.value, ast.Name) and target.value.id in self.arrays and is_element(target.slice)
+
+    def _storing(
+        self, target: ast.Subscript, value: Expression, stored: Callable[[ast.Subscript, Expression], ast.stmt]
+    ) -> list[ast.stmt]:
+        """Return statements that store a number in an array that moves, and its derivative beside it."""
+        before: list[ast.stmt] = []
+        plain, slopes = self._partials.expression(value, before)
+        array = ast.unparse(target.value)
+        slope = self._by_seeds(slopes, (ALONG,), before, array)[ALONG]
+        beside = ast.Subscript(ast.Name(slope_name(array, ALONG), ast.Load()), target.slice, ast.Store())
+        return [*before, stored(beside, slope), stored(target, plain)]
 
     def _by_seeds(self, slopes: Slopes, seeds: Sequence[str], before: list[ast.stmt], stem: str) -> Slopes:
         """Return the derivative by each seed, through the variables of a statement."""
         if len(seeds) > 1:
-            slopes = {name: self._partials.kept(slope, before, f"{stem}_by_{name}") for name, slope in slopes.items()}
+            slopes = {
+                name: self._partials.kept(slope, before, f"{stem}_by_{_word(name)}") for name, slope in slopes.items()
+            }
         found: Slopes = {}
         for seed in seeds:
             total: Expression | None = None
@@ -154,7 +194,7 @@ class Forward:
         new: list[tuple[str, Expression]] = []
         for name, (plain, slopes) in zip(names, found, strict=True):
             by_seeds = self._by_seeds(slopes, self.active.get(name, ()), before, name)
-            new += [(self._slope_name(name, seed), slope) for seed, slope in by_seeds.items()]
+            new += [(slope_name(name, seed), slope) for seed, slope in by_seeds.items()]
             new.append((name, plain))
         if isinstance(value, ast.Tuple):  # which may exchange variables: all is read before anything is set
             held = [(name, self._partials.fresh("new")) for name, _ in new]
@@ -176,12 +216,20 @@ class Forward:
         return [*before, ast.Return(ast.Tuple([*(plain for plain, _ in found), *slopes], ast.Load()))]
 
 
+def _word(text: str) -> str:
+    """Return what can be part of a name: of a number of an array, the words of its text."""
+    return re.sub(r"\W+", "_", text).strip("_")
+
+
 class _OfKernel(Forward):
     """Differentiates one kernel by arguments of it."""
 
-    def __init__(self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...]) -> None:
-        super().__init__(item.__name__, function.body, by, item.function.__globals__)
-        self._partials.taken.update(item.arguments)
+    def __init__(
+        self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...], arrays: tuple[str, ...] = ()
+    ) -> None:
+        super().__init__(item.__name__, function.body, by, item.function.__globals__, arrays=arrays)
+        self.beside = [slope_name(name, ALONG) for name in arrays]
+        self._partials.taken.update(item.arguments, self.beside)
         self.item, self.body = item, function.body
         self.whole = {name for names, _ in self.pairs for name in names} & set(item.arguments)
         self.once -= self.whole
@@ -189,14 +237,16 @@ class _OfKernel(Forward):
     def written(self) -> tuple[str, dict[str, Any]]:
         """Return the text of the tangent, and what it uses."""
         first = [
-            assign(self._slope_name(name, seed), ast.Constant(float(name == seed)))
+            assign(slope_name(name, seed), ast.Constant(float(name == seed)))
             for name in self.item.arguments
             if name in self.whole
             for seed in self.active.get(name, ())
         ]
         function = ast.FunctionDef(
             name="_by_".join([self.name, "_".join(self.by)]),
-            args=ast.arguments([], [ast.arg(one) for one in self.item.arguments], None, [], [], None, []),
+            args=ast.arguments(
+                [], [ast.arg(one) for one in (*self.item.arguments, *self.beside)], None, [], [], None, []
+            ),
             body=first + self.statements(self.body),
             decorator_list=[],
         )

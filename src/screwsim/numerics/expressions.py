@@ -9,6 +9,7 @@ from typing import Any
 
 from screwsim.numerics.kernel import nodes
 
+ALONG = "along"  # the seed of arrays that move: by how much, stands in an array beside each
 FLAT = {"floor", "ceil", "trunc"}  # functions of math whose derivative is nothing
 Expression = ast.expr
 Slopes = dict[str, Expression]  # by variable, within a statement
@@ -57,8 +58,8 @@ def assigned(body: Sequence[ast.stmt]) -> Iterator[tuple[list[str], Expression]]
     for node in body:
         for part in nodes(node):
             if isinstance(part, ast.Assign):
-                names = [one.id for target in part.targets for one in nodes(target) if isinstance(one, ast.Name)]
-                yield names, part.value
+                stored = [one for target in part.targets for one in nodes(target) if isinstance(one, ast.Name)]
+                yield [one.id for one in stored if isinstance(one.ctx, ast.Store)], part.value  # no index of an array
             elif isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name):
                 yield [part.target.id], ast.BinOp(ast.Name(part.target.id, ast.Load()), part.op, part.value)
 
@@ -83,6 +84,16 @@ def _is(node: Expression | None, value: float) -> bool:
 def is_unit(node: Expression) -> bool:
     """Tell whether an expression is 1 or -1."""
     return _is(node, 1.0) or (isinstance(node, ast.UnaryOp) and _is(node.operand, 1.0))
+
+
+def is_element(index: Expression) -> bool:
+    """Tell whether an index is that of one number of an array."""
+    return not isinstance(index, ast.Slice | ast.Tuple)
+
+
+def slope_name(name: str, seed: str) -> str:
+    """Return the name of a variable's derivative by a seed, and of the array by which another moves along."""
+    return f"{name}__{seed}"
 
 
 def negative(node: Expression) -> Expression:

@@ -17,9 +17,10 @@ from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.line_flow import line_flow_texts
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
-from screwsim.model.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import CONTEXT, step_texts
 from screwsim.model.network.surroundings import beyond_last_text, lines_texts, surroundings_text
+from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
 KEPT = ["own[PRESSURE] = p", "own[TPT] = TpT"]

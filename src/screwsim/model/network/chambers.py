@@ -21,10 +21,11 @@ from screwsim.model.network.flows import Place, place_of, read_place
 from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
-from screwsim.model.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import step_texts
 from screwsim.model.network.steps_together import BEFORE, held_phase, step_texts_together
 from screwsim.model.network.surroundings import lines_texts, surroundings_together_text
+from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"

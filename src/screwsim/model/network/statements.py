@@ -40,7 +40,8 @@ class Tangent:
     """Statements with their derivatives by seeds: names that are set outside, or that `given` has derivatives of.
 
     `given` are texts of derivatives, by variable and seed: of one that the statements set, in place of its own; of one
-    set outside, the name that is set with it (`slope_name`). What is `held` is taken for constant.
+    set outside, the name that is set with it (`slope_name`). What is `held` is taken for constant. `arrays` move with
+    the seed `ALONG`: so a number of the scene, `P[…]`, is a seed like any state.
     """
 
     def __init__(
@@ -50,10 +51,11 @@ class Tangent:
         kernels: Mapping[str, Kernel],
         given: Mapping[tuple[str, str], str],
         held: Collection[str] = (),
+        arrays: Collection[str] = (),
     ) -> None:
         body = parsed("\n".join(lines)).body
         texts = {key: parsed(text).body[0].value for key, text in given.items()}  # type: ignore[attr-defined]
-        self._forward = Forward("network", body, seeds, kernels, texts, held)
+        self._forward = Forward("network", body, seeds, kernels, texts, held, arrays)
         if self._forward.whole:
             names = ", ".join(sorted(self._forward.whole))
             raise TypeError(f"a state cannot be called {names}: the text of every chamber has a variable of that name")
@@ -70,11 +72,6 @@ class Tangent:
         """Return the text of the derivative of a variable behind the statements; 0.0 where there is none."""
         found = self._forward.slope(name, seed)
         return "0.0" if found is None else ast.unparse(found)
-
-
-def slope_name(name: str, seed: str) -> str:
-    """Return the name of a variable's derivative by a seed."""
-    return f"{name}__{seed}"
 
 
 def function(head: str, *parts: Sequence[str]) -> str:
