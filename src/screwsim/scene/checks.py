@@ -32,7 +32,7 @@ def cross_check(scene: Scene) -> list[Fault]:
     if stated:
         return stated
     operation = check_operation(scene)
-    return [
+    faults = [
         *check_machine(scene.machine),
         *size_faults(scene),
         *operation,
@@ -42,6 +42,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         *_oil_supply(scene),
         *_effects(scene),
     ]
+    return faults or list(_on_geometry(scene))
 
 
 def _dry(scene: Scene) -> Iterator[Fault]:
@@ -182,6 +183,15 @@ def _effects(scene: Scene) -> Iterator[Fault]:
             yield Fault(path, f"needs {' and '.join(lacking)}, absent here (write that, or remove the effect)")
         elif active.effect.check is not None:
             yield from active.effect.check(active.parameters, scene)
+
+
+def _on_geometry(scene: Scene) -> Iterator[Fault]:
+    """Yield what does not fit the machine's geometry, of a scene that is in order but for that."""
+    asking = [active for active in scene.effects.values() if active.effect.check_geometry is not None]
+    geometry = kind_of(scene.machine).geometry(scene.machine) if asking else None
+    for active in asking:
+        if active.effect.check_geometry is not None:
+            yield from active.effect.check_geometry(active.parameters, geometry)
 
 
 def check_files(scene: Scene) -> list[Fault]:
