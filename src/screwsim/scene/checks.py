@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 
@@ -22,6 +23,9 @@ SEPARATOR = "separator"  # the effect that finds the oil's temperature
 VOLUME_COLUMN = "volume_m3"
 CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
 AREA_COLUMN = "area_m2"
+IN_RADIANS = math.radians(4.0 * math.pi)  # the last row of an area over 720 deg whose angles are written in radians
+ROUNDED = math.radians(0.01)  # by which the last row of a table may miss the end of the life
+LEAST_SPAN = 0.5  # of a chamber's life, which a table of its volume covers at the least
 # points of a profile, efficiencies of a motor: no curves over the angle, read with their own checks
 READ_ELSEWHERE = {"machine.profile.file", "effects.motor.efficiency_file"}
 
@@ -214,12 +218,28 @@ def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
     from screwsim.numerics.spline import read_curve
 
     try:
-        _, values = read_curve(name, column)
+        angles, values = read_curve(name, column)
     except UsageError as error:
         return f"{shown}: {str(error).removeprefix(f'{name}: ')}"
+    if column == VOLUME_COLUMN and (odd := _span_fault(scene, float(angles[0]), float(angles[-1]))):
+        return f"{shown}: {odd}"
     if column == VOLUME_COLUMN and not max(values) > 0.0:
         return f"{shown}: the volume is zero everywhere (write the volume of a chamber [m3] over its angle)"
     if column == VOLUME_COLUMN and abs(values[0] - values[-1]) > 1e-6 * max(values):
         return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
+    if column == AREA_COLUMN and angles[-1] <= IN_RADIANS:
+        return f"{shown}: has no angle above {math.degrees(float(angles[-1])):.6g} deg (are the angles in degrees?)"
     beyond = area_fault(scene, float(max(values))) if column == AREA_COLUMN else None
     return None if beyond is None else f"{shown}: {beyond}"
+
+
+def _span_fault(scene: Scene, first: float, last: float) -> str | None:
+    """Return what is wrong with the angles [rad] from the first to the last row of a chamber's volume."""
+    life = kind_of(scene.machine).geometry(scene.machine).life
+    ends = f"goes from {math.degrees(first):.6g} to {math.degrees(last):.6g} deg"
+    if first < -ROUNDED or last > life + ROUNDED:
+        remedy = "write machine.volume.life, or rows from 0 deg to its end"
+        return f"{ends}, beyond the chamber's life of {math.degrees(life):.6g} deg ({remedy})"
+    if last - first < LEAST_SPAN * life:
+        return f"{ends}, of a chamber's life of {math.degrees(life):.6g} deg (are the angles in degrees?)"
+    return None
