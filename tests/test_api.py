@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import screwsim
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.results.write import save
@@ -17,6 +18,7 @@ from screwsim.scene.given import yaml_text
 from screwsim.study.progress import Line, Silent, for_program
 from screwsim.study.sweep import run_sweep
 
+POINT = Path(__file__).parents[1] / "configs" / "paper" / "point.yaml"
 MACHINE = {
     "rotor_diameter": "160 mm",
     "rotor_length": "176 mm",
@@ -156,6 +158,24 @@ def test_studies_take_what_is_at_hand(monkeypatch, tmp_path):
         screwsim.performance_map(type("Dataset", (), {})())
     with pytest.raises(screwsim.UsageError, match="int is no fit"):
         screwsim.calibrate(3)
+
+
+def test_one_text_is_taken_as_a_list_of_one():
+    """Not as its letters."""
+    faster = screwsim.load(POINT, "operation.speed=3000 rpm")
+    assert faster.text == screwsim.load(POINT, ["operation.speed=3000 rpm"]).text
+    assert "tip_leakage" not in screwsim.load(POINT, without="tip_leakage").effects
+    found = screwsim.find(faster, "oil_supply.ratio=0.5..3", "discharge_temperature=20 degC")
+    assert list(found.values) == ["oil_supply.ratio"]
+    slopes = screwsim.sensitivities(faster, "oil_supply.ratio", "shaft_power")
+    assert list(slopes.derivatives) == ["shaft_power"] and list(slopes.values) == ["oil_supply.ratio"]
+
+
+def test_a_range_that_is_no_pair_is_told():
+    fit = POINT.parents[1] / "calibration" / "leakage.fit.yaml"
+    for ends in (("1000 rpm",), "1000 rpm"):
+        with pytest.raises(UsageError, match=r"ranges\['operation.speed'\]: .* is no pair \(pass e.g. \('1000 rpm', "):
+            screwsim.plan(fit, ranges={"operation.speed": ends})
 
 
 def test_a_sweep_without_axes_says_how_to_get_them():

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.listed import listed
 from screwsim.report.datasheet import write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_of
@@ -91,7 +92,7 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES)
     The results are the path of a sweep's file or what `open_results` returns; run the sweep first with
     `screwsim.run_sweep(scene, "map.h5")`.
     """
-    return _map.performance_maps(results_of(results), tuple(figures))
+    return _map.performance_maps(results_of(results), listed(figures))
 
 
 def calibrate(
@@ -164,6 +165,9 @@ def plan(
     Candidates are the points of a CSV file, or all combinations of `levels` values from each range.
     """
     asked = _fit_of(fit, scene, data)
+    for path, ends in (ranges or {}).items():
+        if isinstance(ends, str) or len(ends) != 2:
+            raise UsageError(f"ranges[{path!r}]: {ends!r} is no pair (pass e.g. ('1000 rpm', '4000 rpm'))")
     texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
     points = candidates_of(asked, candidates, texts, levels)
     return _plan(asked, points, count=count, jobs=jobs, progress=for_program("plan", progress))

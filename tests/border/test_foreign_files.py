@@ -132,3 +132,32 @@ def test_a_volume_that_is_zero_everywhere_is_a_fault(folder):
     (folder / "v.csv").write_text("angle_deg,volume_m3\n0,0\n360,0\n720,0\n", encoding="utf-8")
     lines = lines_of(lambda: load("x.yaml", ["machine.volume={law: table, file: v.csv}"]))
     assert any("'v.csv': the volume is zero everywhere" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        (
+            "0,0\n450,1\n900,0\n",
+            "goes from 0 to 900 deg, beyond the chamber's life of 720 deg (write machine.volume.life",
+        ),
+        ("-20,0\n360,1\n720,0\n", "goes from -20 to 720 deg, beyond the chamber's life of 720 deg"),
+        (
+            "0,0\n6.2832,1\n12.566,0\n",
+            "goes from 0 to 12.566 deg, of a chamber's life of 720 deg (are the angles in deg",
+        ),
+    ],
+)
+def test_a_volume_over_other_angles_than_the_chambers_life_is_a_fault(rows, told, folder):
+    """Beyond the life it would be cut off, and in radians it would be a chamber that lives next to never."""
+    (folder / "v.csv").write_text(f"angle_deg,volume_m3\n{rows}", encoding="utf-8")
+    lines = lines_of(lambda: load("x.yaml", ["machine.volume={law: table, file: v.csv, phi_A: null}"]))
+    assert any(f"machine.volume.file: 'v.csv': {told}" in line for line in lines)
+
+
+def test_an_area_over_radians_is_a_fault(folder):
+    (folder / "s.csv").write_text("angle_deg,area_m2\n0,0\n3.1,0.001\n6.28,0\n", encoding="utf-8")
+    (line,) = lines_of(
+        lambda: load("x.yaml", ["machine.suction_port={law: table, file: s.csv, area: null, phi_B: null}"])
+    )
+    assert "machine.suction_port.file: 's.csv': has no angle above 6.28 deg (are the angles in degrees?)" in line

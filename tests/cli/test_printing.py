@@ -1,7 +1,6 @@
 """Numbers for programs and for people."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from screwsim.figures.engineering import SCALES, scale
 from screwsim.outputs import Figures, Result
 from screwsim.printing import engineering, plain, print_result
 from screwsim.printing.stages import print_stages
+from screwsim.study.stages import ChainResult
 
 
 def test_plain_values_are_those_of_json():
@@ -82,9 +82,20 @@ def test_every_unit_of_a_figure_has_a_customary_one(units):
 def test_warnings_of_two_stages_name_their_stage(capsys):
     """Told like those of one scene, before the figures."""
     stages = (Result("ok", warnings=("too much oil",)), Result("ok"))
-    print_stages("", SimpleNamespace(status="ok", message="", performance={"shaft_power": 1.0}, stages=stages))
+    print_stages("", ChainResult("ok", stages=stages, performance=Figures(shaft_power=1.0), warnings=("of both",)))
     lines = capsys.readouterr().out.splitlines()
-    assert lines[:2] == ["status: ok", "warning: first stage: too much oil"]
+    assert lines[:3] == ["status: ok", "warning: of both", "warning: first stage: too much oil"]
+
+
+def test_figures_of_two_stages_stand_beside_their_errors(capsys):
+    whole = Figures(shaft_power=1e3, flow_mismatch=1e-6)
+    print_stages("", ChainResult("ok", performance=whole, error=Figures(shaft_power=2.5e-4, flow_mismatch=None)))
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split() for line in lines[1:]] == [
+        ["error"],
+        ["shaft", "power", "1", "kW", "2.5e-04"],
+        ["flow", "mismatch", "1e-06"],
+    ]
 
 
 def test_a_machine_through_which_more_flows_back_says_so_in_its_first_line(capsys):

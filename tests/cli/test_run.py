@@ -107,7 +107,10 @@ def test_knock_out_leaves_each_effect_out_as_without_does(folder, command, monke
     change = without["shaft_power"] / without["gas_mass_flow"] - whole["shaft_power"] / whole["gas_mass_flow"]
     assert cost["change_of_specific_work"] == pytest.approx(change, rel=1e-12)
     assert costs["suction_port"]["specific_work"] is None  # nothing is delivered without it
-    assert costs["suction_port"]["message"]
+    for name in ("suction_port", "discharge_port"):  # what --without warns of, a knock-out says too
+        doubts = _document(command("run", "small.yaml", *rough, "--without", name, "--json").out)["warnings"]
+        new = [warning for warning in doubts if warning not in document["warnings"]]
+        assert new and costs[name]["message"].endswith("; ".join(new))
     steps = [line for line in answer.err.splitlines() if "knock-out" in line]
     assert steps == [f"screwsim: knock-out {i} of 3: without {name}" for i, name in enumerate(costs, 1)]
     text = command("run", "small.yaml", *rough, "--knock-out").out

@@ -1,5 +1,6 @@
 """Warnings reach people: in the first line of `run`, the last of `sweep`, in Python and in stored results."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -73,3 +74,71 @@ def test_results_read_again_have_the_warnings_of_each_case(stored):
     warned = screwsim.open_results(stored).warnings
     assert warned.shape == (2, 2)
     assert list(warned[0]) == ["", ""] and all(each.startswith(TOLD) for each in warned[1])
+
+
+# ---- studies: what their answer warns of ----
+
+NO_WAY = ["--without", "discharge_port", "--set", "numerics.accuracy=1e-3"]
+NO_WAY_TOLD = "no port or valve leads to the discharge line out of the chambers"
+STUDIES = {
+    "optimum": ["--path", "oil_supply.ratio", "--from", "1", "--to", "3", "--jobs", "1"],
+    "sensitivity": ["--path", "oil_supply.ratio=1..3", "--samples", "2", "--jobs", "1"],
+    "sensitivity --local": ["oil_supply.ratio"],
+    "find": ["--vary", "oil_supply.ratio=1..3", "--for", "shaft_power=150 kW", "--jobs", "1"],
+    "optimize": [
+        "--vary",
+        "oil_supply.ratio=1..3",
+        "--maximize",
+        "gas_mass_flow",
+        "--evaluations",
+        "14",
+        "--jobs",
+        "1",
+    ],
+    "optimize, two aims": [
+        *("--vary", "oil_supply.ratio=1..3", "--maximize", "gas_mass_flow", "--minimize", "shaft_power"),
+        *("--evaluations", "8", "--jobs", "1"),
+    ],
+}
+
+
+def _texts(found):
+    """Return all texts of a JSON document."""
+    if isinstance(found, dict | list):
+        return [text for each in (found.values() if isinstance(found, dict) else found) for text in _texts(each)]
+    return [found] if isinstance(found, str) else []
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_a_study_tells_what_its_answer_warns_of(study, capsys):
+    command = [*study.partition(",")[0].split(), PAPER, *STUDIES[study], *NO_WAY]
+    assert exit_code(command) == 0
+    assert f"{NO_WAY_TOLD}" in words(capsys.readouterr().out)
+    assert exit_code([*command, "--json"]) == 0
+    assert any(text.startswith(NO_WAY_TOLD) for text in _texts(json.loads(capsys.readouterr().out)))
+
+
+def test_a_fit_tells_what_its_points_warn_of(tmp_path, capsys):
+    (tmp_path / "no_way.yaml").write_text(json.dumps({"base": PAPER, "effects": {"discharge_port": False}}))
+    (tmp_path / "points.csv").write_text(
+        "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+        "a,fit,1000,130,1\nb,fit,1200,160,1\nc,check,1100,140,1\n"
+    )
+    fit = {"scene": "no_way.yaml", "data": "points.csv", "starts": 1}
+    fit |= {"parameters": {"effects.mechanical.fraction": {"from": 0, "to": 0.12}}}
+    (tmp_path / "x.fit.yaml").write_text(json.dumps(fit))
+    command = ["calibrate", str(tmp_path / "x.fit.yaml"), "--jobs", "1"]
+    exit_code(command)
+    assert f"warning at a and 2 other points: {NO_WAY_TOLD}" in words(capsys.readouterr().out)
+    exit_code([*command, "--json"])
+    assert {"a", "b", "c"} == json.loads(capsys.readouterr().out)["warnings"].keys()
+
+
+def test_a_map_tells_what_the_points_of_its_sweep_warn_of(tmp_path, capsys):
+    axes = "sweep={operation.evaporating_temperature: {from: -10 degC, to: 10 degC, count: 4}, "
+    axes += "operation.condensing_temperature: {from: 35 degC, to: 50 degC, count: 4}}"
+    rough = ["--set", "numerics.accuracy=1e-2", "--set", "numerics.error=none"]
+    assert exit_code(["sweep", PLAIN, "--set", axes, "--set", ODD, *rough, "-o", str(tmp_path / "map.h5")]) == 0
+    capsys.readouterr()
+    exit_code(["map", str(tmp_path / "map.h5")])
+    assert f"warning in 16 points of the sweep: {TOLD}" in words(capsys.readouterr().out)

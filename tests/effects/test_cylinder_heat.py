@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from cylinder import SHUT, cylinder
+from cylinder_scenes import SHUT, cylinder
 from scipy.integrate import quad
 
 from screwsim.effects import cylinder_heat

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cylinder import SHUT, K, cylinder
+from cylinder_scenes import SHUT, K, cylinder
 from scipy.optimize import brentq
 
 from screwsim.build import build_parts

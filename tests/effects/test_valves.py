@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from cylinder import REEDS, cylinder
+from cylinder_scenes import REEDS, cylinder
 from scenes import closed
 
 from screwsim.effects import check_valves, reed_valves

@@ -55,6 +55,14 @@ def test_files_of_tests_that_are_to_come_first_are_there():
     assert [name for name in names if not (ROOT / name).exists()] == []
 
 
+def test_no_module_beside_tests_is_called_as_a_script_is():
+    """Both are imported by their bare name, and the first one imported would be taken for the other."""
+    scripts = {path.stem for path in (ROOT / "scripts").glob("*.py")}
+    beside = {path.stem for path in (ROOT / "tests").glob("*/*.py")}
+    assert len(scripts) > 10 and len(beside) > 100
+    assert scripts & beside == set()
+
+
 def test_version_has_one_source():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     assert project["project"]["dynamic"] == ["version"]

@@ -1,11 +1,14 @@
 """Capacity control: throttle, bypass, slide valve: conservation, limits, signs, and what they cost."""
 
+import json
 import math
+from functools import partial
 from pathlib import Path
 
 import pytest
 from scenes import ECONOMIZER, make, run
 
+from screwsim.build import build_parts
 from screwsim.inputs.faults import SceneError
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
@@ -226,3 +229,38 @@ def test_a_fault_is_found_with_its_remedy(changes, words):
     with pytest.raises(SceneError) as caught:
         make(changes)
     assert words in str(caught.value)
+
+
+def _bypass(life):
+    return {"bypass": {"source": "chamber", "area": "1 cm^2", "opens": f"{life - 80.0!r} deg", "passage": "90 deg"}}
+
+
+def _slide(life, **angles):
+    return {"slide_valve": {**SLIDE, "position": 0.5, **{name: f"{life + at} deg" for name, at in angles.items()}}}
+
+
+def _window(life):
+    window = {"opens": f"{life - 60.0!r} deg", "closes": f"{life + 10.0!r} deg", "area": "1 mm^2"}
+    return {"economizer": {"temperature": "20 degC", **window}}
+
+
+@pytest.mark.parametrize(("machine", "life"), [("point", 720.0), ("compact", 900.0)])  # the paper's laws; rotors
+@pytest.mark.parametrize(
+    ("effects", "path"),
+    [
+        (_bypass, "bypass.passage"),
+        (partial(_slide, closes=-20.0), "slide_valve.closes"),
+        (partial(_slide, closes=-160.0, radial_opens_moved=-40.0), "slide_valve.radial_opens_moved"),
+        (_window, "economizer.closes"),
+    ],
+)
+def test_an_angle_beyond_the_chambers_life_is_a_fault_of_the_scene_at_its_line(machine, life, effects, path, tmp_path):
+    """The life of rotors follows from their profile."""
+    scene = tmp_path / "x.yaml"
+    inside = {"base": str(CONFIGS.with_name("r134a") / f"{machine}.yaml"), "effects": effects(life - 60.0)}
+    scene.write_text(json.dumps(inside))
+    assert build_parts(load(scene)).geometry.life == pytest.approx(math.radians(life), abs=1e-9)
+    beyond = json.dumps({**inside, "effects": effects(life)}).replace('"effects"', '\n"effects"')
+    scene.write_text(beyond)
+    with pytest.raises(SceneError, match=rf"x\.yaml:2:\d+: effects\.{path}: "):
+        load(scene)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from cylinder import CHECK, P_S, REEDS, RPM, SHUT, K, cylinder, with_areas
+from cylinder_scenes import CHECK, P_S, REEDS, RPM, SHUT, K, cylinder, with_areas
 from scenes import closed
 
 from screwsim.evaluate.evaluation import evaluate

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fit_fakes import DEGENERATE, FIT, Stopped, hopeless, plane, product, torn, write_fit
+from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, plane, product, torn, write_fit
 
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, fitted_text, read_fit
@@ -38,6 +38,31 @@ def test_a_linear_fit_is_that_of_linear_algebra(fit):
     left = (POWER - SLOPES @ x) / SIGMA
     assert found.chi_squared == pytest.approx(float(left @ left), rel=1e-4)
     assert found.freedom == 1
+
+
+@pytest.mark.parametrize("sure", [1e3, 1e6])
+def test_figures_that_are_off_by_many_uncertainties_count_as_all_others(sure, tmp_path):
+    """All uncertainties a thousandth or a millionth of theirs: the same values, χ² as many times as large squared."""
+    points = POINTS.replace(",0.1\n", f",{0.1 / sure}\n").replace(",0.2\n", f",{0.2 / sure}\n")
+    found = calibrate(read_fit(write_fit(tmp_path, points=points)), jobs=1, simulate=plane)
+    x, _ = exact()
+    assert (found.status, found.freedom, found.reasons) == ("ok", 1, {})
+    assert found.values[GAP] / 1e-5 == pytest.approx(x[0], abs=1e-3)
+    assert found.values[CAPACITY] / 1e3 == pytest.approx(x[1], abs=1e-3)
+    left = sure * (POWER - SLOPES @ x) / SIGMA
+    assert found.chi_squared == pytest.approx(float(left @ left), rel=1e-3)
+
+
+def test_no_search_goes_where_figures_have_no_solution_however_far_the_others_are_off(tmp_path):
+    """Beyond a gap of 50 µm nothing is solved; what is there is off by a million uncertainties."""
+
+    def bounded(scene):
+        return plane(scene) if coordinates(scene)[0] < 5.0 else hopeless(scene)
+
+    points = "operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n1000,90,1e-4\n2000,91,1e-4\n"
+    found = calibrate(read_fit(write_fit(tmp_path, points=points)), jobs=1, simulate=bounded)
+    assert found.reasons == {} and found.chi_squared > 1e10
+    assert found.values[GAP] < 5e-5
 
 
 def test_all_starts_of_a_linear_fit_are_as_good(fit):

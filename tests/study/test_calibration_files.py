@@ -71,6 +71,16 @@ def test_a_fit_is_read_in_SI(tmp_path):
             "to: 100 um, prior: {mean: 120 um, deviation: 2 um}}",
             "small.fit.yaml:5:68: parameters.effects.tip_leakage.gap.prior.mean: lies outside 0.01 mm … 0.1 mm",
         ),
+        (
+            "to: 100 um}",
+            "to: 100 um, also: {effects.tip_leakage.gap: {factor: 2}}}",
+            "small.fit.yaml:5:61: parameters.effects.tip_leakage.gap.also.effects.tip_leakage.gap: is the parameter",
+        ),
+        (
+            "to: 100 um}",
+            "to: 100 um, also: {machine.rotor_length: {factor: -2}}}",
+            "small.fit.yaml:5:61: parameters.effects.tip_leakage.gap.also.machine.rotor_length: is -0.02 mm where that",
+        ),
     ],
 )
 def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
@@ -93,6 +103,7 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
         (",", ";", "points.csv:2:1: data: is divided by semicolons (save it with commas, and points before decimals)"),
         ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that divides"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
+        ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, which no meas"),
         ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs a value and an uncertainty, or neither"),
         ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
         ("b,fit", "a,fit", "points.csv:4:1: name: 'a' is there twice"),

@@ -3,16 +3,20 @@
 import json
 import re
 import sys
+from dataclasses import replace
 from functools import partial
+from math import log
 from pathlib import Path
 
 import pytest
 
 from screwsim.build import build_gas
 from screwsim.cli import exit_code
+from screwsim.figures.errors import error_scale
 from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.scene import lines
+from screwsim.outputs import STAGES, Figures
+from screwsim.scene import lines, loads
 from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
 from screwsim.study.stages.solve import ChainResult
@@ -120,6 +124,46 @@ def test_a_cooler_takes_the_heat_between_its_ends_and_saves_power(chain):
     assert p.second_suction_temperature == 290.0
     assert p.intercooler_heat == pytest.approx(p.gas_mass_flow * c_p * (T_d - 290.0), rel=1e-6)
     assert p.shaft_power / p.gas_mass_flow < plain.performance.shaft_power / plain.performance.gas_mass_flow
+
+
+@pytest.mark.parametrize(("between", "speed"), [(COOLER, 1300), (None, 900), ({"pressure_drop": "0.1 bar"}, 1500)])
+def test_figures_of_the_whole_are_off_by_no_more_than_twice_their_estimated_errors(chain, between, speed):
+    """Held against the same chain at a hundredth of the accuracy, its pressure found anew."""
+
+    def at(accuracy):
+        more = {"numerics.accuracy": accuracy}
+        return run_stages(read_stages(chain(between, {**more, "operation.speed": f"{speed} rpm"}, more)))
+
+    found, better = at(ACCURACY), at(1e-2 * ACCURACY)
+    known = {name: value or 0.0 for name, value in better.performance.items()}
+    told = [name for name, error in found.error.items() if error is not None]
+    assert {"intermediate_pressure", "gas_mass_flow", "shaft_power", "isothermal_efficiency"} <= set(told)
+    assert found.performance.intermediate_pressure != better.performance.intermediate_pressure
+    for name in told:
+        off = abs(found.performance[name] - known[name]) / max(error_scale(name, STAGES[name].scale, known), 1e-300)
+        assert off <= 2.0 * found.error[name] + 0.1 * ACCURACY, name
+    assert max(better.error[name] for name in told) < 0.1 * max(found.error[name] for name in told)
+
+
+def test_errors_of_both_stages_reach_the_whole_by_the_pressure_that_they_move(chain, monkeypatch):
+    """Flows known to 1 % each leave the pressure open by 2 % over the slope of their ratio."""
+
+    def rough(scene, **asked):
+        result = simulate(scene, **asked)
+        return replace(result, error=Figures(dict.fromkeys(result.error, 0.0) | {"gas_mass_flow": 0.01}))
+
+    monkeypatch.setattr("screwsim.study.stages.solve.simulate", rough)
+    found = run_stages(read_stages(chain(COOLER)))
+    ratios = []
+    for factor in (1.0, 1.02):
+        between = f"{found.performance.intermediate_pressure * factor!r} Pa"
+        after = {**HIGH, "operation.suction": {"pressure": between, "temperature": "290 K"}}
+        scenes = (loads(json.dumps(scene_dict(each))) for each in ({"operation.discharge.pressure": between}, after))
+        first, second = (simulate(scene).performance.gas_mass_flow for scene in scenes)
+        ratios.append(first / second)
+    slope = log(ratios[1] / ratios[0]) / log(1.02)
+    assert found.error.intermediate_pressure == pytest.approx(0.02 / abs(slope), rel=0.05)
+    assert any("above the wanted accuracy" in warning for warning in found.warnings)
 
 
 def test_a_cooler_warmer_than_the_gas_does_nothing(chain):

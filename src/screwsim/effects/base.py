@@ -110,8 +110,9 @@ class Effect:
     `warnings(found)` tells from the figures of a cycle what of them hardly can be.
 
     `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
-    shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
-    scene. `needs` is what a machine must offer (`machine.protocol`), of all kinds by default.
+    shows, `check_geometry(parameters, geometry)` those that show on the machine's geometry, of a scene that is in order
+    but for these. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from
+    the scene. `needs` is what a machine must offer (`machine.protocol`), of all kinds by default.
 
     What the core asks for without knowing who does it, an effect says of itself: `roles` are such questions (words of
     `outputs`) with the key of its own, `.key`, by which it answers one, empty where it always does; `usual` is what it
@@ -127,6 +128,7 @@ class Effect:
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], Iterable[Fault]] | None = None
+    check_geometry: Callable[[Any, Any], Iterable[Fault]] | None = None
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
     needs: frozenset[str] = frozenset()
     figures: tuple[Figure, ...] = ()

@@ -18,7 +18,7 @@ from screwsim.effects.base import Effect, Faults, FlowPath, Intake
 from screwsim.effects.gap import flow_coefficient, ramp
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import choice, number, quantity
-from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import SHELL, WIDEST
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import CHANGED
@@ -62,10 +62,6 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
         return [Intake(returned=parameters.share or 0.0)]
     opens = parameters.opens or 0.0
     closes = opens + (parameters.passage or 0.0)
-    if closes > machine.life + 1e-9:
-        end, life = (f"{angle * 180.0 / pi:.6g} deg" for angle in (closes, machine.life))
-        what = f"ends at {end}, beyond the chamber's life of {life}"
-        raise UsageError(f"effects.bypass.passage: {what} (choose an earlier bore or a shorter passage)")
     return [window(parameters.area or 0.0, opens, closes, parameters.flow_coefficient)]
 
 
@@ -86,6 +82,14 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
 
 
+def check_geometry(parameters: Parameters, geometry) -> Faults:
+    closes = (parameters.opens or 0.0) + (parameters.passage or 0.0)
+    if closes > geometry.life + 1e-9:
+        end, life = (f"{angle * 180.0 / pi:.6g} deg" for angle in (closes, geometry.life))
+        what = f"ends at {end}, beyond the chamber's life of {life} (choose an earlier bore or a shorter passage)"
+        yield Fault("effects.bypass.passage", what)
+
+
 EFFECT = Effect(
     name="bypass",
     title="gas returned to suction",
@@ -94,6 +98,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    check_geometry=check_geometry,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.2)),),
     roles={CHANGED[0]: ".share"},
 )

@@ -14,12 +14,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.parts.usual import Sized
-from screwsim.effects.port_window import WindowParameters, check_window, window_path
+from screwsim.effects.port_window import WindowParameters, check_window, check_within, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import ZERO_CELSIUS
@@ -198,7 +199,7 @@ def _cold_liquid(parameters: Parameters, site: Site) -> float:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    yield from check_window(NAME, parameters, facts)
+    yield from check_window(NAME, parameters)
     p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.name
     stated, limits = "temperature" if p is None else "pressure", constants.limits(fluid)
     if isinstance(T, Found):
@@ -283,6 +284,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     warnings=warnings,

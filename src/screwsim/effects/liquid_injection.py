@@ -16,13 +16,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.parts.usual import Sized
-from screwsim.effects.port_window import WindowParameters, check_window, window_path
+from screwsim.effects.port_window import WindowParameters, check_window, check_within, window_path
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import ZERO_CELSIUS
@@ -136,7 +137,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    yield from check_window(NAME, parameters, facts)
+    yield from check_window(NAME, parameters)
     if not condenses(facts.gas):
         yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
     if facts.operation.condensing_temperature is None or facts.machine.expands:
@@ -184,6 +185,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),

@@ -16,10 +16,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.gap import ramp
-from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_breakpoints
+from screwsim.effects.port_window import RAMP, WindowParameters, check_window, check_within, window_breakpoints
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.fluid.settings import OilLine
@@ -142,7 +143,7 @@ def build(parameters: Parameters, machine) -> list[OilPort]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    yield from check_window(NAME, parameters, facts)
+    yield from check_window(NAME, parameters)
     if facts.oil_supply.pumped and parameters.pressure_loss > 0.0:
         what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
         yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
@@ -190,5 +191,6 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
+    check_geometry=partial(check_within, NAME),
     needs=frozenset({OIL}),
 )

@@ -45,11 +45,14 @@ def window_path(name: str, parameters) -> FlowPath:
     return FlowPath(name, window_area, values, window_breakpoints(parameters), flow_coefficient=coefficient)
 
 
-def check_window(name: str, parameters, facts) -> Iterator[Fault]:
-    """Yield what is wrong with a window."""
+def check_window(name: str, parameters) -> Iterator[Fault]:
+    """Yield what is wrong with a window whatever the machine."""
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
-    life = facts.machine.stated_life
-    if life is not None and parameters.closes > life + 1e-9:
-        what = f"lies beyond the chamber's life of {life / DEGREE:g} deg (choose an earlier angle)"
+
+
+def check_within(name: str, parameters, geometry) -> Iterator[Fault]:
+    """Yield a window that ends when the chamber is no more."""
+    if parameters.closes > geometry.life + 1e-9:
+        what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
         yield Fault(f"effects.{name}.closes", what)

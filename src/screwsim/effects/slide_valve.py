@@ -20,7 +20,7 @@ from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.gap import flow_coefficient, table_area
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import AREA, file, number, quantity
-from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
 from screwsim.numerics.spline import features, read_curve
 
@@ -67,10 +67,6 @@ def _stated(parameters: Parameters, machine) -> list[FlowPath]:
     """Return slot and radial port of a slide whose angles are stated."""
     x, begins = parameters.position, machine.injection_angle
     assert x is not None and parameters.slot_area is not None and parameters.closes is not None  # checked
-    if not begins < parameters.closes < machine.life - 2.0 * RAMP:
-        ends = f"({begins * DEG:.0f} deg, {(machine.life - 2.0 * RAMP) * DEG:.0f} deg) of this machine"
-        what = f"{parameters.closes * DEG:.6g} deg lies outside {ends} (choose an angle inside)"
-        raise UsageError(f"effects.slide_valve.closes: {what}")
     closes = begins + x * (parameters.closes - begins)
     found = [window(x * parameters.slot_area, begins - BEFORE, closes, parameters.flow_coefficient)]
     if parameters.radial_area is not None:
@@ -102,8 +98,6 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})")
     if facts.machine.expands:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
-    if facts.machine.volume.by_formula:
-        yield from _angles(parameters, path)
 
 
 def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]) -> Faults:
@@ -112,14 +106,15 @@ def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]
             yield Fault(f"{path}.{name}", f"is given beside {what} (remove it)")
 
 
-def _angles(parameters: Parameters, path: str) -> Faults:
-    """Yield the angles that lie outside the compression of a life of 720°."""
-    ends = {"closes": (2.0 * pi, 4.0 * pi - 2.0 * RAMP)} | dict.fromkeys(_RADIAL[1:], (2.0 * pi, 4.0 * pi - 4.0 * RAMP))
-    for name, (low, high) in ends.items():
+def check_geometry(parameters: Parameters, geometry) -> Faults:
+    """Yield the angles that lie outside the compression."""
+    low, life = geometry.injection_angle, geometry.life
+    ends = {"closes": life - 2.0 * RAMP} | dict.fromkeys(_RADIAL[1:], life - 4.0 * RAMP)
+    for name, high in ends.items():
         angle = getattr(parameters, name)
         if angle is not None and not low < angle < high:
-            where = f"outside ({low * DEG:.0f} deg, {high * DEG:.0f} deg)"
-            yield Fault(f"{path}.{name}", f"{angle * DEG:.6g} deg lies {where} (choose an angle inside)")
+            where = f"outside ({low * DEG:.6g} deg, {high * DEG:.6g} deg)"
+            yield Fault(f"effects.slide_valve.{name}", f"{angle * DEG:.6g} deg lies {where} (choose an angle inside)")
 
 
 EFFECT = Effect(
@@ -130,6 +125,7 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
     sizes=(
         Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)),

@@ -15,6 +15,7 @@ from screwsim.printing.fits import print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import keep_others, make_folder, write_text
+from screwsim.results.warned import kinds_of
 from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE, Parameter, Prior
 from screwsim.study.calibration.judge import CORRELATED, WEAK
@@ -47,6 +48,7 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
         "starts": [asdict(each) | {"cost": each.cost if each.cost < float("inf") else None} for each in found.starts],
         "points": [_compared(each) for each in found.compared],
         "points_without_solution": found.reasons,
+        "warnings": {name: list(texts) for name, texts in found.warnings.items()},
         "seed": found.fit.seed,
         "solutions": found.solutions,
         "failed_solutions": found.failed,
@@ -233,6 +235,9 @@ def _warnings(found: Calibration) -> Iterator[str]:
     known = found.certainty
     for name, reason in found.reasons.items():
         yield f"no solution at {name}: {reason}"
+    for count, text in kinds_of(found.warnings.values()):
+        first = next(name for name, texts in found.warnings.items() if text in texts)
+        yield f"warning at {first}{f' and {count - 1} other points' if count > 1 else ''}: {text}"
     if known is None:
         return
     for parameter, border in zip(found.fit.parameters, known.border, strict=True):

@@ -31,6 +31,7 @@ def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
         "title": scene.title,
         "status": found.result.status,
         "message": found.result.message,
+        "warnings": list(found.result.warnings),
         "values": dict(found.values),
         "performance": {name: found.result.performance[name] for name in found.derivatives},
         "method": dict(found.method),
@@ -49,6 +50,9 @@ def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) 
         say(wrapped(scene.title))
     if found.result.status != "ok":
         say(wrapped(f"status: {found.result.status}; {found.result.message}"))
+    for warning in found.result.warnings:
+        say(wrapped(f"warning: {warning}"))
+    if found.result.status != "ok":
         return
     wanted = chosen or (usual_efficiency(scene), *SHOWN)
     figures = [name for name in wanted if name in found.derivatives]

@@ -10,6 +10,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, error_text, shown_name
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.results.warned import kinds_of
 from screwsim.screen import say
 from screwsim.study.inputs import in_customary, shown_value
 from screwsim.study.optimize import Optimum, Question, Reach
@@ -42,6 +43,7 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
                 "aims": dict(zip(names, found.aims[row].tolist(), strict=True)),
                 "errors": dict(zip(names, found.errors[row].tolist(), strict=True)),
                 "excess": found.excess[row].tolist(),
+                "warnings": list(found.warnings.get(int(row), ())),
             }
             for row in found.front
         ],
@@ -85,6 +87,9 @@ def print_optimize(found: Optimum) -> None:
         _print_best(found)
     else:
         _print_front(found)
+    for count, text in kinds_of(found.warnings.values()):
+        of_front = "" if len(found.front) == 1 else f" in {count} of the {len(found.front)}"
+        say(wrapped(f"warning{of_front}: {text}"))
     say()
     for line in _counts(found):
         say(wrapped(line))
@@ -152,7 +157,9 @@ def _print_front(found: Optimum) -> None:
     heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
     say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
-    say(wrapped(f"{some} evaluations that no other betters in all aims; error: the larger of the aims, relative"))
+    many = "s" if len(front) > 1 else ""
+    error = "error: the larger of the aims, relative"
+    say(wrapped(f"{some} evaluation{many} that no other betters in all aims; {error}"))
 
 
 def spread(aims: np.ndarray, most: int) -> np.ndarray:

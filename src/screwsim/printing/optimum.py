@@ -82,6 +82,8 @@ def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> It
         yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
     if row.message:
         yield f"{where}{row.message}"
+    for warning in row.warnings:
+        yield f"{where}warning: {warning}"
 
 
 def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
@@ -107,4 +109,5 @@ def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best
     }
     for name, (column, unit, meaning) in meanings.items():
         columns[column] = Column([getattr(row, name) for row in rows], unit, meaning)
+    columns["warnings"] = Column(["; ".join(row.warnings) for row in rows], "", "what the best solution warns of")
     write_columns(path, f"optimum of {asked.path}", columns)

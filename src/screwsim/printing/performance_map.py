@@ -12,6 +12,7 @@ from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
+from screwsim.results.warned import kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -33,6 +34,7 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
         "units": {figure: results.figure(figure).units for figure in figures},
         "conditions": conditions(results),
         "maps": [asdict(each) for each in maps],
+        "warnings": [{"cases": kind.cases, "warning": kind.text} for kind in kinds(results)],
     }
 
 
@@ -47,6 +49,14 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
         if each.values:
             say(wrapped(", ".join(_at(results, path, value) for path, value in each.values.items())))
         _print_map(results, each)
+    _print_warnings(results)
+
+
+def _print_warnings(results: Results) -> None:
+    """Print what points of the sweep warn of."""
+    for kind in kinds(results):
+        cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
+        say(wrapped(f"warning in {cases} of the sweep: {kind.text}"))
 
 
 def _at(results: Results, path: str, value: Any) -> str:
@@ -95,6 +105,7 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
         say(wrapped(f"evaporating / condensing temperature {at} °C{others}"))
         rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in each.figures.items()]
         say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
+    _print_warnings(results)
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:

@@ -25,6 +25,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
         "solutions": found.solutions,
         "failed": found.failed,
         "message": found.message,
+        "warnings": [{"solutions": count, "warning": text} for count, text in found.warnings],
         "confidence": CONFIDENCE,
         "figures": {
             each.figure: {
@@ -47,6 +48,8 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:
         say(wrapped(found.message))
+    for count, text in found.warnings:
+        say(wrapped(f"warning in {count} of {found.solutions} solutions: {text}"))
     spans = {each.path: each for each in found.ranges}
     for shares in found.shares:
         say()

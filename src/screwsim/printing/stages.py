@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name
+from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small
 from screwsim.outputs import EFFICIENCY, STAGES
 from screwsim.screen import say
 
@@ -22,12 +22,17 @@ def print_stages(title: str, found: ChainResult) -> None:
     if title:
         say(title)
     say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
+    for warning in found.warnings:
+        say(textwrap.fill(f"warning: {warning}", WIDTH - 1, subsequent_indent="  "))
     for which, result in zip(WHICH, found.stages, strict=False):
         for warning in result.warnings:
             say(textwrap.fill(f"warning: {which} stage: {warning}", WIDTH - 1, subsequent_indent="  "))
+    if found.error:
+        say(" " * 54 + "error")
     for name, value in found.performance.items():
         if value is not None:
-            say(f"{shown_name(name):<32}{_shown(name, value)}")
+            error = small(found.error.get(name)) if found.error else ""
+            say(f"{shown_name(name):<32}{_shown(name, value):<22}{error}".rstrip())
     for which, result in zip(WHICH, found.stages, strict=False):
         if result.performance:
             figures = ((name, result.performance[name]) for name in OF_STAGES)

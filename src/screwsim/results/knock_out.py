@@ -26,7 +26,7 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
         layout.variable(group, name, values, (EFFECT,), number_attributes(variable))
     messages = [text_lines(cost.message) for cost in costs]
     words = sorted(set(messages))
-    data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or not all")
+    data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or what to doubt")
     data.write([words.index(message) for message in messages])
 
 

@@ -178,6 +178,12 @@ def _columns(group: str, names: tuple[str, ...], about: tuple[str, ...]) -> tupl
     return numbers, np.array([columns[group, name] for name in numbers], np.intp)
 
 
+def warnings_at(table: Table, row: int) -> list[str]:
+    """Return what the case of a row warns of."""
+    texts = table.texts["warnings"]
+    return [text for text in texts.words[texts.number[row]].split("\n") if text]
+
+
 def numbered(texts: Iterable[str]) -> Texts:
     """Return texts as numbers of the different ones, in the order in which they came."""
     found: dict[str, int] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,16 @@ class Warned(NamedTuple):
 def kind_of(warning: str) -> str:
     """Return what warnings have in common that differ by their numbers alone."""
     return _NUMBER.sub("#", warning)
+
+
+def kinds_of(every: Iterable[Iterable[str]]) -> tuple[tuple[int, str], ...]:
+    """Return the kinds that results warn of, each with the number of results and the words of the first one."""
+    found: dict[str, tuple[int, str]] = {}
+    for warnings in every:
+        for kind, text in {kind_of(text): text for text in warnings}.items():
+            count, first = found.get(kind, (0, text))
+            found[kind] = count + 1, first
+    return tuple(sorted(found.values(), key=lambda each: -each[0]))
 
 
 def warned(results: Results) -> Warned:

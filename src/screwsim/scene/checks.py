@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 
@@ -19,6 +20,10 @@ from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
 
+IN_RADIANS = math.radians(4.0 * math.pi)  # the last row of an area over 720 deg whose angles are written in radians
+ROUNDED = math.radians(0.01)  # by which the last row of a table may miss the end of the life
+LEAST_SPAN = 0.5  # of a chamber's life, which a table of its volume covers at the least
+
 
 def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
@@ -26,7 +31,7 @@ def cross_check(scene: Scene) -> list[Fault]:
     if stated:
         return stated
     operation = check_operation(scene)
-    return [
+    faults = [
         *check_machine(scene.machine),
         *size_faults(scene),
         *operation,
@@ -36,6 +41,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         *_oil_supply(scene),
         *_effects(scene),
     ]
+    return faults or list(_on_geometry(scene))
 
 
 def _dry(scene: Scene) -> Iterator[Fault]:
@@ -176,6 +182,15 @@ def _effects(scene: Scene) -> Iterator[Fault]:
             yield from active.effect.check(active.parameters, scene)
 
 
+def _on_geometry(scene: Scene) -> Iterator[Fault]:
+    """Yield what does not fit the machine's geometry, of a scene that is in order but for that."""
+    asking = [active for active in scene.effects.values() if active.effect.check_geometry is not None]
+    geometry = kind_of(scene.machine).geometry(scene.machine) if asking else None
+    for active in asking:
+        if active.effect.check_geometry is not None:
+            yield from active.effect.check_geometry(active.parameters, geometry)
+
+
 def check_files(scene: Scene) -> list[Fault]:
     """Return the faults of the curve files that a scene names: not there, not readable, not a curve."""
     parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
@@ -197,12 +212,28 @@ def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
     from screwsim.numerics.spline import read_curve
 
     try:
-        _, values = read_curve(name, column)
+        angles, values = read_curve(name, column)
     except UsageError as error:
         return f"{shown}: {str(error).removeprefix(f'{name}: ')}"
+    if column == VOLUME and (odd := _span_fault(scene, float(angles[0]), float(angles[-1]))):
+        return f"{shown}: {odd}"
     if column == VOLUME and not max(values) > 0.0:
         return f"{shown}: the volume is zero everywhere (write the volume of a chamber [m3] over its angle)"
     if column == VOLUME and abs(values[0] - values[-1]) > 1e-6 * max(values):
         return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
+    if column == AREA and angles[-1] <= IN_RADIANS:
+        return f"{shown}: has no angle above {math.degrees(float(angles[-1])):.6g} deg (are the angles in degrees?)"
     beyond = area_fault(scene, float(max(values))) if column == AREA else None
     return None if beyond is None else f"{shown}: {beyond}"
+
+
+def _span_fault(scene: Scene, first: float, last: float) -> str | None:
+    """Return what is wrong with the angles [rad] from the first to the last row of a chamber's volume."""
+    life = kind_of(scene.machine).geometry(scene.machine).life
+    ends = f"goes from {math.degrees(first):.6g} to {math.degrees(last):.6g} deg"
+    if first < -ROUNDED or last > life + ROUNDED:
+        remedy = "write machine.volume.life, or rows from 0 deg to its end"
+        return f"{ends}, beyond the chamber's life of {math.degrees(life):.6g} deg ({remedy})"
+    if last - first < LEAST_SPAN * life:
+        return f"{ends}, of a chamber's life of {math.degrees(life):.6g} deg (are the angles in degrees?)"
+    return None

@@ -10,6 +10,7 @@ from dataclasses import replace
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.listed import listed
 from screwsim.inputs.near import nearest
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
@@ -73,7 +74,7 @@ def _finish(
     stage: str = "",
     told: str = SET,
 ) -> Scene:
-    overrides, without = list(overrides), list(without)  # they may be iterators
+    overrides, without = listed(overrides), listed(without)  # they may be iterators, or one text
     if root is None:
         raise scene_error(problems)
     for number, override in enumerate(overrides):

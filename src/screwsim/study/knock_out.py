@@ -22,7 +22,8 @@ def knock_out(scene: Scene, result: Result, progress: Progress | None = None) ->
     Where the scene calls for them, of cooling capacity and COP too.
 
     An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
-    which the cycle does not close has the status of that solution, and no figures.
+    which the cycle does not close has the status of that solution, and no figures. What is to be doubted without an
+    effect, and is not of the whole scene, stands in its message.
     """
     progress = progress or Silent()
     costs = []
@@ -52,6 +53,7 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     found |= {"status": other.status, "message": other.message}
     if other.status != "ok":
         return Figures(found)
+    doubts = [warning for warning in other.warnings if warning not in result.warnings]
     before, after = (specific_work(each) for each in (result, other))
     power = other.performance.shaft_power
     found |= {"shaft_power": power, "change_of_shaft_power": power - result.performance.shaft_power}
@@ -59,10 +61,10 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
         value, full = other.performance.get(each), result.performance[each]
         found |= {each: value, f"change_of_{each}": None if value is None or full is None else value - full}
     if after is None:
-        found["message"] = "no net gas is delivered without it"
+        doubts.insert(0, "no net gas is delivered without it")
     elif before is not None:
         found |= {"specific_work": after, "change_of_specific_work": after - before}
-    return Figures(found)
+    return Figures(found, message="; ".join(doubts))
 
 
 def specific_work(result: Result) -> float | None:

@@ -18,6 +18,7 @@ from screwsim.derivatives.solving import found
 from screwsim.figures import declared
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.listed import listed
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
 from screwsim.outputs.display import About, Brief
@@ -122,8 +123,8 @@ def sensitivities(
     every, left_out = numeric_paths(scene)
     left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
     every = {path: value for path, value in every.items() if path not in FIXED}
-    names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
-    values = every if paths is None or not paths else _asked(scene, paths, every)
+    names = tuple(dict.fromkeys(figure_of(scene, name) for name in listed(figures or ())))
+    values = every if paths is None or not paths else _asked(scene, listed(paths), every)
     result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
     if result.status != "ok":
         return Sensitivities(result)

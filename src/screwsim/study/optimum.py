@@ -59,7 +59,8 @@ class Best:
 
     `place` is inside, or the border of the range at which the best lies: then a better one may lie beyond. Between
     `low` and `high` the figure is within its estimated `error` (absolute) of the best. `accuracy` is what was asked of
-    the last solutions, `failed` the number of those of the `solutions` that failed or did not close.
+    the last solutions, `failed` the number of those of the `solutions` that failed or did not close; `warnings` are
+    those of the best one.
     """
 
     values: Mapping[str, Any]
@@ -75,6 +76,7 @@ class Best:
     accuracy: float | None = None
     solutions: int = 0
     failed: int = 0
+    warnings: tuple[str, ...] = ()
 
 
 def question(
@@ -165,6 +167,7 @@ class _Trials:
     count: int = 0
     reasons: list[str] = field(default_factory=list)  # of solutions that failed or did not close
     absent: list[str] = field(default_factory=list)  # of closed ones without this figure
+    warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the coordinate
 
     def point(self, x: float) -> Point:
         """Return the figure there, turned round where the lowest is wanted; NaN without a closed solution."""
@@ -178,6 +181,7 @@ class _Trials:
         if value is None:
             self.absent += result.lacks([name])
             return Point(x, math.nan)
+        self.warned[x] = result.warnings
         return Point(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
 
     def tighten(self) -> bool:
@@ -233,4 +237,5 @@ def _told(
         asked.value(top.high),
         tuple((asked.value(point.x), sign * point.y) for point in top.others),
         **counts,
+        warnings=trials.warned[top.point.x],
     )

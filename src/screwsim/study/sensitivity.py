@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.results.warned import kinds_of
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
 from screwsim.study.each import each
@@ -62,7 +63,10 @@ class Shares:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """The answer to a study: a `Shares` a figure; `failed` of the `solutions` have no figures."""
+    """The answer to a study: a `Shares` a figure; `failed` of the `solutions` have no figures.
+
+    `warnings` are the kinds that solutions warn of, (number of solutions, words of the first).
+    """
 
     ranges: tuple[Range, ...]
     samples: int
@@ -71,6 +75,7 @@ class Sensitivity:
     failed: int
     shares: tuple[Shares, ...]
     message: str = ""
+    warnings: tuple[tuple[int, str], ...] = ()
 
 
 class _Answer(NamedTuple):
@@ -78,6 +83,7 @@ class _Answer(NamedTuple):
     values: tuple[float, ...] = ()
     errors: tuple[float, ...] = ()
     lacks: bool = False  # is it a figure alone that the point has no value of?
+    warnings: tuple[str, ...] = ()
 
 
 def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
@@ -146,7 +152,7 @@ def sensitivity(
         return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0].message} ({remedy})")
     values, errors = (np.array([getattr(answer, name) for answer in answers]) for name in ("values", "errors"))
     shares = (_shares(figure, problem, values[:, i], errors[:, i], seed) for i, figure in enumerate(figures))
-    return Sensitivity(*head, 0, tuple(shares))
+    return Sensitivity(*head, 0, tuple(shares), warnings=kinds_of(answer.warnings for answer in answers))
 
 
 def _answer(
@@ -160,7 +166,8 @@ def _answer(
     if lacks := result.lacks(figures):
         return _Answer(lacks[0], lacks=True)
     values = tuple(float(result.performance[figure]) for figure in figures)
-    return _Answer("", values, tuple(absolute_error(result, figure, scene) for figure in figures))
+    errors = tuple(absolute_error(result, figure, scene) for figure in figures)
+    return _Answer("", values, errors, warnings=result.warnings)
 
 
 def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:

@@ -25,6 +25,7 @@ from screwsim.study.calibration.fit import Measured, Point
 
 MOST_POINTS = 10_000  # of one fit
 UNCERTAINTY = "_uncertainty"
+SMALLEST = 1e-9  # of a value: nothing is measured that well
 FITTED = {"": True, "fit": True, "check": False}
 # SI unit of a figure -> {unit: factor}; degrees Celsius apart
 UNITS = {
@@ -239,6 +240,12 @@ def _point(
         return None
     if candidates:
         found["figure"] = {name: found["figure"].get(name, math.nan) for name in found["uncertainty"]}
+    for figure, value in found["figure"].items():
+        own = found["uncertainty"].get(figure)
+        if own is not None and own < SMALLEST * abs(value):
+            what = f"its uncertainty is {own / abs(value):.1g} of the value, which no measurement is sure of"
+            remedy = "state one standard deviation, in the unit of its column"
+            problems.append(Problem(place, figure, f"{what} ({remedy})"))
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
         problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
     if len(problems) > before:

@@ -43,7 +43,7 @@ from screwsim.study.calibration.machine import (
     unchanged_machine,
 )
 from screwsim.study.calibration.profile import Profile, profile, straight
-from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Simulate
+from screwsim.study.calibration.residuals import Array, Objective, Simulate
 from screwsim.study.calibration.single import Along, along, whitener
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
@@ -191,8 +191,7 @@ def here(
     count = len(point.measured)
     empty = np.zeros((count, len(groups) + len(priors)))
     why = outcome.reasons.get(point.name, "")
-    if why or np.any(np.abs(outcome.residuals) >= PENALTY):
-        why = why or "a figure has no value"
+    if why:
         nothing = np.zeros(count), np.zeros((count, len(places))), empty, Figures()
         return Here(*nothing, why, asked.solutions, asked.failed)
     slopes = asked.slopes(places)

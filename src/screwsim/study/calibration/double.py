@@ -21,7 +21,7 @@ import numpy as np
 from screwsim.study.calibration.descent import descend
 from screwsim.study.calibration.fit import DIFFERENCES, Fit
 from screwsim.study.calibration.profile import Profile
-from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Simulate
+from screwsim.study.calibration.residuals import Array, Objective, Simulate
 from screwsim.study.calibration.single import Along, log_mass
 
 STEPS, CHEAP = 8, 40  # of least squares, with solutions and without
@@ -113,13 +113,17 @@ def solved(
     pair, guess = guesses[number]
     alone = replace(fit, parameters=tuple(fit.parameters[k] for k in pair), slopes=DIFFERENCES)
     asked, known, begin = Objective(alone, simulate), {}, np.array(guess.places)
+    unsolved: set[bytes] = set()
     first = [guess.slopes]
 
     def residuals(places: Array) -> Array:
         key = places.tobytes()
         if key not in known:
             there = asked.outcome(places)
-            known[key] = np.full(len(white), PENALTY) if there.reasons else white @ there.residuals
+            known[key] = white @ there.residuals
+            if there.reasons:
+                known[key] = np.full(len(white), float(np.linalg.norm(there.residuals)))
+                unsolved.add(key)
         return known[key]
 
     def slopes(places: Array) -> Array:
@@ -127,7 +131,7 @@ def solved(
 
     end, _ = descend(residuals, slopes, begin, STEPS, confirmed=False)
     left = residuals(end)
-    if np.any(np.abs(left) >= PENALTY):
+    if end.tobytes() in unsolved:
         return None
     found = normal_about(end, left, white @ asked.slopes(end), level)
     return replace(found, solved=True, solutions=asked.solutions, failed=asked.failed)

@@ -14,7 +14,7 @@ from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
 from screwsim.scene.files import other_file
-from screwsim.scene.values import shown
+from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
@@ -184,6 +184,7 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
     elif given["spacing"] == "log" and not low > 0.0:
         problems.append(Problem(node.place, where, "log spacing needs bounds above zero (choose another from)"))
     found = Parameter(path, low, high, start, prior, given["spacing"] == "log", ties, unheld)
+    _check_ties(found, leaf, node, scene, problems)
     known = prior_of(scene, found)
     if len(problems) == before and known is not None and not low <= known.mean <= high:
         ends = f"{shown_value(scene, path, low)} … {shown_value(scene, path, high)}"
@@ -231,6 +232,24 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
         if given is not None:
             found.append(Tie(path, given["factor"], given["offset"]))
     return tuple(found)
+
+
+def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: list[Problem]) -> None:
+    """Add a fault of a path that follows itself, or to where it cannot be."""
+    where = join("parameters", parameter.path)
+    for tie in parameter.ties:
+        heading, named = node.value["also"].value[tie.path].heading, join(join(where, "also"), tie.path)
+        if tie.path == parameter.path:
+            problems.append(Problem(heading, named, "is the parameter itself (remove it)"))
+            continue
+        other = leaf_of(scene, tie.path)
+        for end in (parameter.low, parameter.high):
+            follows = tie.factor * end + tie.offset
+            if not within(other, follows):
+                what = f"is {text_of(other, float(f'{follows:.4g}'))} where that is {text_of(leaf, end)}"
+                remedy = f"it must be {limits_text(other)}; change factor, offset or the bounds"
+                problems.append(Problem(heading, named, f"{what}, which is out of range ({remedy})"))
+                break
 
 
 def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, problems: list[Problem]) -> None:

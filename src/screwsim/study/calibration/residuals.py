@@ -1,7 +1,7 @@
 """The residuals of a fit, over their uncertainties, and how they change with each parameter.
 
-A solution that fails or does not close never enters as NaN: its figures count as PENALTY uncertainties off, so that the
-search turns back, and a difference over it is taken to the other side.
+A solution that fails or does not close never enters as NaN: its figures count as further off than any solved one, so
+that the search turns back, and a difference over it is taken to the other side.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,28 +17,34 @@ from numpy.typing import NDArray
 from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.solving import Found, found
 from screwsim.outputs import Figures, Result
-from screwsim.study.calibration.fit import EXACT, Fit, Parameter, Point
+from screwsim.study.calibration.fit import EXACT, Fit, Measured, Parameter, Point
 from screwsim.study.optimum import Simulate, closed
 from screwsim.study.warm import Warm
 
 Array = NDArray[np.float64]
-PENALTY = 1e4  # [uncertainties] of a figure without a solution
+PENALTY = 1e4  # [uncertainties] at the least, of a figure without a solution
+BEYOND = 10.0  # times what is measured: by so much it counts as off at the least
 ASKED = "slopes: exact takes derivatives"
 STEP = 0.01  # of the bounds' distance, each way: far above the solver's noise
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one set of parameters gives: residuals of fitted points and priors, results by point, why some failed."""
+    """What one set of parameters gives: residuals of fitted points and priors, results by point, why some failed.
+
+    `unsolved` tells which residuals are those of figures without a solution; `warnings` are of the points that warn.
+    """
 
     residuals: Array
     figures: tuple[Figures, ...]  # of each asked point; empty where it failed
     reasons: Mapping[str, str]  # by the name of the point
+    unsolved: NDArray[np.bool_]
+    warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # likewise
 
     @property
     def chi_squared(self) -> float:
         """Return the sum of squares of what was solved: penalties are no measure of a fit."""
-        return float(np.sum(self.residuals[np.abs(self.residuals) < PENALTY] ** 2))
+        return float(np.sum(self.residuals[~self.unsolved] ** 2))
 
 
 @dataclass
@@ -77,17 +82,22 @@ class Objective:
     def _outcome(self, places: Array) -> Outcome:
         values = self.values(places)
         found = [self.solved(point, values) for point in self.points]
-        residuals = [
-            self._residual(result, figure, measured)
+        every = [
+            (result.performance.get(figure), measured)
             for point, result in zip(self.points, found, strict=True)
             for figure, measured in point.measured.items()
         ]
+        residuals = [_residual(value, measured) for value, measured in every]
+        unsolved = [value is None for value, _ in every] + [False] * len(self.fit.held)
         held = [self.fit.parameters[i] for i in self.fit.held]
         off = [each.prior.off(values[each.path]) for each in held if each.prior is not None]
         residuals += (self.fit.whitener @ off).tolist() if self.fit.together else off
         why = {point.name: why_not(point, result) for point, result in zip(self.points, found, strict=True)}
         reasons = {name: reason for name, reason in why.items() if reason}
-        outcome = Outcome(np.array(residuals), tuple(result.performance for result in found), reasons)
+        pairs = zip(self.points, found, strict=True)
+        warned = {point.name: result.warnings for point, result in pairs if result.warnings}
+        figures = tuple(result.performance for result in found)
+        outcome = Outcome(np.array(residuals), figures, reasons, np.array(unsolved, bool), warned)
         cost = float(np.sum(outcome.residuals**2))
         if self.best is None or cost < self.best[0]:
             self.best = cost, np.array(places), outcome
@@ -110,10 +120,6 @@ class Objective:
             self.failed += 1
             return replace(result, performance=Figures())
         return result
-
-    def _residual(self, result: Result, figure: str, measured: Any) -> float:
-        value = result.performance.get(figure)
-        return PENALTY if value is None else (value - measured.value) / measured.uncertainty
 
     def slopes(self, places: Array, sides: int = 2) -> Array:
         """Return the slopes of the residuals over the places: exact where they are, or differences to 1 or 2 sides.
@@ -183,6 +189,13 @@ class Objective:
             if len(pairs) > 1:
                 column[row] = (pairs[-1][1] - pairs[0][1]) / (pairs[-1][0] - pairs[0][0]) / measured.uncertainty
         return column
+
+
+def _residual(value: float | None, measured: Measured) -> float:
+    """Return by how many uncertainties a figure is off; of one without a solution by more than any other is."""
+    if value is None:
+        return max(PENALTY, BEYOND * abs(measured.value) / measured.uncertainty)
+    return (value - measured.value) / measured.uncertainty
 
 
 def exact_column(parameter: Parameter, value: float, point: Point, exact: Found) -> tuple[Array | None, str]:

@@ -11,7 +11,6 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
@@ -19,7 +18,7 @@ from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import descend
 from screwsim.study.calibration.fit import DIFFERENCES, TOLERANCE, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
-from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
+from screwsim.study.calibration.residuals import Array, Objective, Outcome, Simulate, why_not
 from screwsim.study.each import each
 from screwsim.study.inputs import shown_value
 from screwsim.study.progress import Progress
@@ -79,6 +78,7 @@ class Calibration(Brief):
     failed: int
     jacobians: int = 0
     methods: Mapping[str, str] = field(default_factory=dict)  # by path: '' of exact slopes, else why differences
+    warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of points that warn at the best values
 
     @property
     def scale(self) -> float:
@@ -179,15 +179,11 @@ def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, n
     began = np.clip(places[number], 1e-6, 1.0 - 1e-6)
     asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
     first = asked.outcome(began)
-    if np.all(_unsolved(first)[: sum(len(point.measured) for point in asked.points)]):
+    if np.all(first.unsolved[: sum(len(point.measured) for point in asked.points)]):
         return _lost(began, next(iter(first.reasons.values())), asked)
     if _search(asked, began, confirmed=False):
         return _start(asked, began, "ok", "")
     return _start(asked, began, "not converged", f"no minimum within {MOST_STEPS} steps")
-
-
-def _unsolved(outcome: Outcome) -> NDArray[np.bool_]:
-    return np.abs(outcome.residuals) >= PENALTY
 
 
 def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
@@ -198,7 +194,7 @@ def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
     """
     places, converged = began, False
     for _ in range(MOST_ROUNDS):
-        without = _unsolved(asked.outcome(places))
+        without = asked.outcome(places).unsolved
         places, converged = descend(
             lambda u, without=without: np.where(without, 0.0, asked.outcome(u).residuals),
             lambda u, without=without: np.where(without[:, None], 0.0, asked.slopes(u, 1 + confirmed)),
@@ -206,7 +202,7 @@ def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
             MOST_STEPS,
             confirmed=confirmed,
         )
-        if np.array_equal(_unsolved(asked.outcome(places)), without):
+        if np.array_equal(asked.outcome(places).unsolved, without):
             break
     return converged
 
@@ -248,9 +244,9 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
         known = certainty(fit.parameters, places, slopes, apart=asked.apart(slopes), together=fit.together)
     outcome = asked.outcome(places)
     values = asked.values(places)
-    compared, reasons = _compared(asked, outcome, values)
+    compared, reasons, warned = _compared(asked, outcome, values)
     free = sum(not border for border in borders(places))
-    freedom = int(np.sum(np.abs(outcome.residuals) < PENALTY)) - free
+    freedom = int(np.sum(~outcome.unsolved)) - free
     margin = _margin(free, outcome.chi_squared, freedom)
     as_good = tuple(
         number for number, start in enumerate(starts) if start.cost - best.cost <= margin and start.status != "failed"
@@ -260,7 +256,9 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
     counts = {"solutions": counts["solutions"] + asked.solutions, "failed": counts["failed"] + asked.failed}
     counts["jacobians"] = sum(start.jacobians for start in starts) + asked.jacobians
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    return Calibration(fit, status, message, tuple(starts), values, *rest, **counts, methods=asked.methods)
+    return Calibration(
+        fit, status, message, tuple(starts), values, *rest, **counts, methods=asked.methods, warnings=warned
+    )
 
 
 def _margin(free: int, chi_squared: float, freedom: int) -> float:
@@ -284,10 +282,10 @@ def _message(outcome: Outcome, best: Start, interrupted: bool, count: int) -> st
 
 def _compared(
     asked: Objective, outcome: Outcome, values: dict[str, float]
-) -> tuple[tuple[Compared, ...], dict[str, str]]:
-    """Return every measured figure beside ours, those of points that were not fitted included."""
+) -> tuple[tuple[Compared, ...], dict[str, str], dict[str, tuple[str, ...]]]:
+    """Return every measured figure beside ours, points that were not fitted included, with reasons and warnings."""
     fitted = dict(zip((point.name for point in asked.points), outcome.figures, strict=True))
-    compared, reasons = [], dict(outcome.reasons)
+    compared, reasons, warned = [], dict(outcome.reasons), dict(outcome.warnings)
     for point in asked.fit.points:
         if point.fitted:
             figures = fitted[point.name]
@@ -296,5 +294,6 @@ def _compared(
             figures: Figures = result.performance
             reason = why_not(point, result)
             reasons |= {point.name: reason} if reason else {}
+            warned |= {point.name: result.warnings} if result.warnings else {}
         compared += [Compared(point, name, each, figures.get(name)) for name, each in point.measured.items()]
-    return tuple(compared), reasons
+    return tuple(compared), reasons, warned

@@ -74,6 +74,7 @@ class Optimum(Brief):
     others: tuple[tuple[float, float], ...] = ()
     points: tuple[Simulated, ...] = ()
     scene: Scene | None = None
+    warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations of the front that warn
 
     @property
     def values(self) -> dict[str, float]:
@@ -204,6 +205,7 @@ def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
         dict(record.reasons.most_common()),
         "" if len(front) else _why_none(record, solved, excess),
         record.reused,
+        warnings={row: record.warned[row] for row in front.tolist() if row in record.warned},
     )
     if len(asked.aims) > 1 or not len(front):
         return found

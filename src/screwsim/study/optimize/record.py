@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.outputs import Result
-from screwsim.results.table import Table, join, table_of
+from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import with_values
 from screwsim.study.crew import Crew
 from screwsim.study.kept_slopes import with_slopes
@@ -52,6 +52,7 @@ class Record:
     progress: Progress = field(default_factory=Silent)
     reasons: Counter[str] = field(default_factory=Counter)
     reused: int = 0
+    warned: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by the evaluation, of those that warn
     _places: list[np.ndarray] = field(default_factory=list)
     _rows: list[np.ndarray] = field(default_factory=list)
     _kinds: dict[str, str] = field(default_factory=dict)  # kind of a reason -> its first example
@@ -97,6 +98,10 @@ class Record:
             self.reused += len(places)
         size = len(self.asked.points.points)
         found = [evaluation_of(self.asked, table, size * number) for number in range(len(places))]
+        for number in range(len(places)):
+            texts = dict.fromkeys(text for row in range(size) for text in warnings_at(table, size * number + row))
+            if texts:
+                self.warned[len(self) + number] = tuple(texts)
         self._keep(places, found)
         if len(places) < len(wanted):
             raise Spent

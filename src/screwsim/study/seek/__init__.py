@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.listed import listed
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
 from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only
@@ -50,7 +51,7 @@ def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[f
     `vary` are texts 'PATH' or 'PATH=LOW..HIGH', or {path: (low, high) [SI], None for the range that the scene or the
     schema gives}; `goals` texts 'FIGURE=VALUE', or {figure: value [SI]}; `catalogue` a text or sizes [SI].
     """
-    vary = vary if isinstance(vary, Mapping) else list(vary)
+    vary = vary if isinstance(vary, Mapping) else listed(vary)
     wanted = _goals(scene, goals)
     if catalogue and len(vary) != 1:
         raise UsageError("--catalogue: rounds one path (give one --vary with it)")
@@ -73,7 +74,7 @@ def _count(goals: Sequence[Goal]) -> str:
 
 def _goals(scene: Scene, goals: Goals) -> tuple[Goal, ...]:
     if not isinstance(goals, Mapping):
-        return read_goals(scene, [goals] if isinstance(goals, str) else goals)
+        return read_goals(scene, listed(goals))
     return tuple(Goal(figure_of(scene, name, "goal"), float(value)) for name, value in goals.items())
 
 

@@ -2,7 +2,8 @@
 
 from screwsim.study.stages.explain import explain_stages
 from screwsim.study.stages.read import is_stages, read_stages
+from screwsim.study.stages.result import ChainResult
 from screwsim.study.stages.schema import stages_schema
-from screwsim.study.stages.solve import ChainResult, run_stages
+from screwsim.study.stages.solve import run_stages
 
 __all__ = ["ChainResult", "explain_stages", "is_stages", "read_stages", "run_stages", "stages_schema"]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from screwsim.build import build_gas
 from screwsim.cycle.problem import Inlet
 from screwsim.effects import catalogue, stating
 from screwsim.effects.base import CoolsOil, InSeparator
+from screwsim.evaluate.cautions import inaccurate
 from screwsim.evaluate.performance import efficiencies
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
@@ -21,10 +23,13 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthal
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
+from screwsim.study.stages.errors import chain_errors, handed_on
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
+from screwsim.study.stages.result import ChainResult
 
 GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
 EDGE = 1.02  # least pressure ratio of a stage that is tried
+LEFT = 0.1  # of the wanted accuracy: difference of both flows at which the search ends
 MOST = 40  # pairs of simulations
 BEGIN = (0.5, 0.25, 0.75, 0.1, 0.9)  # of the way between both ends, in ln p: where the search begins while all fail
 HALVES = 5  # ways back by half from where a stage has no result
@@ -32,28 +37,6 @@ PARTED = ("separator_temperature", "oil_cooler_duty")  # of each stage
 SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
 _STATED += ("subcooling", "gas_cooler")
-
-
-@dataclass(frozen=True)
-class ChainResult:
-    """Two stages together; `performance` has the names of M200–M203, `stages` the results of both."""
-
-    status: str
-    message: str = ""
-    stages: tuple[Result, ...] = ()
-    scenes: tuple[Scene, ...] = ()
-    performance: Figures = field(default_factory=Figures)
-    notes: Mapping[str, str] = field(default_factory=dict)  # why a figure is None
-
-    def as_json(self) -> dict[str, Any]:
-        """Return what `run --json` prints of stages."""
-        return {
-            "status": self.status,
-            "message": self.message,
-            "performance": dict(self.performance),
-            "notes": dict(self.notes),
-            "stages": [result.as_json() for result in self.stages],
-        }
 
 
 class _Stop(Exception):
@@ -64,7 +47,7 @@ class _Stop(Exception):
         self.status, self.results = status, results
 
 
-class _Pair(NamedTuple):
+class Pair(NamedTuple):
     """Both stages at one intermediate pressure: scenes, results, vapour from the tank per gas of the first stage."""
 
     p: float
@@ -112,9 +95,8 @@ def _parted(scene: Scene) -> Scene:
 
 
 def _given(result: Result) -> float:
-    """Return the temperature [K] of the gas that a stage gives: behind its separator, where it has oil."""
-    parted = result.performance.get("separator_temperature")
-    return result.performance.discharge_temperature if parted is None else parted
+    """Return the temperature [K] of the gas that a stage gives."""
+    return result.performance[handed_on(result)]
 
 
 class _Chain:
@@ -125,7 +107,7 @@ class _Chain:
         self.low, self.high = lines(chain.first), lines(chain.second)
         self.tried = 0
 
-    def pair(self, p: float, trace: bool = False) -> _Pair:
+    def pair(self, p: float, trace: bool = False) -> Pair:
         """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
         self.tried += 1
         try:
@@ -133,7 +115,7 @@ class _Chain:
         except UsageError as error:
             raise _Stop("failed", f"at {p / 1e5:.4g} bar between the stages: {error}") from None
 
-    def _pair(self, p: float, trace: bool) -> _Pair:
+    def _pair(self, p: float, trace: bool) -> Pair:
         between = self.chain.intercooler
         quality = self.low.quality
         state = ("temperature", self.low.T_s) if quality is None else ("quality", quality)
@@ -148,7 +130,21 @@ class _Chain:
             raise _Stop("failed", f"{what} (a higher intercooler.outlet_temperature)", (first,))
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         other, second, unparted = self._second(other, trace, first)
-        return _Pair(p, (scene, other), (first, second), vapour, T, unparted)
+        return Pair(p, (scene, other), (first, second), vapour, T, unparted)
+
+    def warmer(self, pair: Pair, kelvin: float) -> Pair:
+        """Return a pair at the same pressure, the gas that its first stage gives warmer by some kelvin."""
+        between, (first, second) = self.chain.intercooler, pair.results
+        changed = first.performance.copy()
+        changed[handed_on(first)] += kelvin
+        first = replace(first, performance=changed)
+        vapour, T = self._between(pair.p, _given(first), between)
+        if T == pair.T:
+            return pair._replace(results=(first, second), vapour=vapour)
+        out = pair.p - between.pressure_drop
+        other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
+        other, second, unparted = self._second(other, True, first)
+        return Pair(pair.p, (pair.scenes[0], other), (first, second), vapour, T, unparted)
 
     def _second(self, scene: Scene, trace: bool, first: Result) -> tuple[Scene, Result, str]:
         """Return the second stage; in the end, with a trace, with a separator, or why gas and oil do not part in one.
@@ -223,7 +219,7 @@ class _Chain:
 
     # ---- the pressure ------------------------------------------------------------------------------------------
 
-    def solve(self) -> _Pair:
+    def solve(self) -> Pair:
         """Return the pair whose flows match (M200); raise `_Stop` where none does."""
         drop = self.chain.intercooler.pressure_drop
         least, most = EDGE * self.low.p_s + drop, self.high.p_d / EDGE
@@ -232,7 +228,7 @@ class _Chain:
         at = self._begun(least, most)
         guess = float(np.clip(at.p * np.exp(at.excess), least, most))
         a, b = self._enclosed(at, self._towards(guess, at) if guess != at.p else at, least, most)
-        tolerance = 0.5 * max(scene.numerics.accuracy for scene in at.scenes)
+        tolerance = LEFT * max(scene.numerics.accuracy for scene in at.scenes)
         while min(abs(a.excess), abs(b.excess)) > tolerance and self.tried < MOST:
             share = a.excess / (a.excess - b.excess)  # of the way in ln p, kept off the ends
             p = float(np.exp(np.log(a.p) + min(max(share, 0.02), 0.98) * np.log(b.p / a.p)))
@@ -243,7 +239,7 @@ class _Chain:
         best = min((a, b), key=lambda each: abs(each.excess))
         return self.pair(best.p, trace=True)
 
-    def _begun(self, least: float, most: float) -> _Pair:
+    def _begun(self, least: float, most: float) -> Pair:
         """Return a pair that has results, at the geometric mean of both ends where that has; raise its `_Stop`."""
         stops: list[_Stop] = []
         for share in BEGIN:
@@ -253,7 +249,7 @@ class _Chain:
                 stops.append(stop)
         raise stops[0]
 
-    def _towards(self, p: float, here: _Pair) -> _Pair:
+    def _towards(self, p: float, here: Pair) -> Pair:
         """Return the pair at p [Pa], or as near to it from `here` as both stages have results; raise `_Stop`."""
         stops: list[_Stop] = []
         while len(stops) <= HALVES and self.tried < MOST:
@@ -264,7 +260,7 @@ class _Chain:
                 p = float(np.sqrt(p * here.p))
         raise stops[0] if stops else _Stop("failed", self._none_found(here.p), here.results)
 
-    def _enclosed(self, one: _Pair, other: _Pair, least: float, most: float) -> tuple[_Pair, _Pair]:
+    def _enclosed(self, one: Pair, other: Pair, least: float, most: float) -> tuple[Pair, Pair]:
         """Return two pairs, too much gas coming at the lower pressure, too little at the higher one."""
         a, b = (one, other) if one.p <= other.p else (other, one)
         while a.excess < 0.0:
@@ -289,7 +285,7 @@ class _Chain:
 
     # ---- the figures -------------------------------------------------------------------------------------------
 
-    def figures(self, pair: _Pair) -> tuple[Figures, Mapping[str, str]]:
+    def figures(self, pair: Pair) -> tuple[Figures, Mapping[str, str]]:
         """Return the figures of the whole that the chain calls for (M203), and why some are None."""
         first, second = (result.performance for result in pair.results)
         power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
@@ -327,7 +323,15 @@ class _Chain:
         notes |= {f"{NAMES[1]}_{name}": pair.unparted for name in PARTED if pair.unparted}
         return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
 
-    def _cooling(self, pair: _Pair, flow: float) -> float | None:
+    def errors(self, pair: Pair) -> tuple[Figures, tuple[str, ...]]:
+        """Return the estimated errors of the figures of the whole (M395), or why there are none."""
+        try:
+            beside = partial(self.pair, trace=True)
+            return chain_errors(pair, lambda each: self.figures(each)[0], beside, partial(self.warmer, pair)), ()
+        except (_Stop, UsageError) as stop:
+            return Figures(), (f"the errors of the whole could not be estimated: {stop}",)
+
+    def _cooling(self, pair: Pair, flow: float) -> float | None:
         if condensate_enthalpy(self.chain.second) is None:
             return None
         liquid = self.liquid()
@@ -336,7 +340,7 @@ class _Chain:
         return flow * (suction_enthalpy(self.chain.first) - liquid)
 
 
-def _of_coolers(pair: _Pair) -> dict[str, float | None]:
+def _of_coolers(pair: Pair) -> dict[str, float | None]:
     """Return what separator and oil cooler of each stage with oil do (M287); None where its gas and oil do not part."""
     stages = zip(NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
     oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
@@ -357,4 +361,7 @@ def run_stages(chain: Chain) -> ChainResult:
     status, message = "ok", ""
     if found.flow_mismatch > bound:
         status, message = "not_closed", f"the flows of both stages differ by {found.flow_mismatch:.2g} of themselves"
-    return ChainResult(status, message, pair.results, pair.scenes, found, notes)
+    error, warnings = solving.errors(pair)
+    return ChainResult(
+        status, message, pair.results, pair.scenes, found, notes, error, warnings or inaccurate(bound, error)
+    )
