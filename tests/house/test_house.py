@@ -57,7 +57,7 @@ def test_files_of_tests_that_are_to_come_first_are_there():
 
 def test_no_module_beside_tests_is_called_as_a_script_is():
     """Both are imported by their bare name, and the first one imported would be taken for the other."""
-    scripts = {path.stem for path in (ROOT / "scripts").glob("*.py")}
+    scripts = {path.stem for folder in ("scripts", "docs/tools") for path in (ROOT / folder).glob("*.py")}
     beside = {path.stem for path in (ROOT / "tests").glob("*/*.py")}
     assert len(scripts) > 10 and len(beside) > 100
     assert scripts & beside == set()
