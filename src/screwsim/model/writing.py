@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -235,11 +236,11 @@ def write_resistances(
     for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
             held, values = path.resistance, {**path.values, **path.resistance.values}
-            named = {"of": layout.label(writer.network.gaps[index])}
-            asked = {"factors": {"gap": clearances.get(effect, ())}} | named
-            share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"), **asked)
-            film = "" if held.film is None else writer.call(held.film, values, {}, ("drop", "oil_ratio"), **asked)
-            drag = "" if held.drag is None else writer.call(held.drag, values, {}, ("oil_ratio",), **named)
+            warm = {"gap": clearances.get(effect, ())}
+            call = partial(writer.call, of=layout.label(writer.network.gaps[index]))
+            share = call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
+            film = "" if held.film is None else call(held.film, values, {}, ("drop", "oil_ratio"), factors=warm)
+            drag = "" if held.drag is None else call(held.drag, values, {}, ("oil_ratio",))
             writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film, drag=drag)
     if any(gap.share for gap in writer.network.gaps):
         writer.asked("gap_share", ("flux", "density", "oil_ratio"), [gap.share for gap in writer.network.gaps])
