@@ -73,7 +73,7 @@ def _conserve(network: Network) -> str:
     # what crosses holds what comes from own plenums to the suction side
     own = [f"Q_mass_{cell}_{way}" for cell in others for way in ("in", "out")]
     _close_side(to, network, discharge, f"not ({BEFORE})", "+ crossing", own)
-    text = '"""Close the mass balances of a step: of the chambers before the injection angle, then of those beyond (M1)."""'
+    text = '"""Close the mass balances of a step: on the side of the suction, then on that of the discharge (M1)."""'
     return function("chambers__conserve(y, y1, E, E_next, context, dq)", [text, CONTEXT], to.lines)
 
 
