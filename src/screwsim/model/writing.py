@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
 from screwsim.model import pulsation
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import Heat, Law, Network, Stop, WallHeat
+from screwsim.model.network.network import Heat, Law, Network, Stop, WallHeat, identifier
 from screwsim.model.numbers import Numbers
 from screwsim.model.parts import Parts
 from screwsim.model.speed import flat_curve, slowness
@@ -54,15 +55,17 @@ class Writer:
         free: Sequence[str],
         prefix: str | None = None,
         factors: Mapping[str, Sequence[str]] = NO_FACTORS,
+        of: str = "",
     ) -> str:
         """Return a call of the kernel.
 
         Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any) times their
-        factors, what the cycle makes, or symbols of the scene.
+        factors, what the cycle makes, or symbols of the scene. Numbers are called after what they are `of`, or after
+        the kernel's module.
         """
         self.kernels.append(kernel)
         self.network.kernels[kernel.flat_name] = kernel
-        arguments, whose = [], kernel.flat_name.partition("__")[0]
+        arguments, whose = [], of or kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
             if name in free:
                 arguments.append(name)
@@ -75,7 +78,7 @@ class Writer:
             elif name in self.made:
                 arguments.append(self.made[name])
             elif name in self.symbols:
-                arguments.append(self.numbers.add(self.symbols[name], name, name))
+                arguments.append(self.numbers.add(self.symbols[name], f"{of}_{name}" if of else name, name))
             else:
                 known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
@@ -102,12 +105,13 @@ def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: M
     layout = Layout(writer.network)
     openings = [*writer.network.ports, *writer.network.gaps]
     for opening, (effect, path) in zip(openings, paths, strict=True):
-        flow = writer.numbers.add(path.flow_coefficient, f"{effect}_flow_coefficient")
+        label = layout.label(opening)
+        flow = writer.numbers.add(path.flow_coefficient, f"{label}_flow_coefficient")
         coefficient = " * ".join([flow, *scales.get(effect, ())])
-        call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
+        call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"), of=label)
         turned = []
         if path.mirror is not None:
-            turned = [f"phi = {writer.numbers.add(path.mirror, effect + '_mirror')} - phi"]
+            turned = [f"phi = {writer.numbers.add(path.mirror, label + '_mirror')} - phi"]
         result = [f"return {coefficient} * {call}"]
         if writer.slow:  # asked for where something is open only
             slow = [] if path.mirror is None else ["here = phi"]
@@ -116,7 +120,7 @@ def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: M
                 f"area = {call}",
                 f"return {_at(writer.slow, path)} * {coefficient} * area if area != 0.0 else 0.0",
             ]
-        writer.function(f"area__{layout.label(opening)}(phi, P, TAB)", [*turned, *result])
+        writer.function(f"area__{label}(phi, P, TAB)", [*turned, *result])
     writer.chosen("path_area(i, phi, P, TAB)", [layout.area_at(each, "phi") for each in openings], "0.0")
 
 
@@ -128,7 +132,7 @@ def _at(slow: str, path: FlowPath) -> str:
 def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
     slow = "slow * " if writer.slow else ""
     for effect, part in heats:
-        call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
+        call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS, of=identifier(effect))
         writer.network.heats.append(Heat(effect, call, "d * " if part.oil_factor == "printed" else ""))
     writer.asked("heat_part", HEAT_SYMBOLS, [each.call for each in writer.network.heats])
 
@@ -138,7 +142,7 @@ def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
     for effect, wall in walls:
         held = wall.temperature
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
-        call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
+        call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS, of=identifier(effect))
         writer.network.walls.append(WallHeat(effect, call, temperature))
     writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
 
@@ -215,9 +219,11 @@ LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "
 
 def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -> None:
     """Write the flow laws that paths have of their own, into the ports or gaps of the network."""
+    layout = Layout(writer.network)
     for index, path in enumerate(paths):
         if path.law is not None:
-            call = writer.call(path.law, path.values, path.tables, (*LAW_SYMBOLS, "width"))
+            label = layout.label(openings[index])
+            call = writer.call(path.law, path.values, path.tables, (*LAW_SYMBOLS, "width"), of=label)
             asks = tuple(name for name in path.law.arguments if name in (*LAW_SYMBOLS, "width"))
             openings[index] = replace(openings[index], law=Law(call, asks))
 
@@ -226,13 +232,15 @@ def write_resistances(
     writer: Writer, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
 ) -> None:
     """Write what holds flow back in gaps, and the oil that flows beside as a film, or dragged (M190, M252, M256)."""
+    layout = Layout(writer.network)
     for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
             held, values = path.resistance, {**path.values, **path.resistance.values}
             warm = {"gap": clearances.get(effect, ())}
-            share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
-            film = "" if held.film is None else writer.call(held.film, values, {}, ("drop", "oil_ratio"), factors=warm)
-            drag = "" if held.drag is None else writer.call(held.drag, values, {}, ("oil_ratio",))
+            call = partial(writer.call, of=layout.label(writer.network.gaps[index]))
+            share = call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
+            film = "" if held.film is None else call(held.film, values, {}, ("drop", "oil_ratio"), factors=warm)
+            drag = "" if held.drag is None else call(held.drag, values, {}, ("oil_ratio",))
             writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film, drag=drag)
     if any(gap.share for gap in writer.network.gaps):
         writer.asked("gap_share", ("flux", "density", "oil_ratio"), [gap.share for gap in writer.network.gaps])
@@ -247,7 +255,7 @@ def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> lis
 
 def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
     for part in own:
-        call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
+        call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states), of=part.name)
         writer.network.rates.append(f"slow * {call}" if writer.slow else call)
     asked = {name for part in own for name in part.rate.arguments}
     before = named_states([], states, asked)
@@ -258,9 +266,10 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
     layout, calls = Layout(writer.network), [""] * len(paths)
     for index, path in enumerate(paths):
         if path.opening is not None:
-            call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
-            port = writer.network.ports[index] = replace(writer.network.ports[index], opening=call)
-            head = f"opening__{layout.label(port)}(drop, width, held, y, at, P)"
+            label = layout.label(writer.network.ports[index])
+            call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]), of=label)
+            writer.network.ports[index] = replace(writer.network.ports[index], opening=call)
+            head = f"opening__{label}(drop, width, held, y, at, P)"
             writer.function(head, named_states([f"return {call}"], states, set(path.opening.arguments)))
             calls[index] = head
     writer.chosen("path_opening(i, drop, width, held, y, at, P)", calls, "1.0")
@@ -271,7 +280,7 @@ def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -
     lines = ", ".join(f"R[R_{cell} + PRESSURE]" for cell in writer.network.cells[:2])
     arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
     for part in stops:
-        call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]))
+        call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]), of=part.position)
         seat, stop = (writer.numbers.add(each, f"{part.position}_restitution") for each in part.restitution)
         writer.network.stops.append(Stop(part.position, part.speed, seat, stop))
         asked = named_states([f"return {call}"], states, set(part.push.arguments))

@@ -62,7 +62,7 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
         write_solution(writer, oil, content)
         return
     curve = {"curve": (content.pressure, content.flashed)}
-    call = writer.call(table_content, {}, curve, ("p", "TAB"))
+    call = writer.call(table_content, {}, curve, ("p", "TAB"), of="flash")
     enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
     latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
     writer.network.flash = call, enthalpy, latent
@@ -76,14 +76,14 @@ def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
     back = slice(None, None, -1)  # entropy falls as more is dissolved
     curve = {"curve": (s[back], z[back], _ends(1.0 / rise[back]))}
     free = ("m_oil", "w", "s", "h", "T_oil", "TAB")
-    call = writer.call(solubility.given_off, values, curve, free)
+    call = writer.call(solubility.given_off, values, curve, free, of="solution")
     head, _, given = call.partition("(")
     assert given.startswith("m_oil, w, ")
     inside = "slow * m_oil, w_gas, " if writer.slow else "m_oil, w_gas, "
     writer.network.release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
     writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
     tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
-    call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
+    call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"), of="solution")
     writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])
 
 

@@ -29,7 +29,8 @@ def gas_state(to: Statements, network: Network) -> None:
 def oil_room(to: Statements, network: Network, of: str = "") -> None:
     """Set what flows feel of a chamber in which oil takes room (M107, M108); `of` ends the names of its numbers."""
     if network.roomed:
-        to.add("# what flows feel where oil takes room (M107, M108)")
+        where = " of the chamber ahead" if of else ""
+        to.add(f"# what flows feel{where} where oil takes room (M107, M108)")
         to.add(f"share{of} = 1.0 / (1.0 + x_oil{of} * rho{of} * P[P_ROOM])")
         to.add(f"rho_felt{of} = rho{of} * share{of} * share{of}")
         to.add(f"T_felt{of} = T_oil{of} + p{of} * P[P_ROOM] / P[P_C_OIL]")

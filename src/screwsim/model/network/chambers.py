@@ -149,6 +149,7 @@ class Chambers(Cell):
                 to.add("work[i] = 0.0")
         if not network.gaps:
             return to.lines
+        to.add("# what chambers give each other: a gap is evaluated once, what leaves one enters another (M10–M13)")
         with to.within("for j in range(CHAMBERS)"):
             self._read_own(to, slopes)
             if network.slow and any(gap.drag for gap in network.gaps):

@@ -43,7 +43,8 @@ def _error_size(network: Network) -> str:
         error = "chamber__error(y0, y1, error, j * N, context.places, j * PLACE, context.P)"
         to.add(f"worst = max(worst, {error})")
     to.add("return worst")
-    return function("chambers__error_size(y0, y1, error, context)", to.lines)
+    text = '"""Return the largest relative error of the states of all chambers over a step."""'
+    return function("chambers__error_size(y0, y1, error, context)", [text], to.lines)
 
 
 def _share_in_phase(network: Network) -> str:
@@ -56,7 +57,8 @@ def _share_in_phase(network: Network) -> str:
             to.add(f"held = {held_phase(network, 'j')}")
             to.add("share = min(share, borders__share_before_border(held, y, y1, u, j * N, steep, rtol, P, TAB))")
     to.add("return share")
-    return function("chambers__share_in_phase(y, y1, u, rtol, context)", [CONTEXT], to.lines)
+    text = '"""Return the share of a step that holds: up to the first border of the phases that a chamber meets."""'
+    return function("chambers__share_in_phase(y, y1, u, rtol, context)", [text, CONTEXT], to.lines)
 
 
 def _conserve(network: Network) -> str:
@@ -71,7 +73,8 @@ def _conserve(network: Network) -> str:
     # what crosses holds what comes from own plenums to the suction side
     own = [f"Q_mass_{cell}_{way}" for cell in others for way in ("in", "out")]
     _close_side(to, network, discharge, f"not ({BEFORE})", "+ crossing", own)
-    return function("chambers__conserve(y, y1, E, E_next, context, dq)", [CONTEXT], to.lines)
+    text = '"""Close the mass balances of a step: on the side of the suction, then on that of the discharge (M1)."""'
+    return function("chambers__conserve(y, y1, E, E_next, context, dq)", [text, CONTEXT], to.lines)
 
 
 def _close_side(to: Statements, network: Network, line: str, test: str, crossing: str, own: Sequence[str]) -> None:
