@@ -21,7 +21,6 @@ PATH = re.compile(r"\beffects\.([a-z_]+)((?:\.[a-z_]+)*)")
 
 SECTIONS = "sections of a scene's machine that have the names of their effects"
 FIGURES = "a figure, a curve or an entry of results, which keeps its name"
-GAPS = "the protocol of a machine asks for gaps by their effects, and machines of users' own answer to these names"
 REMEDY = "sends the reader of a message to the effect by name"
 STUDY = "a study, page or export of this effect, above the simulation"
 WORDS = "a word of its own that an effect is called by as well"
@@ -32,10 +31,9 @@ ALLOWED = {
     "export/inputs.py": ({"slide_valve"}, STUDY),
     "export/run_of.py": ({"bearings"}, WORDS),
     "export/spectra.py": ({"suction_port", "discharge_port"}, REMEDY),
-    "machine/profile_law.py": ({"tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage"}, GAPS),
-    "machine/rotors/curves.py": ({"blow_hole"}, GAPS),
+    "machine/profile_law.py": ({"blow_hole"}, WORDS),
+    "machine/rotors/curves.py": ({"blow_hole"}, WORDS),
     "machine/settings.py": ({"suction_port", "discharge_port"}, SECTIONS),
-    "machine/sliding.py": ({"tip_leakage", "end_face_leakage"}, GAPS),
     "machine/stated.py": ({"slide_valve"}, REMEDY),
     "model/network/balances.py": ({"oil_heat"}, WORDS),
     "model/network/flows.py": ({"oil_heat"}, WORDS),
@@ -44,13 +42,7 @@ ALLOWED = {
     "outputs/variables.py": ({"drive"}, FIGURES),
     "report/drive.py": ({"motor", "gas_torque"}, STUDY),
     "report/rotors.py": ({"blow_hole", "slide_valve"}, STUDY),
-    "report/rotors_scene.py": (
-        {
-            *("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve"),
-            *("suction_port", "discharge_port"),
-        },
-        STUDY,
-    ),
+    "report/rotors_scene.py": ({"slide_valve", "suction_port", "discharge_port"}, STUDY),
     "report/torque.py": ({"gas_torque"}, STUDY),
     "scene/checks.py": ({"oil_pump"}, REMEDY),
     "scene/types.py": ({"air_package", "separator"}, REMEDY),
@@ -146,6 +138,10 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
     ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
     "gas.model": set(),  # fluid.models
+    "numerics.error": set(),
+    "self.error": {"numerics/settings.py"},
+    "output.keep": set(),
+    "output.derivatives": set(),
     "supply.kind": set(),
     "supply.source": set(),
 }
