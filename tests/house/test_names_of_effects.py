@@ -138,6 +138,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
     ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
     "gas.model": set(),  # fluid.models
+    "parameters.model": set(),  # of gaps: effects.gap_flow
     "numerics.error": set(),
     "self.error": {"numerics/settings.py"},
     "output.keep": set(),
