@@ -78,20 +78,20 @@ def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
-def texts(path: Path) -> Iterator[str]:
-    """Yield the strings of a source, docstrings apart."""
+@cache
+def texts(path: Path) -> frozenset[str]:
+    """Return the strings of a source, docstrings apart."""
     tree = parsed(path)
     owners = (node for node in ast.walk(tree) if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef))
     docs = {id(node.body[0].value) for node in owners if node.body and isinstance(node.body[0], ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docs:
-            yield node.value
+    strings = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    return frozenset(node.value for node in strings if id(node) not in docs)
 
 
 def named_in(path: Path) -> set[str]:
     """Return the effects that strings of a source name: alone, or as effects.NAME."""
-    effects, every = set(catalogue()), set(texts(path))
-    return (every & effects) | {name for text in every for name, _ in PATH.findall(text) if name in effects}
+    effects, every = set(catalogue()), texts(path)
+    return (effects & every) | {name for text in every for name, _ in PATH.findall(text) if name in effects}
 
 
 def imported(path: Path) -> set[str]:
@@ -161,7 +161,6 @@ def compared(path: Path) -> Iterator[str]:
 
 def test_a_choice_is_held_against_its_words_in_one_place():
     """Elsewhere the answer is asked of what the choice selects: a property, or the entry of a registry."""
-    every = sorted(PACKAGE.rglob("*.py"))
+    every = [(named(path), left) for path in sorted(PACKAGE.rglob("*.py")) for left in compared(path)]
     for choice, allowed in CHOICES.items():
-        found = {named(path) for path in every for left in compared(path) if left.endswith(choice)}
-        assert found == allowed, choice
+        assert {name for name, left in every if left.endswith(choice)} == allowed, choice
