@@ -112,21 +112,21 @@ def variations(b: Scene) -> Iterator[tuple[str, list[tuple[str, Scene]]]]:
 
 
 def paths(b: Scene) -> None:
-    """Print what each leakage path of (b) takes, by its effect and the pitches between its chambers."""
+    """Print what each leakage path of (b) takes, by its kind and the pitches between its chambers."""
     laid, whole = lay(b.machine), simulate(b, trace=False).performance
     print("\nWhat a path takes of profile (b), path by path: lambda, eta_s")
     number = 0
-    for effect, interfaces in laid.interfaces.items():
+    for gap, interfaces in laid.interfaces.items():
         for one in interfaces:
             closed = replace(one, table=one.table.times(1e-9))  # the same model compiled
             others = tuple(closed if other is one else other for other in interfaces)
-            changed = replace(laid, interfaces={**laid.interfaces, effect: others})
+            changed = replace(laid, interfaces={**laid.interfaces, gap: others})
             number += 1  # another machine, whose geometry is not known yet
             other = with_values(b, {"machine.rotor_length": b.machine.rotor_length * (1.0 + 1e-13 * number)})
             with patch("screwsim.machine.profile_law.lay", return_value=changed):
                 found = simulate(other, trace=False).performance
             gained = [found[name] - whole[name] for name in ("volumetric_efficiency", "isentropic_efficiency")]
-            print(f"{effect:<18}{one.offset:>3}{gained[0]:9.4f}{gained[1]:9.4f}")
+            print(f"{gap:<18}{one.offset:>3}{gained[0]:9.4f}{gained[1]:9.4f}")
 
 
 def published(scenes: dict[str, Scene]) -> None:

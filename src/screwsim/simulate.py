@@ -56,7 +56,7 @@ def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]
     """Return the balances and the ledger of a closed cycle, None where none is wanted."""
     of = accurate.evaluation
     balance = balance_of(of)
-    book = ledger(of) if trace or of.problem.scene.numerics.error == "estimate" else None
+    book = ledger(of) if trace or of.problem.scene.numerics.estimates else None
     balance["entropy"] = None if book is None else book.entropy_residual(of.least[0])
     return balance, book
 
@@ -269,7 +269,7 @@ def _shown(residuals: Mapping[str, float]) -> str:
 
 def warm_up(scene: Scene) -> None:
     """Compile or load what the scene needs, so that workers find it ready; each fluid has an equation of its own."""
-    trace = scene.output.keep == "cycle"
+    trace = scene.output.keeps_cycle
     fluids = first_by_fluid(scene)
     for number, (fluid, one) in enumerate(fluids, 1):
         with compiling.one_of("fluid", number, len(fluids), fluid):

@@ -12,6 +12,7 @@ from screwsim.effects import blow_hole, catalogue, find_effect, gap, interlobe_l
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.profile_law import lay
+from screwsim.machine.protocol import TIP_GAP
 from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
 from screwsim.scene import load
@@ -142,7 +143,7 @@ def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
     machine = ROTORS[name]
     laid, diameter, pitch = lay(machine), machine.rotor_diameter, 2 * math.pi / machine.male_lobes
     around = np.radians(np.arange(-180.0, 181.0))
-    tips = laid.interfaces["tip_leakage"][0].table
+    tips = laid.interfaces[TIP_GAP][0].table
     rotors = np.interp(laid.injection + around, tips.angle, tips.value) / diameter
     law = np.array([tip_leakage.area(2 * math.pi + x, 1.0, 1.0, pitch) for x in around])
     twice = np.array([tip_leakage.all_tips(2 * math.pi + x, 1.0, 1.0) for x in around])

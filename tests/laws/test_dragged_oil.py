@@ -8,6 +8,7 @@ from scenes import FILM, FILMS, OIL_VOLUME, PUMPED_PORT, SOLUBLE_RATE, closed, m
 
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
+from screwsim.machine.protocol import END_GAP, TIP_GAP
 from screwsim.machine.sliding import wall_speeds
 from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
 from screwsim.scene import load
@@ -76,11 +77,11 @@ def test_the_housing_slides_over_the_tips_of_a_profile_as_over_their_axial_lengt
     slopes = math.hypot(male, lead), math.hypot(ratio * female, lead)
     across = lead * (male + ratio * female)
     found = wall_speeds(machine)
-    assert found["tip_leakage"] * male * sum(slopes) == pytest.approx(across, rel=1e-12)
+    assert found[TIP_GAP] * male * sum(slopes) == pytest.approx(across, rel=1e-12)
     # a lobe of the disc takes ω (r² − r_i²)/2 along between its root and its tip
     roots = profile.centre_distance - female, profile.centre_distance - male
     swept = 0.5 * (male**2 - roots[0] ** 2) + 0.5 * ratio * (female**2 - roots[1] ** 2)
-    assert found["end_face_leakage"] * male * (male - roots[0] + female - roots[1]) == pytest.approx(swept, rel=1e-12)
+    assert found[END_GAP] * male * (male - roots[0] + female - roots[1]) == pytest.approx(swept, rel=1e-12)
 
 
 # ---- in the cycle ----------------------------------------------------------------------------------------------------

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from screwsim.build import build_parts
+from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath
 from screwsim.inputs.faults import UsageError
 from screwsim.machine import profile_law, table_law
 from screwsim.machine.profile_law import lay
 from screwsim.machine.profile_tables import BEND, KINK
+from screwsim.machine.protocol import BLOW_HOLE
 from screwsim.machine.rotors.flanks import FEW, female_flanks, male_flanks
 from screwsim.machine.rotors.rotors import KEPT
 from screwsim.numerics.spline import pack_curve
@@ -115,10 +117,10 @@ def test_an_idle_chamber_has_no_opening_and_its_volume_rests(name):
 
 @pytest.mark.parametrize("name", ["b", "c"])
 def test_areas_are_clearance_times_the_lengths_of_the_geometry(name):
-    laid, gap = lay(SCENES[name].machine), 40e-6
-    for effect, groups in profile_law.EFFECTS.items():
-        found = [path for own, path in paths(name) if own == effect]
-        assert [path.offset for path in found] == [one.offset for one in laid.interfaces[effect]]
+    laid, clearance = lay(SCENES[name].machine), 40e-6
+    for gap, groups in profile_law.PATHS.items():
+        found = [path for own, path in paths(name) if gap in catalogue()[own].needs]
+        assert [path.offset for path in found] == [one.offset for one in laid.interfaces[gap]]
         for kinds in groups:
             curves = {}
             for path in laid.curves.paths:
@@ -132,10 +134,10 @@ def test_areas_are_clearance_times_the_lengths_of_the_geometry(name):
                 exact = sum(np.interp(own, p.behind.angle, p.behind.value, left=0.0, right=0.0) for p in parts)
                 if not np.max(exact) > 0.0:
                     continue
-                exact = exact * (1.0 if effect == "blow_hole" else gap)
+                exact = exact * (1.0 if gap == BLOW_HOLE else clearance)
                 error = np.abs(area(found.pop(0), own + laid.born) - exact)
-                assert np.max(error) < NARROW * exact.max(), (effect, offset)
-                assert np.mean(error) < IN_THE_MEAN * exact.max(), (effect, offset)
+                assert np.max(error) < NARROW * exact.max(), (gap, offset)
+                assert np.mean(error) < IN_THE_MEAN * exact.max(), (gap, offset)
         assert not found
 
 
@@ -143,7 +145,7 @@ def test_areas_are_clearance_times_the_lengths_of_the_geometry(name):
 def test_paths_on_the_suction_side_open_as_suction_closes(name):
     """The blow-hole at the suction cusp is whole when suction closes, and nothing 30° before."""
     laid = lay(SCENES[name].machine)
-    pitch, table = laid.rotors.pair.pitch, laid.interfaces["blow_hole"][1].table
+    pitch, table = laid.rotors.pair.pitch, laid.interfaces[BLOW_HOLE][1].table
     before, closed = (np.interp(laid.injection - pitch - x, table.angle, table.value) for x in (30.0 * DEG, 0.0))
     assert before < 1e-6 * table.value.max()
     assert closed == pytest.approx(laid.rotors.suction_blow_hole.area(laid.rotors.h), rel=1e-3)

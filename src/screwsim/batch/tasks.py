@@ -87,7 +87,7 @@ def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:
 
 def warm_up(scene: Scene) -> None:
     """Compile or load what a scene needs to run side by side with others."""
-    together([partial(simulate, scene, scene.output.keep == "cycle")])
+    together([partial(simulate, scene, scene.output.keeps_cycle)])
 
 
 def prepare_for_gpu(scene: Scene) -> None:

@@ -64,7 +64,7 @@ def suction_side(phi, size, pitch, closes):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    interfaces = machine.interfaces("blow_hole")
+    interfaces = machine.interfaces(BLOW_HOLE)
     if interfaces is not None and parameters.area_file is None:
         compressing, filling = interfaces[:1], interfaces[1:]
         largest = max((float(one.table.value.max()) for one in compressing), default=1.0)

@@ -45,7 +45,7 @@ def area(phi, gap, width, shift):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    interfaces, slides = machine.interfaces("end_face_leakage"), machine.wall_speed("end_face_leakage")
+    interfaces, slides = machine.interfaces(END_GAP), machine.wall_speed(END_GAP)
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap, slides=slides)
     paths, length = [], parameters.length or 0.0

@@ -43,7 +43,7 @@ class ClearanceParameters(GapParameters):
     """Parameters of a gap that is a clearance times a length."""
 
     gap: float = quantity("length", "clearance", gt=0.0, hardly=(1e-6, 1e-3))
-    model: str = choice("flow model of the gap (M190)", gap_flow.MODELS, "nozzle")
+    model: str = choice("flow model of the gap (M190)", tuple(gap_flow.MODELS), gap_flow.NOZZLE)
     passage: float | None = quantity(
         "length",
         "depth of the gap in the direction of flow; flank fit: difference of the radii",

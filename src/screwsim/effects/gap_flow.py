@@ -16,19 +16,65 @@ Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, fill
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from screwsim.effects.base import Around, Resistance
 from screwsim.fluid import gap_flow
 from screwsim.fluid.constants import transport
 from screwsim.inputs.faults import Fault, UsageError
 
-MODELS = ("nozzle", "nozzle_friction", "oil_sealed", "oil_film")
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
 MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
-_CHOICE = {"nozzle_friction": "friction_fit", "oil_sealed": "mixture_viscosity", "oil_film": "filled_from"}
-_EXAMPLES = {"friction_fit": "radial", "mixture_viscosity": "cicchitti", "filled_from": "0.2"}
+Held = Callable[[Any, float | None], Resistance]  # of a gap's parameters and the wall's speed, as `resistance` has them
+
+
+class FlowModel(NamedTuple):
+    """A flow model of a gap: what holds back a nozzle's flow there, and what a scene states for it.
+
+    `key` is the parameter that it alone asks for, with an `example`. `gas`: it asks for the gas's viscosity, `oil`: for
+    oil that is carried and has one; `walls`: a wall that slides over the gap drags oil along.
+    """
+
+    held: Held | None = None  # None: nothing holds it back, and nothing is asked for
+    key: str = ""
+    example: str = ""
+    gas: bool = True
+    oil: bool = False
+    walls: bool = False
+
+
+def _friction(parameters: Any, slides: float | None) -> Resistance:
+    fit = parameters.friction_fit
+    return Resistance(FITS[fit], _size(parameters), f"friction by Bell et al., {fit} fit (M191)")
+
+
+def _sealed(parameters: Any, slides: float | None) -> Resistance:
+    return sealed(parameters.mixture_viscosity, *_size(parameters).values())
+
+
+def _film(parameters: Any, slides: float | None) -> Resistance:
+    title = f"full of oil from {parameters.filled_from:g} kg per kg of gas on: viscous film (M250-M252)"
+    stated = parameters.wall_speed
+    wall = 0.0 if slides is None else slides if stated is None else stated
+    values = {**_size(parameters), "filled_from": parameters.filled_from, "wall_speed": wall}
+    if wall == 0.0:
+        return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film)
+    title += f", dragged at {wall:.3g} of the tip speed (M256)"
+    return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film, gap_flow.dragged_oil)
+
+
+def _size(parameters: Any) -> dict[str, float]:
+    return {"gap": parameters.gap, "passage": parameters.passage or 0.0}
+
+
+NOZZLE = "nozzle"
+MODELS = {
+    NOZZLE: FlowModel(),
+    "nozzle_friction": FlowModel(_friction, "friction_fit", "radial"),
+    "oil_sealed": FlowModel(_sealed, "mixture_viscosity", "cicchitti", oil=True),
+    "oil_film": FlowModel(_film, "filled_from", "0.2", gas=False, oil=True, walls=True),
+}
 
 
 def resistance(parameters: Any, slides: float | None = None) -> Resistance | None:
@@ -37,22 +83,8 @@ def resistance(parameters: Any, slides: float | None = None) -> Resistance | Non
     `slides` is the speed of the wall that drags oil through it, over that of the tips, where none is stated; None where
     no wall does.
     """
-    if parameters.model == "oil_sealed":
-        return sealed(parameters.mixture_viscosity, parameters.gap, parameters.passage or 0.0)
-    values = {"gap": parameters.gap, "passage": parameters.passage or 0.0}
-    if parameters.model == "nozzle_friction":
-        fit = parameters.friction_fit
-        return Resistance(FITS[fit], values, f"friction by Bell et al., {fit} fit (M191)")
-    if parameters.model == "oil_film":
-        title = f"full of oil from {parameters.filled_from:g} kg per kg of gas on: viscous film (M250-M252)"
-        values["filled_from"] = parameters.filled_from
-        stated = parameters.wall_speed
-        values["wall_speed"] = 0.0 if slides is None else slides if stated is None else stated
-        if values["wall_speed"] == 0.0:
-            return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film)
-        title += f", dragged at {values['wall_speed']:.3g} of the tip speed (M256)"
-        return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film, gap_flow.dragged_oil)
-    return None
+    held = MODELS[parameters.model].held
+    return None if held is None else held(parameters, slides)
 
 
 def sealed(rule: str, gap: float, passage: float) -> Resistance:
@@ -63,11 +95,12 @@ def sealed(rule: str, gap: float, passage: float) -> Resistance:
 
 def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
     """Return the viscosities [Pa s] that a gap's flow model needs."""
-    if parameters.model == "nozzle":
+    model = MODELS[parameters.model]
+    if model.held is None:
         return {}
     viscosity = around.oil.viscosity if around.oil is not None else None
     of_oil = {"oil_viscosity": viscosity} if viscosity is not None else {}
-    if parameters.model == "oil_film":
+    if not model.gas:
         return of_oil
     gas = parameters.gas_viscosity
     if gas is None:
@@ -77,33 +110,32 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
 
 def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield what a gap's flow model lacks, or is given without a meaning."""
-    path, model = f"effects.{name}", parameters.model
-    if model == "nozzle":
-        for extra in ("passage", "friction_fit", "mixture_viscosity", "gas_viscosity", "filled_from", "wall_speed"):
+    path, word = f"effects.{name}", parameters.model
+    model, own = MODELS[word], [each for each in MODELS.values() if each.key]
+    if model.held is None:
+        for extra in ("passage", *(each.key for each in own), "gas_viscosity", "wall_speed"):
             if getattr(parameters, extra) is not None:
-                yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
+                yield Fault(f"{path}.{extra}", f"has no meaning with model: {word} (remove it)")
         return
     if parameters.passage is None:
-        yield Fault(f"{path}.passage", f"is missing (model: {model} needs it, e.g. passage: 2 mm)")
-    for other, choice in _CHOICE.items():
-        given = getattr(parameters, choice) is not None
-        if other == model and not given:
-            yield Fault(f"{path}.{choice}", f"is missing (model: {model} needs it, e.g. {choice}: {_EXAMPLES[choice]})")
-        elif other != model and given:
-            yield Fault(f"{path}.{choice}", f"has no meaning with model: {model} (remove it)")
+        yield Fault(f"{path}.passage", f"is missing (model: {word} needs it, e.g. passage: 2 mm)")
+    for each in own:
+        given = getattr(parameters, each.key) is not None
+        if each is model and not given:
+            yield Fault(f"{path}.{each.key}", f"is missing (model: {word} needs it, e.g. {each.key}: {each.example})")
+        elif each is not model and given:
+            yield Fault(f"{path}.{each.key}", f"has no meaning with model: {word} (remove it)")
     if parameters.wall_speed is not None:
         if name == "interlobe_leakage":
             yield Fault(f"{path}.wall_speed", "has no meaning here: no wall of the housing bounds that gap (remove it)")
-        elif model != "oil_film":
-            yield Fault(f"{path}.wall_speed", f"has no meaning with model: {model} (remove it)")
-    if model == "oil_film":
-        if parameters.gas_viscosity is not None:
-            yield Fault(f"{path}.gas_viscosity", "has no meaning with model: oil_film (remove it)")
-        yield from oil_faults(path, model, facts)
-        return
-    yield from viscosity_faults(path, parameters, facts)
-    if model == "oil_sealed":
-        yield from oil_faults(path, model, facts)
+        elif not model.walls:
+            yield Fault(f"{path}.wall_speed", f"has no meaning with model: {word} (remove it)")
+    if model.gas:
+        yield from viscosity_faults(path, parameters, facts)
+    elif parameters.gas_viscosity is not None:
+        yield Fault(f"{path}.gas_viscosity", f"has no meaning with model: {word} (remove it)")
+    if model.oil:
+        yield from oil_faults(path, word, facts)
 
 
 def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:

@@ -71,7 +71,7 @@ def tip_area(phi, gap, length, pitch):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    interfaces = machine.interfaces("interlobe_leakage")
+    interfaces = machine.interfaces(CONTACT_GAP)
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap)
     gap, length, over_tip = parameters.gap, parameters.length or 0.0, parameters.tip_length

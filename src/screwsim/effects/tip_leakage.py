@@ -54,7 +54,7 @@ def area(phi, gap, rotor_diameter, pitch):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    interfaces, slides = machine.interfaces("tip_leakage"), machine.wall_speed("tip_leakage")
+    interfaces, slides = machine.interfaces(TIP_GAP), machine.wall_speed(TIP_GAP)
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap, slides=slides)
     law, widest = (all_tips, TURN) if parameters.reading == "interface" else (area, TURN - 0.5 * machine.pitch)

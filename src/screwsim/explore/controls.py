@@ -196,14 +196,13 @@ def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
 
 # ---- presets --------------------------------------------------------------------------------------------------
 
-_GAPS = {protocol.TIP_GAP, protocol.CONTACT_GAP, protocol.BLOW_HOLE, protocol.END_GAP}
 _SPEED = "operation.speed"
 
 
 def presets(base: Base) -> list[dict[str, Any]]:
     """Return sets of changes worth a click, as far as the scene has what they change and can be changed so."""
     scene = base.scene
-    gaps = [name for name, active in scene.effects.items() if active.effect.needs & _GAPS]
+    gaps = [name for name, active in scene.effects.items() if active.effect.needs & protocol.GAPS]
     clearances = [f"effects.{name}.gap" for name in gaps if hasattr(scene.effects[name].parameters, "gap")]
     found = [
         _scaled(scene, "half the speed", [_SPEED], 0.5),

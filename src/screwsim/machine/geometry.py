@@ -33,9 +33,9 @@ class Geometry(MachineGeometry):
         """Angle between neighbouring chambers [rad]."""
         return self.settings.pitch
 
-    def wall_speed(self, effect: str) -> float:
+    def wall_speed(self, gap: str) -> float:
         """Return the mean speed at which the housing slides over tips or end faces, over the male tips' (M256)."""
-        return wall_speeds(self.settings).get(effect, 0.0)
+        return wall_speeds(self.settings).get(gap, 0.0)
 
     @property
     def profile(self) -> Laid | None:
@@ -102,9 +102,9 @@ class Geometry(MachineGeometry):
         moved = () if slide is None else (slide.position * slide.travel,)
         return self.profile.swept, self.profile.opens, *moved, *opens
 
-    def interfaces(self, effect: str) -> tuple[Interface, ...] | None:
-        """Return the leakage paths of an effect from the profile; None where formulas of the effects give them."""
-        return self.profile.interfaces[effect] if self.profile is not None else None
+    def interfaces(self, gap: str) -> tuple[Interface, ...] | None:
+        """Return the leakage paths of a kind from the profile; None where formulas of the effects give them."""
+        return self.profile.interfaces[gap] if self.profile is not None else None
 
     def male_slope(self, angle: np.ndarray) -> np.ndarray | None:
         """Return the male rotor's part of dV/dφ [m³/rad] at angles [rad]; None where no profile is known."""

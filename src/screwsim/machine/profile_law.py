@@ -17,6 +17,7 @@ import numpy as np
 
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.profile_tables import Table, area_table, volume_table
+from screwsim.machine.protocol import BLOW_HOLE, CONTACT_GAP, END_GAP, TIP_GAP
 from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, closed_in, make_curves
 from screwsim.machine.rotors.rotors import KEPT, Rotors, make_rotors
 from screwsim.machine.rotors.settings import SlideValve
@@ -30,12 +31,12 @@ AFTER_OPENING = np.radians((2.0, 5.0, 10.0, 20.0))  # and there, beside the cham
 _NO_SUCTION = "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"
 _SHUT = "machine.built_in_volume_ratio: {:.4g} leaves the discharge port no opening (choose a smaller ratio)"
 
-# the paths of each effect: those of one group and of one offset make one interface
-EFFECTS = {
-    "tip_leakage": (("male_tip", "female_tip"),),
-    "interlobe_leakage": (("sealing_line", "sealing_line_over_tip"),),
-    "blow_hole": (("blow_hole",), ("suction_blow_hole",)),
-    "end_face_leakage": (("end_face", "suction_face"),),
+# the paths of each kind of gap: those of one group and of one offset make one interface
+PATHS = {
+    TIP_GAP: (("male_tip", "female_tip"),),
+    CONTACT_GAP: (("sealing_line", "sealing_line_over_tip"),),
+    BLOW_HOLE: (("blow_hole",), ("suction_blow_hole",)),
+    END_GAP: (("end_face", "suction_face"),),
 }
 
 
@@ -63,7 +64,7 @@ class Laid:
     volume: Table
     suction: Table
     discharge: Table
-    interfaces: Mapping[str, tuple[Interface, ...]]  # by effect
+    interfaces: Mapping[str, tuple[Interface, ...]]  # by kind of gap
     slot: Table | None = None  # of machine.slide_valve, to suction
     moved: bool = False  # whether that slide is
 
@@ -108,7 +109,7 @@ def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideV
         volume_table(curves, rotors, born),
         _port(curves.suction, born, _NO_SUCTION).landing(before * pitch - BEFORE_CLOSING),
         _port(curves.discharge, born, _SHUT.format(ratio)),
-        {effect: _interfaces(curves, kinds, born) for effect, kinds in EFFECTS.items()},
+        {gap: _interfaces(curves, kinds, born) for gap, kinds in PATHS.items()},
         None if curves.slot is None else _slot(curves.slot, born),
         slide is not None and slide.position > 0.0,
     )

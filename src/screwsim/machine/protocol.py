@@ -19,6 +19,7 @@ from screwsim.numerics.spline import pack_curve, shut
 # what a machine may offer, and what effects need of it
 PORTS = "ports"  # laws of their areas: `suction_law`, `discharge_law`
 TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP = "tip gap", "contact-line gap", "blow-hole", "end-face gap"
+GAPS = frozenset({TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP})  # of which `interfaces` tells
 OIL = "oil"  # is injected into the chambers
 HOLES = "holes"  # in the housing, which the chambers pass: lengths of life and angles of the twin screw's axis
 ROTORS = "screw rotors"  # a male and a female one, with their settings and symbols
@@ -195,12 +196,12 @@ class MachineGeometry(Protocol):
         """Return the area law of the discharge port, where the machine offers ports."""
         raise NotImplementedError
 
-    def interfaces(self, effect: str) -> tuple[Any, ...] | None:
-        """Return the gaps (`profile_law.Interface`) that an effect of gaps has here; None: formulas of the effects."""
+    def interfaces(self, gap: str) -> tuple[Any, ...] | None:
+        """Return the gaps (`profile_law.Interface`) of a kind, as TIP_GAP; None: formulas of the effects give them."""
         return None
 
-    def wall_speed(self, effect: str) -> float:
-        """Return the mean speed at which a wall slides over the gaps of an effect towards the chamber behind (M256).
+    def wall_speed(self, gap: str) -> float:
+        """Return the mean speed at which a wall slides over the gaps of a kind towards the chamber behind (M256).
 
         Over `surface_speed`, perpendicular to the gap's line; 0 where none does, or where it is not known.
         """

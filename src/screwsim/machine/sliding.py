@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from math import hypot, radians
 
+from screwsim.machine.protocol import END_GAP, TIP_GAP
 from screwsim.machine.settings import TwinScrew
 
 WRAP, CENTRES = radians(300.0), 0.8  # of the 4/6 pair of M20 and M21: wrap angle, distance of the axes over D
 
 
 def wall_speeds(machine: TwinScrew) -> dict[str, float]:
-    """Return the mean speed across the line of a gap over that of the male tips, by the effect of the gap (M256).
+    """Return the mean speed across the line of a gap over that of the male tips, by the kind of gap (M256).
 
     Without a profile the female rotor is as large as the male, and wrap and distance of the axes are those of a usual
     pair.
@@ -28,6 +29,6 @@ def wall_speeds(machine: TwinScrew) -> dict[str, float]:
     lines = sum(hypot(speed, lead) for speed in tips)
     faces = 0.5 * (male + centres - female), 0.5 * ratio * (female + centres - male)  # at the middle of the lobes
     return {
-        "tip_leakage": lead * sum(tips) / (lines * male),
-        "end_face_leakage": 0.5 * sum(faces) / male,
+        TIP_GAP: lead * sum(tips) / (lines * male),
+        END_GAP: 0.5 * sum(faces) / male,
     }

@@ -86,8 +86,7 @@ def _dead_volume(machine: TwinScrew) -> tuple[str, float]:
     return path, machine.volume.dead_of(Geometry(machine).swept_volume)
 
 
-_GAPS = {protocol.TIP_GAP, protocol.CONTACT_GAP, protocol.BLOW_HOLE, protocol.END_GAP}
-_OFFERS = frozenset({protocol.PORTS, *_GAPS, protocol.OIL, protocol.HOLES, protocol.ROTORS})
+_OFFERS = frozenset({protocol.PORTS, *protocol.GAPS, protocol.OIL, protocol.HOLES, protocol.ROTORS})
 MACHINE = MachineKind(
     settings=TwinScrew,
     geometry=Geometry,

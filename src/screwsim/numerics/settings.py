@@ -8,6 +8,8 @@ from screwsim.inputs.declare import choice, number
 from screwsim.numerics.closings import AUTO, CLOSINGS
 from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
 
+ESTIMATE = "estimate"  # what `numerics.error` says
+
 
 @dataclass(frozen=True)
 class NumericsSettings:
@@ -25,6 +27,11 @@ class NumericsSettings:
     rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
     error: str = choice(
         "estimate: the numerical error of each figure, and closing again until it is within the accuracy; none: faster",
-        ("estimate", "none"),
-        "estimate",
+        (ESTIMATE, "none"),
+        ESTIMATE,
     )
+
+    @property
+    def estimates(self) -> bool:
+        """Tell whether the error of each figure is estimated."""
+        return self.error == ESTIMATE

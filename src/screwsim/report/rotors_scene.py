@@ -14,6 +14,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
+from screwsim.machine.protocol import END_GAP, GAPS
 from screwsim.machine.rotors import end_face
 from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
@@ -134,13 +135,14 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
         "discharge_port.csv": _csv(laid.discharge, "m^2"),
     }
     effects = dict(scene.effects)
-    effects.pop("end_face_leakage", None)
-    for name in ("tip_leakage", "interlobe_leakage", "blow_hole"):
-        if name in effects:
-            parameters = effects[name].parameters
-            files[f"{name}.csv"] = _path_csv(laid.interfaces[name], getattr(parameters, "gap", None))
+    for name, active in scene.effects.items():
+        gap = next(iter(active.effect.needs & GAPS), None)
+        if gap == END_GAP:
+            effects.pop(name)
+        elif gap is not None:
+            files[f"{name}.csv"] = _path_csv(laid.interfaces[gap], getattr(active.parameters, "gap", None))
             changes: dict[str, Any] = {"area_file": str(folder.resolve() / f"{name}.csv")}
-            effects[name] = replace(effects[name], parameters=replace(parameters, **changes))
+            effects[name] = replace(active, parameters=replace(active.parameters, **changes))
     if laid.slot is not None and "slide_valve" in effects:
         files["slide_valve.csv"] = _csv(laid.slot, "m^2")
         parameters = replace(effects["slide_valve"].parameters, area_file=str(folder.resolve() / "slide_valve.csv"))

@@ -50,9 +50,7 @@ def save(
         with Draft(Path(path), scene, (), command) as draft:
             draft.complete(one, results.knock_out, beside)
     else:
-        table = table_of(
-            results, keep_cycle=scene.output.keep == "cycle", keep_slopes=scene.output.derivatives == "all"
-        )
+        table = table_of(results, keep_cycle=scene.output.keeps_cycle, keep_slopes=scene.output.keeps_slopes)
         write_tables(Path(path), scene, axes_of(scene), InMemory(table), command)
 
 

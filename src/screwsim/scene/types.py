@@ -202,12 +202,25 @@ class OilSupply:
         return self.source == SUMP
 
 
+CYCLE, ALL = "cycle", "all"  # what `output.keep` and `.derivatives` say
+
+
 @dataclass(frozen=True)
 class Output:
     """What a sweep stores of each point; derivatives are stored of a run, too."""
 
-    keep: str = choice("performance figures only, or the cycle traces too", ("performance", "cycle"), "performance")
-    derivatives: str = choice("of each point, by none or by all numbers of the scene", ("none", "all"), "none")
+    keep: str = choice("performance figures only, or the cycle traces too", ("performance", CYCLE), "performance")
+    derivatives: str = choice("of each point, by none or by all numbers of the scene", ("none", ALL), "none")
+
+    @property
+    def keeps_cycle(self) -> bool:
+        """Tell whether the traces of each point are stored."""
+        return self.keep == CYCLE
+
+    @property
+    def keeps_slopes(self) -> bool:
+        """Tell whether the derivatives of each point are stored."""
+        return self.derivatives == ALL
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ def solve(
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
-        if cycle.status != "ok" or wanted.check or numerics.error == "none":
+        if cycle.status != "ok" or wanted.check or not numerics.estimates:
             break
         errors, on = estimated_errors(of, machinery, wanted, cycle)
         largest = worst(errors)[1]

@@ -14,7 +14,7 @@ from screwsim.study.local import Sensitivities, sensitivities
 
 def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
     """Return the derivatives of a result that its scene keeps (`output.derivatives`), None for none."""
-    if scene.output.derivatives != "all" or result.status != "ok":
+    if not scene.output.keeps_slopes or result.status != "ok":
         return None
     found = sensitivities(scene, result=result)
     return found if found.derivatives else None

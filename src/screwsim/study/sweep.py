@@ -228,7 +228,7 @@ class _Sweep:
     def _compute(self, todo: list[range], reused: int, pool: Pool, limit: float | None) -> None:
         """Compute blocks on a pool, or without a limit in this process."""
         self._warm_up(self.scene)  # before the fork: every worker inherits what is compiled here
-        keep = self.scene.output.keep == "cycle"
+        keep = self.scene.output.keeps_cycle
         size = len(self.blocks.cases_of(range(1)))
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
         self._chunks = Chunks(todo, longest, pool.workers, self._beside.blocks(size))
@@ -291,12 +291,12 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
     """Return what simulates consecutive cases of a scene's sweep."""
     from screwsim.simulate import simulate_many  # by the module's own name: the package has a function of that name
 
-    many = partial(simulate_many, trace=scene.output.keep == "cycle")
+    many = partial(simulate_many, trace=scene.output.keeps_cycle)
     if scene.uncertain:
         from screwsim.study.uncertain import simulate_uncertain
 
         many = partial(simulate_uncertain, many)
-    if scene.output.derivatives == "all":
+    if scene.output.keeps_slopes:
         from screwsim.study.kept_slopes import simulate_with_slopes
 
         many = partial(simulate_with_slopes, many)

@@ -143,16 +143,16 @@ class Pockets(MachineGeometry):
     def discharge_law(self) -> AreaLaw:
         return _port(self.settings.discharge_area, self.discharge_opens, TURN)
 
-    def interfaces(self, effect: str) -> tuple[Interface, ...]:
+    def interfaces(self, gap: str) -> tuple[Interface, ...]:
         """Return the gaps: over tip and ends of a lobe to the pocket ahead on its rotor, between the rotors.
 
         Angles are those of the trailing pocket, whose leading tip lies against the housing from 90° to 270°. In the
         mesh a pocket that is being pushed out leads to one that is just born, and each pitch another pair does.
         """
         length, housing = self.settings.rotor_length, (0.25 * TURN - self.pitch, 0.75 * TURN - self.pitch)
-        if effect == "interlobe_leakage":
+        if gap == CONTACT_GAP:
             return (Interface(2 * self.settings.lobes - 1, _window(0.0, self.pitch, length)),)
-        return (Interface(2, _window(*housing, length if effect == "tip_leakage" else self.settings.rotor_diameter)),)
+        return (Interface(2, _window(*housing, length if gap == TIP_GAP else self.settings.rotor_diameter)),)
 
 
 def _port(area: float, opens: float, shuts: float) -> AreaLaw:

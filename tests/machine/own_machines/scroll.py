@@ -117,10 +117,10 @@ class Pockets(MachineGeometry):
     def discharge_law(self) -> AreaLaw:
         return _port(self.settings.discharge_area, self.settings.opens, self.life)
 
-    def interfaces(self, effect: str) -> tuple[Interface, ...]:
+    def interfaces(self, gap: str) -> tuple[Interface, ...]:
         """Return the gaps to the pocket ahead, a turn older, while there is one."""
         height = self.settings.height
-        length = height if effect == "interlobe_leakage" else WRAP * height
+        length = height if gap == CONTACT_GAP else WRAP * height
         last = self.life - TURN
         angle = np.array([0.0, RAMP, last - RAMP, last, last + RAMP])
         value = np.array([0.0, length, length, 0.0, 0.0])
