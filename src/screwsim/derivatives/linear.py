@@ -6,7 +6,7 @@ of the cells that the injection sets, and of the quadratures, the period closed,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,15 +55,19 @@ class Response(NamedTuple):
 
     def of(self, columns: int | slice) -> Response:
         """Return some of the columns, or one of them, without its axis."""
-        return Response(*(each[..., columns] for each in self[:-1]), self.followed)
+        return self._each(lambda each: each[..., columns])
 
     def weighted(self, weights: Array) -> Response:
         """Return sums of the columns (k, m), or one sum of them (k,)."""
-        return Response(*(each @ weights for each in self[:-1]), self.followed)
+        return self._each(lambda each: each @ weights)
 
     def added(self, other: Response) -> Response:
         """Return both together, of the same that was followed."""
-        return Response(*(one + more for one, more in zip(self[:-1], other[:-1], strict=True)), self.followed)
+        start, cells, sums, weights, _ = other
+        return Response(self.start + start, self.cells + cells, self.sums + sums, self.weights + weights, self.followed)
+
+    def _each(self, made: Callable[[Array], Array]) -> Response:
+        return Response(made(self.start), made(self.cells), made(self.sums), made(self.weights), self.followed)
 
 
 def step_of(pitch: Pitch) -> float:

@@ -14,6 +14,7 @@ from screwsim.derivatives.around import derivatives
 from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated
 from screwsim.inputs.faults import Impossible
 from screwsim.model import leases
+from screwsim.numerics.garbage import no_search
 from screwsim.scene import Scene
 from screwsim.solve.circuit import solved, steady
 
@@ -32,25 +33,30 @@ class Found(NamedTuple):
 
 def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) -> Found:
     """Return the derivatives of a scene's figures by numbers [SI] at paths of it."""
-    series = Series()
     try:
-        if not fineness.estimated:
-            scene = replace(scene, numerics=replace(scene.numerics, error="none"))
-        problem, search = steady(problem_of(scene, series), series)
-        why = _refused(problem)
-        if why:
-            return Found({}, {}, why)
-        machinery = leased(problem)
-        accurate = solved(problem, machinery, None, search)
-        if accurate.cycle.status != "ok":
-            return Found({}, {}, "the cycle does not close")
-        cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
-        slopes, refused = derivatives(cycle, values, (series.stock, series.composer))
-        leases.give_back(machinery)
+        with no_search():  # scenes composed and figures read are many objects, hardly any of them in a ring
+            return _found(scene, values, fineness)
     except NotClosed as error:
         return Found({}, {}, str(error))
     except (Impossible, CannotCompile) as error:
         return Found({}, {}, f"the cycle cannot be linearised: {error}")
+
+
+def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Found:
+    series = Series()
+    if not fineness.estimated:
+        scene = replace(scene, numerics=replace(scene.numerics, error="none"))
+    problem, search = steady(problem_of(scene, series), series)
+    why = _refused(problem)
+    if why:
+        return Found({}, {}, why)
+    machinery = leased(problem)
+    accurate = solved(problem, machinery, None, search)
+    if accurate.cycle.status != "ok":
+        return Found({}, {}, "the cycle does not close")
+    cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
+    slopes, refused = derivatives(cycle, values, (series.stock, series.composer))
+    leases.give_back(machinery)
     return Found(slopes, refused)
 
 

@@ -195,7 +195,8 @@ class Partials:
             (argument, {}) if i in whole else self.expression(argument, before) for i, argument in enumerate(node.args)
         ]
         moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
-        moving += [(ALONG, {ALONG: ast.Constant(1.0)})] if whole else []
+        itself: Slopes = {ALONG: ast.Constant(1.0)}
+        moving += [(ALONG, itself)] if whole else []
         by, arrays = tuple(name for name, _ in moving), tuple(called.arguments[i] for i in whole)
         alias = "_by_".join([node.func.id, "_".join([*by, *arrays])])  # two kernels may have one name of their own
         self.uses[alias] = self.tangent(called, by, arrays)
