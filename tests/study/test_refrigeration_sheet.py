@@ -204,7 +204,7 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "discharge_temperature"], "is not FIGURE<VALUE or FIGURE>VALUE (write"),
         ("control/point", ["--limit", "discharge_temprature<90 degC"], "did you mean 'discharge_temperature'?"),
         ("control/point", ["--limit", "discharge_temperature<90"], "90 has no unit (write one of K"),
-        ("control/point", ["--limit", "cop>much"], "'much' is no number with a unit"),
+        ("control/point", ["--limit", "cop>much"], "'much' is no number with a unit (write a number with one of"),
         ("control/point", ["--limit", "water_flow<1"], "is not called for in this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),

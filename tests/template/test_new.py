@@ -188,6 +188,10 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         ),
         ([], "KIND: is missing (there are: refrigeration, heat_pump, air, booster, expander, reciprocating; write"),
         (["refrigeration", "--fluid", "r-134A"], "--fluid r-134A: is no fluid or blend of CoolProp; did you mean"),
+        (
+            ["refrigeration", "--fluid", "nope"],
+            "--fluid nope: is no fluid or blend of CoolProp (write one of its names",
+        ),
         (["air", "--fluid", "R134a"], "--fluid R134a: an air package is of air (write screwsim new booster for a gas)"),
         (
             ["refrigeration", "--condition", "0/120 degC"],

@@ -62,7 +62,7 @@ def plan(
     """Choose the operating points that would tell most about the parameters of a fit, beside its own."""
     check_target(output, ".csv")
     from screwsim.printing import show
-    from screwsim.printing.plan import plan_document, print_plan, write_plan
+    from screwsim.printing.plan import keep_measured, plan_document, print_plan, write_plan
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.plan import LEVELS, candidates_of
     from screwsim.study.calibration.plan import plan as planned
@@ -70,6 +70,8 @@ def plan(
 
     if levels is not None and not paths:
         raise UsageError(f"--levels {levels}: is of ranges (write --path PATH=LOW..HIGH)")
+    if output is not None:
+        keep_measured(output)
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
     points = candidates_of(fit, candidates, paths or (), LEVELS if levels is None else levels)
     found = planned(fit, points, count=count, jobs=jobs, progress=for_terminal("plan"))

@@ -65,6 +65,15 @@ def check_target(output: Path | None, *endings: str) -> None:
         raise UsageError(f"-o {output}: has no ending that tells its format (write one of {', '.join(endings)})")
 
 
+def check_columns(output: Path | None, title: str, *names: str) -> None:
+    """Raise UsageError unless a file has an ending of columns, and none lies there but such columns."""
+    from screwsim.study.columns import keep_other_columns
+
+    check_target(output, ".csv", ".h5")
+    if output is not None:
+        keep_other_columns(output, title, *names)
+
+
 def check_page(output: Path) -> None:
     """Raise UsageError where the name of a page does not end as one, or a file lies there that is none."""
     from screwsim.results.atomic import keep_others

@@ -49,6 +49,8 @@ def find(
     varied = [span.path for span in asked.spans]
     several = case_count(only(scene, [path for path in scene.sweep if path not in varied])) > 1
     table = output is not None and output.suffix.lower() in (".csv", ".h5")
+    if table:
+        options.check_columns(output, "goal seek", "solutions", "failed_solutions", "status", "message")
     if output is not None and not table:
         if several:
             raise UsageError(f"-o {output}: the sweep gives several answers, a row each (write -o FOUND.csv or .h5)")

@@ -48,7 +48,7 @@ def optimum(
     if figure is None and (told := told_efficiency(scene)):
         typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
-    options.check_target(output, ".csv", ".h5")
+    options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
     rows = found(scene, asked, jobs=jobs, progress=for_terminal("optimum"))
     if output is not None:
         write_optimum(output, scene, asked, rows)
@@ -74,13 +74,22 @@ def performance_map(
 ) -> int:
     """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing import show
-    from screwsim.printing.performance_map import map_document, points_document, print_maps, print_points, write_maps
+    from screwsim.printing.performance_map import (
+        keep_other_maps,
+        map_document,
+        points_document,
+        print_maps,
+        print_points,
+        write_maps,
+    )
     from screwsim.results import open_results
     from screwsim.study.map_points import points_at
     from screwsim.study.performance_map import FIGURES, performance_maps
 
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
+    if output is not None:
+        keep_other_maps(output)
     maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
     found = points_at(results, maps, points or ())
     if output is not None:
@@ -133,7 +142,7 @@ def sensitivity(
     from screwsim.study.sensitivity import read_ranges
     from screwsim.study.sensitivity import sensitivity as studied
 
-    options.check_target(output, ".csv", ".h5")
+    options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
     if not names and (told := told_efficiency(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
@@ -182,7 +191,10 @@ def _local(
     places, ranges = asked
     if ranges:
         raise UsageError(f"--path {ranges[0]}: --local has no ranges (name the path alone, without --path)")
-    options.check_target(output, ".csv", ".h5")
+    if output is not None and output.suffix.lower() == ".h5":
+        options.check_place(output)
+    else:
+        options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")
     names = [figure_of(scene, name) for name in figures]
     found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
     if output is not None and found.derivatives:

@@ -109,9 +109,8 @@ def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]
 def check_geometry(parameters: Parameters, geometry) -> Faults:
     """Yield the angles that lie outside the compression."""
     low, life = geometry.injection_angle, geometry.life
-    ends = {"closes": life - 2.0 * RAMP} | dict.fromkeys(_RADIAL[1:], life - 4.0 * RAMP)
-    for name, high in ends.items():
-        angle = getattr(parameters, name)
+    for name in ("closes", *_RADIAL[1:]):
+        angle, high = getattr(parameters, name), life - (2.0 if name == "closes" else 4.0) * RAMP
         if angle is not None and not low < angle < high:
             where = f"outside ({low * DEG:.6g} deg, {high * DEG:.6g} deg)"
             yield Fault(f"effects.slide_valve.{name}", f"{angle * DEG:.6g} deg lies {where} (choose an angle inside)")

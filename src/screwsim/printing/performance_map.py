@@ -8,14 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering
+from screwsim.inputs.faults import UsageError
 from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
-from screwsim.results.atomic import make_folder
+from screwsim.results.atomic import OTHERS, check_target_kind, make_folder
 from screwsim.results.warned import kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
-from screwsim.study.columns import Column, write_columns
+from screwsim.study.columns import Column, keep_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
 from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
 
@@ -106,6 +107,16 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
         rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in each.figures.items()]
         say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
     _print_warnings(results)
+
+
+def keep_other_maps(path: Path) -> None:
+    """Raise UsageError where a file lies at `path` that is no map: it would be lost."""
+    if path.suffix.lower() == ".csv":
+        keep_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
+        return
+    check_target_kind(path)
+    if path.exists() and f'"formula": "{FORMULA[:6]}' not in path.read_text(encoding="utf-8", errors="replace"):
+        raise UsageError(OTHERS.format(path))
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out, print_title
 from screwsim.printing.tables import plain_table, wrapped
-from screwsim.results.atomic import make_folder, write_csv
+from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.calibration.data import units_of
+from screwsim.study.calibration.data import UNCERTAINTY, units_of
 from screwsim.study.calibration.plan import Plan
+from screwsim.study.columns import first_line
 from screwsim.study.inputs import in_customary, unit_of_change
 
 MOST = 6  # points of which the table shows the deviations behind them
@@ -85,6 +88,20 @@ def _told(found: Plan) -> Iterator[str]:
         yield f"known beforehand by their bounds alone: {', '.join(names[path] for path in found.even)}"
     if found.inputs:
         yield f"not known exactly, and not asked for: {', '.join(found.inputs)}"
+
+
+def keep_measured(path: Path) -> None:
+    """Raise UsageError where a file lies at `path` that is no plan, or one in which a figure has been filled in."""
+    check_target_kind(path)
+    heads = [head.partition(" [")[0] for head in first_line(path)]
+    figures = [number for number, head in enumerate(heads) if f"{head}{UNCERTAINTY}" in heads]
+    if heads and not figures:
+        raise UsageError(OTHERS.format(path))
+    if heads:
+        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+            rows = list(csv.reader(stream))[1:]
+        if any(row[number].strip() for row in rows for number in figures if number < len(row)):
+            raise UsageError(f"{path}: has measured figures, which would be lost (choose another -o)")
 
 
 def write_plan(path: Path, found: Plan) -> str:

@@ -13,6 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import irregular
 
 HDF5 = b"\x89HDF\r\n\x1a\n"  # how such a file begins
+OTHERS = "{}: is there, and not of the kind that would be written (choose another -o, or remove it)"
 
 
 def _sync(path: Path) -> None:
@@ -153,6 +154,4 @@ def keep_others(path: Path, begins: bytes) -> None:
     except OSError:  # none there, or one that cannot be replaced either, which is told then
         return
     if found.lower() != begins.lower():
-        raise UsageError(
-            f"{path}: is there, and not of the kind that would be written (choose another -o, or remove it)"
-        )
+        raise UsageError(OTHERS.format(path))

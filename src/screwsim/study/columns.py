@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Variable
-from screwsim.results.atomic import make_folder, replacing, write_csv
+from screwsim.results.atomic import HDF5, OTHERS, check_target_kind, keep_others, make_folder, replacing, write_csv
 from screwsim.results.identity import version
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import variable_name
+
+LONGEST = 1 << 16  # letters of a first line
 
 
 class Column(NamedTuple):
@@ -21,6 +25,41 @@ class Column(NamedTuple):
     values: Sequence[Any]
     units: str
     long_name: str
+
+
+def keep_other_columns(path: Path, title: str, *names: str) -> None:
+    """Raise UsageError where a file lies at `path` that is none of such columns, as measured data: it would be lost.
+
+    Such a CSV has the columns `names`, such an HDF5 file a title that begins so.
+    """
+    if path.suffix.lower() != ".csv":
+        keep_others(path, HDF5)
+        ours = not path.exists() or _title(path).startswith(title)
+    else:
+        check_target_kind(path)
+        heads = first_line(path)
+        ours = not heads or set(names) <= {head.partition(" [")[0] for head in heads}
+    if not ours:
+        raise UsageError(OTHERS.format(path))
+
+
+def first_line(path: Path) -> list[str]:
+    """Return the cells of the first line of a CSV file; none where there is no file, or nothing in it."""
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+            return next(csv.reader([stream.readline(LONGEST)]), [])
+    except (OSError, csv.Error):  # one that cannot be replaced either is told of then
+        return []
+
+
+def _title(path: Path) -> str:
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs.get("title", ""))
+    except OSError:
+        return ""
 
 
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:

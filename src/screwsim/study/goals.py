@@ -74,7 +74,10 @@ def read_figure(figure: str, text: str, where: str) -> float:
     match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
     if match is None:
         odd = odd_number(text)
-        raise UsageError(f"{where}: {text!r} {told(odd, '')}" if odd else f"{where}: {text!r} is no number with a unit")
+        listed = ", ".join(unit for unit in units if unit not in ("", "1"))
+        remedy = f"write a number with one of {listed}" if listed else "write a number"
+        what = told(odd, "") if odd else f"is no number with a unit ({remedy})"
+        raise UsageError(f"{where}: {text!r} {what}")
     number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
     if unit == CELSIUS and "K" in units:
         return number + ZERO

@@ -56,9 +56,8 @@ def asked_of(
     """Return what is asked for; raise UsageError, in one line, for what cannot be."""
     if fluid is not None and constants.limits(fluid) is None:
         other = names.same_fluid(fluid)
-        raise UsageError(
-            f"--fluid {fluid}: is no fluid or blend of CoolProp{f'; did you mean {other!r}?' if other else ''}"
-        )
+        hint = f"; did you mean {other!r}?" if other else " (write one of its names, e.g. R134a, R454B or CO2)"
+        raise UsageError(f"--fluid {fluid}: is no fluid or blend of CoolProp{hint}")
     if oil is not None and oil not in OILS:
         near = nearest(oil, OILS)
         hint = f"; did you mean '{near}'?" if near else ""
