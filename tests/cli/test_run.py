@@ -112,6 +112,7 @@ def test_knock_out_leaves_each_effect_out_as_without_does(folder, command, monke
     assert steps == [f"screwsim: knock-out {i} of 3: without {name}" for i, name in enumerate(costs, 1)]
     text = command("run", "small.yaml", *rough, "--knock-out").out
     assert "left out" in text and max(map(len, text.splitlines())) <= 80
+    assert "…" not in text  # no cell is cut off
 
 
 def test_sweep_writes_resumes_and_starts_over(folder, command):

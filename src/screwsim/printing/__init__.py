@@ -12,7 +12,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.printing.ranges import ranges_text, uncertainty_ranges
-from screwsim.printing.tables import wrapped
+from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
@@ -81,7 +81,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
         console.print(_ledger(result.ledger))
     if result.knock_out:
         console.print()
-        console.print(_knock_out(result.knock_out))
+        console.print("\n".join(_knock_out(result.knock_out)))
     console.print()
     for line in (*_account(result), *left_out):
         console.print(wrapped(printable(line)))
@@ -165,24 +165,25 @@ def _right_table(first: str, *others: str) -> Any:
     return table
 
 
-def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
-    """Return what leaving each effect out changes; the changes need not add up."""
+def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the lines of what leaving each effect out changes; the changes need not add up."""
     costs = list(costs)
     cooled = any(cost.get("cop") is not None for cost in costs)
-    table = _right_table("left out", "shaft power", "change", "specific work", "change", *(["COP", "change"] * cooled))
+    factor, unit = scale("W", max((abs(cost["shaft_power"] or 0.0) for cost in costs), default=0.0))
+    columns = [("shaft_power", f"shaft power {unit}", factor), ("specific_work", "specific work kJ/kg", 1e-3)]
+    columns += [("cop", "COP", 1.0)] * cooled
+    rows = []
     for cost in costs:
+        cells = [cost["effect"].replace("_", " ")]
+        for name, _, factor in columns:
+            value, change = cost[name], cost[f"change_of_{name}"]
+            cells += ["" if value is None else f"{factor * value:.4g}"]
+            cells += ["" if change is None else f"{factor * change:+.3g}"]
         if cost["shaft_power"] is None:
-            table.add_row(cost["effect"].replace("_", " "), cost["status"].replace("_", " "))
-            continue
-        specific = (cost["specific_work"], cost["change_of_specific_work"])
-        table.add_row(
-            cost["effect"].replace("_", " "),
-            quantity("W", cost["shaft_power"]),
-            quantity("W", cost["change_of_shaft_power"]),
-            *("" if value is None else f"{1e-3 * value:.4g} kJ/kg" for value in specific),
-            *("" if cost[name] is None else f"{cost[name]:.4g}" for name in ("cop", "change_of_cop") if cooled),
-        )
-    return table
+            cells[1] = cost["status"].replace("_", " ")
+        rows.append(cells)
+    heads = ["left out", *(head for _, shown, _ in columns for head in (shown, "change"))]
+    return plain_table(heads, rows, left=1)
 
 
 def _account(result: Result) -> Iterable[str]:

@@ -18,6 +18,7 @@ from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
 
+FLUID = "gas.fluid"
 SEPARATOR = "separator"  # the effect that finds the oil's temperature
 VOLUME_COLUMN = "volume_m3"
 CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
@@ -32,7 +33,7 @@ def cross_check(scene: Scene) -> list[Fault]:
     if stated:
         return stated
     operation = check_operation(scene)
-    return [
+    found = [
         *check_machine(scene.machine),
         *size_faults(scene),
         *operation,
@@ -42,6 +43,9 @@ def cross_check(scene: Scene) -> list[Fault]:
         *_oil_supply(scene),
         *_effects(scene),
     ]
+    if all(fault.path != FLUID for fault in found):
+        return found
+    return [fault for fault in found if f"{FLUID}: " not in fault.what]  # what an unknown fluid leaves unknown
 
 
 def _dry(scene: Scene) -> Iterator[Fault]:

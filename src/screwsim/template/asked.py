@@ -55,10 +55,9 @@ def asked_of(
 ) -> Asked:
     """Return what is asked for; raise UsageError, in one line, for what cannot be."""
     if fluid is not None and constants.limits(fluid) is None:
-        other = names.same_fluid(fluid)
-        raise UsageError(
-            f"--fluid {fluid}: is no fluid or blend of CoolProp{f'; did you mean {other!r}?' if other else ''}"
-        )
+        other, blend = names.same_fluid(fluid), names.blend(fluid)
+        hint = f"did you mean '{other}'?" if other else blend
+        raise UsageError(f"--fluid {fluid}: is no fluid or blend of CoolProp{f'; {hint}' if hint else ''}")
     if oil is not None and oil not in OILS:
         near = nearest(oil, OILS)
         hint = f"; did you mean '{near}'?" if near else ""
