@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from screwsim.report.accuracy import Drawing
     from screwsim.study.accuracy import Study
 
+SEEN = 5e-5  # of the shaft power, from which on an entry of the ledger is not shown as 0.00 %
 MOST_FAILURES = 20  # listed of one sweep; all are in its file
 MOST_WARNINGS = 8  # kinds of them, likewise
 
@@ -150,6 +151,8 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         row(name, entry["exergy_destroyed"], entry)
     row("residue", ledger["residue"], {})
     table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
+    if any(entry["exergy_destroyed"] < -SEEN * abs(whole) for _, entry in sorted_entries(ledger)):
+        table.caption += "\nbelow zero: gives back what other entries count as lost (M54, M286)"
     table.caption_justify = "left"
     return table
 
