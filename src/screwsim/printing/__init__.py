@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,10 +59,11 @@ def write_json(document: Any, path: Path) -> str:
     return write_text(path, json_safe(text) + "\n")
 
 
-def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> None:
+def print_result(title: str, result: Result, left_out: Iterable[str] = (), changed: Sequence[str] = ()) -> None:
     """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics.
 
-    `left_out` are lines on what its scene does not simulate.
+    `left_out` are lines on what its scene does not simulate; `changed` is what the command line changed of the scene
+    that the title names.
     """
     from rich.console import Console
 
@@ -71,6 +72,8 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
     if title or doubted:
         first = ": ".join(filter(None, (title, doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
+    if changed:
+        console.print(wrapped(printable(", ".join(changed))))
     console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
