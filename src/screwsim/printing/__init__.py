@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
+from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.printing.ranges import ranges_text, uncertainty_ranges
 from screwsim.printing.tables import plain_table, wrapped

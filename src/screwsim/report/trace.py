@@ -14,6 +14,7 @@ from screwsim.results import Results
 from screwsim.results.schema import variable_name
 from screwsim.results.warned import caption, warnings_of
 
+_SLACK = 0.1  # of the distance of two samples, for the digits of volume and ratio
 _INJECTION = 360.0  # [degree] oil is injected there (docs/model.md)
 _LONE = 0.03  # share of the angles that a spike may take to lie beyond the axis
 _ROOM = 1.25  # axis over the highest pressure that is no spike
@@ -137,8 +138,8 @@ def _first_flow(
     if "volume" in values and "built_in_volume_ratio" in results.performance and before < first:
         V = values["volume"]
         share = (V[before] - np.max(V) / results.performance["built_in_volume_ratio"][index]) / (V[before] - V[first])
-        if 0.0 <= share <= 1.0:
-            return float(angle[before] + share * (angle[first] - angle[before]))
+        if -_SLACK <= share <= 1.0 + _SLACK:
+            return float(angle[before] + min(max(share, 0.0), 1.0) * (angle[first] - angle[before]))
     return float(angle[before])
 
 
