@@ -161,8 +161,7 @@ NEWCOMERS = [
     (
         "title: example",
         'title: "example',
-        "x.yaml:43:1: is not YAML: found unexpected end of stream "
-        "(close the quote that opens in line 1, column 8)",
+        "x.yaml:43:1: is not YAML: found unexpected end of stream (close the quote that opens in line 1, column 8)",
     ),
     (
         "{gap: 50 um}",
