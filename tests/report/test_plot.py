@@ -53,8 +53,9 @@ def test_the_port_of_rotors_is_marked_where_it_opens(tmp_path):
     scene = load("configs/rotors/b.yaml", ["numerics.accuracy=1e-2", "numerics.error=none"])
     save(tmp_path / "x.h5", scene, simulate(scene, trace=True))
     trace = chosen_trace(screwsim.open_results(tmp_path / "x.h5"))
-    opens = math.degrees(build_parts(scene).geometry.discharge_opens)
-    assert trace.marks["port opens"] == pytest.approx(opens, abs=0.05)
+    opens = build_parts(scene).geometry.discharge_opens
+    assert trace is not None and opens is not None
+    assert trace.marks["port opens"] == pytest.approx(math.degrees(opens), abs=0.05)
 
 
 @pytest.mark.parametrize("draw", [plot.pressure, plot.temperatures, plot.mass_flows])
