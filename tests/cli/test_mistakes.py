@@ -66,21 +66,22 @@ TWO = "describes two stages, which screwsim run and screwsim explain take (run t
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("run", "x.fit.yaml"), "x.fit.yaml:1:1: <root>: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
-        (("sweep", "x.fit.yaml"), "x.fit.yaml:1:1: <root>: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
-        (("sweep", "x.stages.yaml"), f"x.stages.yaml:1:1: <root>: {TWO}scene of one stage here)"),
-        (("optimum", "x.stages.yaml"), f"x.stages.yaml:1:1: <root>: {TWO}scene of one stage here)"),
-        (("calibrate", "x.stages.yaml"), f"x.stages.yaml:1:1: <root>: {TWO}scene of one stage here)"),
+        (("run", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
+        (("sweep", "x.fit.yaml"), "x.fit.yaml:1:1: is a fit, not a scene (run screwsim calibrate x.fit.yaml)"),
+        (("sweep", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
+        (("optimum", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
+        (("calibrate", "x.stages.yaml"), f"x.stages.yaml:1:1: {TWO}scene of one stage here)"),
         (
             ("calibrate", "small.yaml"),
-            "small.yaml:1:1: <root>: is a scene, not a fit "
+            "small.yaml:1:1: is a scene, not a fit "
             "(run screwsim run small.yaml; a fit has scene:, data: and parameters:)",
         ),
         (
             ("run", "out.h5"),
-            "out.h5:1:1: <root>: is a file of results, not a scene (screwsim report out.h5 makes a page of it)",
+            "out.h5:1:1: is a file of results, not a scene (screwsim report out.h5 makes a page of it)",
         ),
-        (("run", "small"), "small:1:1: <root>: cannot be read: No such file or directory (there is small.yaml)"),
+        (("run", "smal.yaml"), "smal.yaml:1:1: cannot be read: No such file or directory; did you mean 'small.yaml'?"),
+        (("run", "small"), "small:1:1: cannot be read: No such file or directory (there is small.yaml)"),
     ],
 )
 def test_a_file_of_another_kind_is_told_with_what_reads_it(files, command, arguments, told):

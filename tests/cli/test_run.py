@@ -84,6 +84,12 @@ def test_a_point_that_is_not_ok_ends_with_4(folder, command, monkeypatch, ended,
         assert f"status: {ended.status}; {ended.message}" in answer.out
 
 
+def test_what_the_command_line_changes_stands_below_the_title(folder, command):
+    changes = ("--set", "operation.speed=1000 rpm", "--without", "tip_leakage")
+    lines = command("run", "small.yaml", *changes).out.splitlines()
+    assert lines[:3] == ["small", "with operation.speed=1000 rpm, without tip_leakage", "status: ok"]
+
+
 def test_knock_out_leaves_each_effect_out_as_without_does(folder, command, monkeypatch):
     module, solved = importlib.import_module("screwsim.simulate"), {}
 
@@ -115,6 +121,7 @@ def test_knock_out_leaves_each_effect_out_as_without_does(folder, command, monke
     assert steps == [f"screwsim: knock-out {i} of 3: without {name}" for i, name in enumerate(costs, 1)]
     text = command("run", "small.yaml", *rough, "--knock-out").out
     assert "left out" in text and max(map(len, text.splitlines())) <= 80
+    assert "…" not in text  # no cell is cut off
 
 
 def test_sweep_writes_resumes_and_starts_over(folder, command):

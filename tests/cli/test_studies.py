@@ -97,7 +97,7 @@ def test_the_optimum_is_told_and_written(studied, command):
 @pytest.mark.parametrize(("name", "rest"), [("optimum", ("--jobs", "1")), ("sensitivity", COMMANDS["sensitivity"][2:])])
 def test_the_efficiency_of_a_real_gas_is_the_isentropic_one_and_stderr_says_so(name, rest, studied, command):
     real = command(name, "oiled.yaml", *rest, "--set", "gas={model: real, isentropic_exponent: null}")
-    assert real.err.startswith(f"{name}: asked for is isentropic_efficiency: a real gas may have no isothermal one")
+    assert real.err.startswith(f"{name}: isentropic_efficiency is taken: a real gas may have no isothermal one")
     assert len(real.err.splitlines()) == 1
     assert command(name, "oiled.yaml", *rest).err == ""
     asked = ("--set", "gas={model: real, isentropic_exponent: null}", "--figure", "shaft_power")

@@ -86,6 +86,9 @@ def test_a_port_before_suction_closes_robs_the_suction_line():
     early = run({**ECONOMIZER, "effects.economizer.opens": "250 deg", "effects.economizer.closes": "350 deg"})
     assert early.status == "ok"
     assert early.performance.gas_mass_flow < 0.95 * run(ECONOMIZER).performance.gas_mass_flow
+    told = "effects.economizer: its port opens at 250 deg, before suction ends at 360 deg"
+    assert any(warning.startswith(told) for warning in early.warnings)
+    assert not any("before suction ends" in warning for warning in run(ECONOMIZER).warnings)
 
 
 def test_the_plenum_of_an_ideal_gas_has_the_real_saturation_pressure():

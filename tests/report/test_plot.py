@@ -1,5 +1,7 @@
 """Figures in axes of one's own: what is drawn is what was computed, and what cannot be drawn says why."""
 
+import math
+
 import matplotlib
 import numpy as np
 import pytest
@@ -7,8 +9,11 @@ from matplotlib.figure import Figure
 from report_fakes import PUMP, SCENE, ok
 
 import screwsim
-from screwsim import plot
+from screwsim import load, plot, simulate
+from screwsim.build import build_parts
 from screwsim.outputs import Result
+from screwsim.report.trace import chosen_trace
+from screwsim.results import save
 from screwsim.scene import loads
 from screwsim.study.sweep import run_sweep
 
@@ -41,6 +46,16 @@ def test_the_loop_is_that_of_the_cycle(closed, axes):
     np.testing.assert_allclose(drawn.get_ydata(), closed.cycle["pressure"] * 1e-5)
     np.testing.assert_allclose(drawn.get_xdata(), closed.cycle["volume"] * 1e6)
     assert axes.get_xlabel() and axes.get_ylabel()
+
+
+def test_the_port_of_rotors_is_marked_where_it_opens(tmp_path):
+    """Between the samples of a trace, which are a degree apart: the mark tells tenths of it."""
+    scene = load("configs/rotors/b.yaml", ["numerics.accuracy=1e-2", "numerics.error=none"])
+    save(tmp_path / "x.h5", scene, simulate(scene, trace=True))
+    trace = chosen_trace(screwsim.open_results(tmp_path / "x.h5"))
+    opens = build_parts(scene).geometry.discharge_opens
+    assert trace is not None and opens is not None
+    assert trace.marks["port opens"] == pytest.approx(math.degrees(opens), abs=0.05)
 
 
 @pytest.mark.parametrize("draw", [plot.pressure, plot.temperatures, plot.mass_flows])

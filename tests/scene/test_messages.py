@@ -143,48 +143,47 @@ NEWCOMERS = [
     (
         "  kind: twin_screw",
         "\tkind: twin_screw",
-        "x.yaml:3:1: <root>: is not YAML: found character '\\t' that cannot start any token "
+        "x.yaml:3:1: is not YAML: found character '\\t' that cannot start any token "
         "(line 3 has a tab: write blanks in its place)",
     ),
     (
         "  fluid: R134a",
         "\u00a0 fluid: R134a",
-        "x.yaml:13:8: <root>: is not YAML: mapping values are not allowed here "
+        "x.yaml:13:8: is not YAML: mapping values are not allowed here "
         "(line 12 has a no-break space: write blanks in its place)",
     ),
     (
         "kind: twin_screw",
         "kind twin_screw",
-        f"x.yaml:4:13: <root>: is not YAML: mapping values are not allowed here {LINE}",
+        f"x.yaml:4:13: is not YAML: mapping values are not allowed here {LINE}",
     ),
-    ("male_lobes: 4", "male_lobes = 4", f"x.yaml:5:3: <root>: is not YAML: could not find expected ':' {LINE}"),
+    ("male_lobes: 4", "male_lobes = 4", f"x.yaml:5:3: is not YAML: could not find expected ':' {LINE}"),
     (
         "title: example",
         'title: "example',
-        "x.yaml:43:1: <root>: is not YAML: found unexpected end of stream "
-        "(close the quote that opens in line 1, column 8)",
+        "x.yaml:43:1: is not YAML: found unexpected end of stream (close the quote that opens in line 1, column 8)",
     ),
     (
         "{gap: 50 um}",
         "{gap: 50 um",
-        "x.yaml:34:20: <root>: is not YAML: expected ',' or '}', but got ':' "
+        "x.yaml:34:20: is not YAML: expected ',' or '}', but got ':' "
         "(close the { that opens in line 33, column 16 with }, and have commas between what is inside)",
     ),
     (
         "  model: ideal",
         "    model: ideal",
-        f"x.yaml:13:10: <root>: is not YAML: mapping values are not allowed here {LINE}",
+        f"x.yaml:13:10: is not YAML: mapping values are not allowed here {LINE}",
     ),
     (
         "gas:",
         "---\ngas:",
-        "x.yaml:11:1: <root>: is not YAML: but found another document "
+        "x.yaml:11:1: is not YAML: but found another document "
         "(a scene is one document: remove the line of --- or ... and what is behind it)",
     ),
     (
         "title: example",
         "[scene]\ntitle = example",
-        "x.yaml:2:1: <root>: is not YAML: expected '<document start>', but found ('<scalar>',) "
+        "x.yaml:2:1: is not YAML: expected '<document start>', but found ('<scalar>',) "
         "(from first to last a scene is lines NAME: value)",
     ),
     (
@@ -259,7 +258,7 @@ NEWCOMERS = [
     (
         "283 K",
         "- 10 C",
-        "x.yaml:23:18: <root>: is not YAML: sequence entries are not allowed here "
+        "x.yaml:23:18: is not YAML: sequence entries are not allowed here "
         "(a list begins on a line of its own, or stands in [ ]; a minus sign has no blank behind it)",
     ),
     (
@@ -335,7 +334,7 @@ NEWCOMERS = [
     (
         "title: example",
         "sweep: {operation.speed: [1000 rpm, , 2 rpm]}",
-        "x.yaml:1:37: <root>: is not YAML: expected the node "
+        "x.yaml:1:37: is not YAML: expected the node "
         "content, but found ',' (a value lacks here: write it, or remove the comma)",
     ),
     (
@@ -353,7 +352,7 @@ NEWCOMERS = [
     (
         "title: example",
         "stages: [a.yaml, b.yaml]",
-        "x.yaml:1:1: <root>: describes two stages, which screwsim run and screwsim "
+        "x.yaml:1:1: describes two stages, which screwsim run and screwsim "
         "explain take (run those on x.yaml, or name the scene of one stage here)",
     ),
 ]
@@ -454,7 +453,7 @@ def test_bytes_of_windows_are_told_where_they_stand(tmp_path, monkeypatch, examp
     with pytest.raises(SceneError) as error:
         load("x.yaml")
     assert error.value.lines == [
-        "x.yaml:33:25: <root>: cannot be read: it is not UTF-8 text (name an existing scene file, saved as UTF-8)"
+        "x.yaml:33:25: cannot be read: it is not UTF-8 text (name an existing scene file, saved as UTF-8)"
     ]
 
 
@@ -541,23 +540,23 @@ def test_an_effect_of_a_port_demands_its_section(example):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("", "x.yaml:1:1: <root>: is empty (write at least machine, gas, operation)"),
-        ("# nothing\n", "x.yaml:1:1: <root>: is empty (write at least machine, gas, operation)"),
-        ("- a\n", "x.yaml:1:1: <root>: is a list, not a mapping (write lines such as machine: …)"),
-        ("word", "x.yaml:1:1: <root>: is 'word', not a mapping (write lines such as machine: …)"),
+        ("", "x.yaml:1:1: is empty (write at least machine, gas, operation)"),
+        ("# nothing\n", "x.yaml:1:1: is empty (write at least machine, gas, operation)"),
+        ("- a\n", "x.yaml:1:1: is a list, not a mapping (write lines such as machine: …)"),
+        ("word", "x.yaml:1:1: is 'word', not a mapping (write lines such as machine: …)"),
         (
             "a: [1,\nb: 2",
-            "x.yaml:2:5: <root>: is not YAML: expected ',' or ']', but got '<stream end>' "
+            "x.yaml:2:5: is not YAML: expected ',' or ']', but got '<stream end>' "
             "(close the [ that opens in line 1, column 4 with ], and have commas between what is inside)",
         ),
         (
             "machine:\n\tkind: x",
-            "x.yaml:2:1: <root>: is not YAML: found character '\\t' that cannot start any token "
+            "x.yaml:2:1: is not YAML: found character '\\t' that cannot start any token "
             "(line 2 has a tab: write blanks in its place)",
         ),
         (
             "a: *b",
-            "x.yaml:1:4: <root>: is not YAML: found undefined alias 'b' "
+            "x.yaml:1:4: is not YAML: found undefined alias 'b' "
             "(write the value out, or quote a text that begins with *)",
         ),
     ],
@@ -590,7 +589,7 @@ def test_an_unreadable_file_gives_one_line(tmp_path, monkeypatch, make, what):
     make(tmp_path / "x.yaml")
     with pytest.raises(SceneError) as error:
         load("x.yaml")
-    expected = f"x.yaml:1:1: <root>: cannot be read: {what} (name an existing scene file, saved as UTF-8)"
+    expected = f"x.yaml:1:1: cannot be read: {what} (name an existing scene file, saved as UTF-8)"
     assert error.value.lines == [expected]
 
 

@@ -55,7 +55,8 @@ def run(
     if as_json:
         print_json(result.as_json())
     else:
-        print_result(scene.title, result, what_is_left_out(scene))
+        changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
+        print_result(scene.title, result, what_is_left_out(scene), changed)
         if result.uncertainty:
             from screwsim.printing.uncertain import print_uncertainty
 

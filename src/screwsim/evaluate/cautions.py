@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from screwsim.build import in_separator, sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
-from screwsim.effects.base import CoolsOil
+from screwsim.effects.base import CoolsOil, FlowPath
 from screwsim.effects.parts.roles import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
@@ -23,6 +23,7 @@ from screwsim.scene.types import Found
 from screwsim.scene.units import ZERO_CELSIUS
 
 CONTRADICTS = 1.0  # [K] by which a stated temperature of the separator may differ from that of its balance
+OPEN_TO_SUCTION = math.radians(1.0)  # earlier than the end of suction, that deserves a word
 LOST = 0.02  # of the shaft power, that goes with what flows back to suction and deserves a word
 
 
@@ -43,6 +44,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
         )
     yield from _drowned(of)
     yield from _unfitted_bore(of)
+    yield from _open_to_suction(of)
     yield from _lost_to_suction(of)
     yield from _separated(of)
     yield from humidity.warnings(problem, of.life, found, of.circuit)
@@ -153,6 +155,25 @@ def _unfitted_bore(of: Evaluation) -> Iterator[str]:
     why = outside_fit(bore["length"] / bore["diameter"], reynolds)
     if why:
         yield f"the formula of the oil's flow is stretched beyond its range: {why}"
+
+
+def _open_to_suction(of: Evaluation) -> Iterator[str]:
+    """Yield a warning of each plenum above the suction pressure whose port opens before suction ends."""
+    parts, p_s = of.problem.parts, of.problem.lines.p_s
+    ends = parts.geometry.injection_angle
+    if parts.geometry.expands or not parts.plenums:
+        return
+    for name, path in parts.all(FlowPath):
+        plenum = parts.plenums.get(path.to)
+        if plenum is None or plenum.p <= p_s or not path.breakpoints:
+            continue
+        opens = min(path.breakpoints)
+        if opens < ends - OPEN_TO_SUCTION:
+            yield (
+                f"effects.{name}: its port opens at {math.degrees(opens):.4g} deg, before suction ends at "
+                f"{math.degrees(ends):.4g} deg: what it lets in takes the place of gas that would be sucked (open it "
+                "later)"
+            )
 
 
 def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:

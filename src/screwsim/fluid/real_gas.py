@@ -22,6 +22,7 @@ from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.dome import margin_kernel
 from screwsim.fluid.limits import Limit, Outside
+from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.real_kernels import compiled, entropy_of, state_of, two_phases
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
@@ -259,7 +260,8 @@ class RealGas:
         p_sat = self.saturation_pressure(T)
         if max(p_1, p_2) <= p_sat:
             return None
-        return f"{self.known.name} at {T:.6g} K condenses at {p_sat:.6g} Pa, below the discharge pressure"
+        at = f"{self.known.name} at {T - ZERO_CELSIUS:.2f} °C"
+        return f"{at} condenses at {1e-5 * p_sat:.4g} bar, below the discharge pressure"
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float | None:
         """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
+from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.printing.ranges import ranges_text, uncertainty_ranges
-from screwsim.printing.tables import wrapped
+from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from screwsim.report.accuracy import Drawing
     from screwsim.study.accuracy import Study
 
+SEEN = 5e-5  # of the shaft power, from which on an entry of the ledger is not shown as 0.00 %
 MOST_FAILURES = 20  # listed of one sweep; all are in its file
 MOST_WARNINGS = 8  # kinds of them, likewise
 
@@ -58,10 +59,11 @@ def write_json(document: Any, path: Path) -> str:
     return write_text(path, json_safe(text) + "\n")
 
 
-def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> None:
+def print_result(title: str, result: Result, left_out: Iterable[str] = (), changed: Sequence[str] = ()) -> None:
     """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics.
 
-    `left_out` are lines on what its scene does not simulate.
+    `left_out` are lines on what its scene does not simulate; `changed` is what the command line changed of the scene
+    that the title names.
     """
     from rich.console import Console
 
@@ -70,6 +72,8 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
     if title or doubted:
         first = ": ".join(filter(None, (title, doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
+    if changed:
+        console.print(wrapped(printable(", ".join(changed))))
     console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
@@ -81,7 +85,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> No
         console.print(_ledger(result.ledger))
     if result.knock_out:
         console.print()
-        console.print(_knock_out(result.knock_out))
+        console.print("\n".join(_knock_out(result.knock_out)))
     console.print()
     for line in (*_account(result), *left_out):
         console.print(wrapped(printable(line)))
@@ -150,6 +154,8 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         row(name, entry["exergy_destroyed"], entry)
     row("residue", ledger["residue"], {})
     table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
+    if any(entry["exergy_destroyed"] < -SEEN * abs(whole) for _, entry in sorted_entries(ledger)):
+        table.caption += "\nbelow zero: gives back what other entries count as lost (M54, M286)"
     table.caption_justify = "left"
     return table
 
@@ -165,24 +171,25 @@ def _right_table(first: str, *others: str) -> Any:
     return table
 
 
-def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
-    """Return what leaving each effect out changes; the changes need not add up."""
+def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the lines of what leaving each effect out changes; the changes need not add up."""
     costs = list(costs)
     cooled = any(cost.get("cop") is not None for cost in costs)
-    table = _right_table("left out", "shaft power", "change", "specific work", "change", *(["COP", "change"] * cooled))
+    factor, unit = scale("W", max((abs(cost["shaft_power"] or 0.0) for cost in costs), default=0.0))
+    columns = [("shaft_power", f"shaft power {unit}", factor), ("specific_work", "specific work kJ/kg", 1e-3)]
+    columns += [("cop", "COP", 1.0)] * cooled
+    rows = []
     for cost in costs:
+        cells = [cost["effect"].replace("_", " ")]
+        for name, _, factor in columns:
+            value, change = cost[name], cost[f"change_of_{name}"]
+            cells += ["" if value is None else f"{factor * value:.4g}"]
+            cells += ["" if change is None else f"{factor * change:+.3g}"]
         if cost["shaft_power"] is None:
-            table.add_row(cost["effect"].replace("_", " "), cost["status"].replace("_", " "))
-            continue
-        specific = (cost["specific_work"], cost["change_of_specific_work"])
-        table.add_row(
-            cost["effect"].replace("_", " "),
-            quantity("W", cost["shaft_power"]),
-            quantity("W", cost["change_of_shaft_power"]),
-            *("" if value is None else f"{1e-3 * value:.4g} kJ/kg" for value in specific),
-            *("" if cost[name] is None else f"{cost[name]:.4g}" for name in ("cop", "change_of_cop") if cooled),
-        )
-    return table
+            cells[1] = cost["status"].replace("_", " ")
+        rows.append(cells)
+    heads = ["left out", *(head for _, shown, _ in columns for head in (shown, "change"))]
+    return plain_table(heads, rows, left=1)
 
 
 def _account(result: Result) -> Iterable[str]:

@@ -70,7 +70,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths)]
     heads += [*(span.path.rpartition(".")[2] for span in asked.spans), "±"] if len(asked.spans) == 1 else []
     heads += [] if len(asked.spans) == 1 else [span.path.rpartition(".")[2] for span in asked.spans]
-    heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "solutions"]
+    heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [line for row in rows for line in _notes(scene, paths, row)]
     for line in notes[:MOST_NOTES]:
@@ -119,7 +119,7 @@ def _print_one(scene: Scene, asked: Question, row: Found) -> None:
         for warning in row.result.warnings:
             say(wrapped(f"warning: {warning}"))
     failed = f", {row.failed} of them without the figures" if row.failed else ""
-    say(f"{row.solutions} solutions{failed}")
+    say(f"{row.solutions} point{'s' * (row.solutions != 1)} simulated{failed}")
 
 
 def _print_size(scene: Scene, asked: Question, row: Found) -> None:

@@ -42,7 +42,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     say()
     paths = [path for path in scene.sweep if path != asked.path]
     heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths), asked.path.rpartition(".")[2], "as good"]
-    heads += [shown_name(asked.figure), "error", "accuracy", "solutions"]
+    heads += [shown_name(asked.figure), "error", "accuracy", "simulated"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
     if notes:

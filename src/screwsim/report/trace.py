@@ -14,6 +14,7 @@ from screwsim.results import Results
 from screwsim.results.schema import variable_name
 from screwsim.results.warned import caption, warnings_of
 
+_SLACK = 0.1  # of the distance of two samples, for the digits of volume and ratio
 _INJECTION = 360.0  # [degree] oil is injected there (docs/model.md)
 _LONE = 0.03  # share of the angles that a spike may take to lie beyond the axis
 _ROOM = 1.25  # axis over the highest pressure that is no spike
@@ -118,11 +119,28 @@ def marks_of(
         marks["oil injection"] = _injection(results, index, angle, values)
     opens = _input(results, "machine.discharge_port.opens", index) * DEGREE
     flow = np.abs(values.get("mass_flow_discharge_port", np.zeros_like(angle)))
-    if not np.isfinite(opens) and flow.any():  # a tabulated port: where its first flow is
-        opens = float(angle[max(int(np.argmax(flow > 0.0)) - 1, 0)])
+    if not np.isfinite(opens) and flow.any():  # rotors', or a tabulated port: where its first flow is
+        opens = _first_flow(results, index, angle, flow, values)
     if np.isfinite(opens) and flow.any():
         marks["port opens"] = opens
     return dict(sorted(marks.items(), key=lambda mark: mark[1]))
+
+
+def _first_flow(
+    results: Results, index: tuple[int, ...], angle: np.ndarray, flow: np.ndarray, values: Mapping[str, np.ndarray]
+) -> float:
+    """Return the angle [degree] of the first flow through the discharge port.
+
+    Between the samples beside it, it is where the chamber has the volume of the built-in volume ratio, if it has.
+    """
+    first = int(np.argmax(flow > 0.0))
+    before = max(first - 1, 0)
+    if "volume" in values and "built_in_volume_ratio" in results.performance and before < first:
+        V = values["volume"]
+        share = (V[before] - np.max(V) / results.performance["built_in_volume_ratio"][index]) / (V[before] - V[first])
+        if -_SLACK <= share <= 1.0 + _SLACK:
+            return float(angle[before] + min(max(share, 0.0), 1.0) * (angle[first] - angle[before]))
+    return float(angle[before])
 
 
 def _injection(results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]) -> float:

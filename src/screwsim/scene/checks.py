@@ -20,6 +20,7 @@ from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
 
+FLUID = "gas.fluid"
 IN_RADIANS = math.radians(4.0 * math.pi)  # the last row of an area over 720 deg whose angles are written in radians
 ROUNDED = math.radians(0.01)  # by which the last row of a table may miss the end of the life
 LEAST_SPAN = 0.5  # of a chamber's life, which a table of its volume covers at the least
@@ -31,7 +32,7 @@ def cross_check(scene: Scene) -> list[Fault]:
     if stated:
         return stated
     operation = check_operation(scene)
-    faults = [
+    found = [
         *check_machine(scene.machine),
         *size_faults(scene),
         *operation,
@@ -41,7 +42,11 @@ def cross_check(scene: Scene) -> list[Fault]:
         *_oil_supply(scene),
         *_effects(scene),
     ]
-    return faults or list(_on_geometry(scene))
+    if not found:
+        return list(_on_geometry(scene))
+    if all(fault.path != FLUID for fault in found):
+        return found
+    return [fault for fault in found if f"{FLUID}: " not in fault.what]  # what an unknown fluid leaves unknown
 
 
 def _dry(scene: Scene) -> Iterator[Fault]:

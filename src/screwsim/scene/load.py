@@ -106,10 +106,21 @@ def _read_file(
             what = f"is a file of results, not a scene (screwsim report {name} makes a page of it)"
         elif at is None and os.path.isfile(f"{name}.yaml"):
             what = f"cannot be read: {error} (there is {name}.yaml)"
+        elif at is None and (near := _near_file(name)) is not None:
+            what = f"cannot be read: {error}; did you mean '{near}'?"
         there = start.at(error.line, error.column)
         problems.append(Problem(there, "", what) if at is None else replace(at, what=f"{at.what} {what}"))
         return None
     return _read_text(text, start, trail, problems)
+
+
+def _near_file(name: str) -> str | None:
+    """Return the scene beside a file that is not there, of whose name this one is a slip; None without one."""
+    folder, own = os.path.split(name)
+    if os.path.lexists(name) or not os.path.isdir(folder or "."):
+        return None
+    near = nearest(own, [each for each in os.listdir(folder or ".") if each.endswith((".yaml", ".yml"))])
+    return None if near is None else os.path.join(folder, near)
 
 
 def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[Problem]) -> Node | None:

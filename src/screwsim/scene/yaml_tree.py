@@ -19,7 +19,6 @@ from ruamel.yaml.scanner import Scanner
 from screwsim.inputs.faults import SceneError
 from screwsim.scene.syntax import not_yaml
 
-ROOT = "<root>"
 MOST_NODES = 1_000_000  # of one text, every alias written out
 MOST_LEVELS = 32
 _LONGEST_PATH = 200  # letters of a path that a fault shows
@@ -70,7 +69,7 @@ class Problem:
 
     def __str__(self) -> str:
         path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[:_LONGEST_PATH]}…"
-        return one_line(f"{self.place}: {path or ROOT}: {self.what}")
+        return one_line(f"{self.place}: {path}: {self.what}" if path else f"{self.place}: {self.what}")
 
 
 def scene_error(problems: Iterable[Problem]) -> SceneError:

@@ -36,7 +36,7 @@ def told_efficiency(scene: Scene) -> str:
     if usual_efficiency(scene) == ISOTHERMAL:
         return ""
     return (
-        f"asked for is {ISENTROPIC}: a real gas may have no isothermal one, as where it condenses on that way "
+        f"{ISENTROPIC} is taken: a real gas may have no isothermal one, as where it condenses on the way "
         "(--figure chooses another)"
     )
 

@@ -55,8 +55,9 @@ def asked_of(
 ) -> Asked:
     """Return what is asked for; raise UsageError, in one line, for what cannot be."""
     if fluid is not None and constants.limits(fluid) is None:
-        other = names.same_fluid(fluid)
-        hint = f"; did you mean {other!r}?" if other else " (write one of its names, e.g. R134a, R454B or CO2)"
+        other, blend = names.same_fluid(fluid), names.blend(fluid)
+        hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
+        hint = hint or " (write one of its names, e.g. R134a, R454B or CO2)"
         raise UsageError(f"--fluid {fluid}: is no fluid or blend of CoolProp{hint}")
     if oil is not None and oil not in OILS:
         near = nearest(oil, OILS)
