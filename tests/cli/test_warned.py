@@ -28,7 +28,7 @@ def words(text):
 
 def test_run_says_of_a_machine_that_sucks_nothing_so_in_its_first_line(capsys):
     exit_code(["run", PLAIN, "--set", "operation.speed=60 rpm"])
-    title, status = capsys.readouterr().out.splitlines()[:2]
+    title, _, status = capsys.readouterr().out.splitlines()[:3]
     assert title.startswith("R134a") and status.startswith("status: ")
     assert "the volumetric efficiency is -" in status
 
@@ -47,7 +47,7 @@ def test_the_first_line_of_run_tells_gas_hotter_than_a_machine_stands(capsys):
     result = screwsim.simulate(screwsim.load(PAPER, hot))
     assert result.status == "ok" and result.impossible == ("discharge_temperature",)
     exit_code(["run", PAPER, *(part for each in hot for part in ("--set", each))])
-    title, status = capsys.readouterr().out.splitlines()[:2]
+    title, _, status = capsys.readouterr().out.splitlines()[:3]
     assert "oil from an independent pump: no machine runs so, discharge temperature " in title
     assert status.startswith("status: ok, with ")
 
