@@ -46,10 +46,10 @@ class Along(Chambers):
         network, to, body = self.network, Statements(), Statements()
         if network.phases:
             with to.within(f"for j in range({network.chambers})"):
-                at = f"j * {self.n}"
-                to.add(f"{held_phase(network, 'j')} = gas_phase(y[{at}], y[{at} + 1], P, TAB)")
+                at = "j * N"
+                to.add(f"{held_phase(network, 'j')} = gas_phase(y[{at} + S_T], y[{at} + S_rho], P, TAB)")
         with body.within(f"for j in range({network.chambers})"):
-            body.add(f"T = y[j * {self.n}]", f"rho = y[j * {self.n} + 1]")
+            body.add("T = y[j * N + S_T]", "rho = y[j * N + S_rho]")
             body.add(f"phase = int({held_phase(network, 'j')})" if network.phases else "phase = 0")
             balances.gas_state(body, network)
             body.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
