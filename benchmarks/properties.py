@@ -129,7 +129,7 @@ def flux_error(gas: RealGas, p: float, T: float, ratio: float) -> float:
         return found[1] * sqrt(2.0 * max(h - found[2], 0.0))
 
     throat = minimize_scalar(lambda x: -flux(x), bounds=(0.3 * p, 0.95 * p), method="bounded").x
-    _, rho, _, *rest = gas.place(p, T)
+    _, rho, _, *rest = gas.port_state(p, T)
     return flow(1.0, ratio * p, 1.0, 1.0, 0.5, 0.5, p, rho, *rest, 0.0) / flux(max(ratio * p, throat)) - 1.0
 
 
@@ -149,7 +149,7 @@ def nozzle_table() -> None:
             for superheat in (10.0, 50.0):
                 T = float(gas.saturation_temperature(p) or 0.0) + superheat
                 cells = "".join(f"{100 * flux_error(gas, p, T, ratio):>8.3f}" for ratio in ratios)
-                print(f"{fluid:<14}{p / 1e5:>6.0f}{superheat:>8.0f} K{1 / gas.place(p, T)[3]:>7.3f}{cells}")
+                print(f"{fluid:<14}{p / 1e5:>6.0f}{superheat:>8.0f} K{1 / gas.port_state(p, T)[3]:>7.3f}{cells}")
 
 
 if __name__ == "__main__":

@@ -85,8 +85,8 @@ def turned(weight=2.0, restitution=0.5, start=1.0, rtol=RTOL, held=2.5e5, method
     machinery = Machinery(composition)
     y = first_guess(parts, machinery, P_S, T_S, 4e5)
     R = machinery.R
-    R[:8] = *parts.gas.place(P_S, T_S), 0.0, T_S
-    R[10:18] = *parts.gas.place(4e5, T_S), 0.0, T_S
+    R[:8] = *parts.gas.port_state(P_S, T_S), 0.0, T_S
+    R[10:18] = *parts.gas.port_state(4e5, T_S), 0.0, T_S
     y[list(GAS)] = T_S, parts.gas.density(4e5, T_S)
     y[list(BALL + LID)] = start, 0.0, 0.0, 0.0
     status, _, _, _ = machinery.pitch(y, rtol, 1e-3, check=check_of(method))

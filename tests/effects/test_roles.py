@@ -73,7 +73,8 @@ def test_an_effect_that_opens_a_way_leads_to_its_line(role, line):
 
 
 def test_a_figure_tells_which_effects_call_for_it():
-    told = "an effect with an Intake, such as effects.bypass.share or effects.suction_line or effects.suction_throttle"
+    told = "an effect with a SuctionChange, such as effects.bypass.share or effects.suction_line or "
+    told += "effects.suction_throttle"
     assert needs_of("intake_pressure") == f"{told} or effects.air_package.inlet_filter"
 
 

@@ -124,7 +124,7 @@ def test_two_phases_of_a_near_azeotrope_are_coolprops():
             h = constants.wet_enthalpy("R513A", state.p(), share)
             assert found == pytest.approx(T, abs=1e-6)
             assert h == pytest.approx(state.hmass(), abs=1e-6 * known.R * T)
-            assert gas.place_of_enthalpy(state.p(), h)[1] == pytest.approx(state.rhomass(), rel=1e-6)
+            assert gas.port_state_of_enthalpy(state.p(), h)[1] == pytest.approx(state.rhomass(), rel=1e-6)
 
 
 def test_a_blend_of_almost_one_component_condenses_as_that():

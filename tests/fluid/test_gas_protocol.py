@@ -104,8 +104,8 @@ def test_plain_python_is_the_same_equation(gas, p, T):
     assert gas.enthalpy(p, T) == pytest.approx(h, rel=1e-12)
     assert gas.entropy(p, T) == pytest.approx(asked(gas, gas.specific_entropy, T, rho), rel=1e-12)
     assert gas.temperature(p, h) == pytest.approx(T, rel=1e-9)
-    assert gas.place(p, T) == pytest.approx((p_found, rho, h, *flow), rel=1e-9)
-    assert gas.place_of_enthalpy(p, h) == pytest.approx(gas.place(p, T), rel=1e-7)  # p to which T is found
+    assert gas.port_state(p, T) == pytest.approx((p_found, rho, h, *flow), rel=1e-9)
+    assert gas.port_state_of_enthalpy(p, h) == pytest.approx(gas.port_state(p, T), rel=1e-7)  # p to which T is found
     there = gas.vapour(p, T)
     assert (there.p, there.T, there.rho, there.h) == pytest.approx((p, T, rho, h), rel=1e-9)
     assert gas.nearest_vapour(p, T) == T

@@ -58,8 +58,8 @@ def test_T_dp_dT_is_the_pressure():
     assert found["TpT"] == found["p"]
 
 
-def test_a_plenum_and_a_chamber_of_one_state_are_one_place():
-    p, rho, h, a, choke, choked = GAS.place(3e5, 300.0)
+def test_a_plenum_and_a_chamber_of_one_state_are_one_port_state():
+    p, rho, h, a, choke, choked = GAS.port_state(3e5, 300.0)
     found = state(300.0, rho)
     assert (found["p"], found["h"], found["a"], found["choke"], found["choked"]) == pytest.approx(
         (p, h, a, choke, choked), rel=ROUNDING

@@ -96,8 +96,8 @@ def test_next_to_no_water_changes_next_to_nothing():
             assert least.enthalpy(p, T) - least.enthalpy(1e5, 300.0) == pytest.approx(
                 dry.enthalpy(p, T) - dry.enthalpy(1e5, 300.0), rel=1e-10
             )
-            place, its = least.place(p, T), dry.place(p, T)
-            assert (place[1], *place[3:]) == pytest.approx((its[1], *its[3:]), rel=1e-10)
+            port_state, its = least.port_state(p, T), dry.port_state(p, T)
+            assert (port_state[1], *port_state[3:]) == pytest.approx((its[1], *its[3:]), rel=1e-10)
 
 
 def test_states_about_the_bend_where_water_begins_to_condense_are_found():

@@ -28,9 +28,9 @@ HIGH = (12e5, 360.0)  # pressure [Pa], temperature [K]
 ROUNDING = 1e-12
 
 
-def place(p, T, gas=GAS):
-    """Return (p, ρ, 1/k, drop and ψ² of choking), the arguments that a place gives to `flow`."""
-    pressure, rho, _h, *rest = gas.place(p, T)
+def port_state(p, T, gas=GAS):
+    """Return (p, ρ, 1/k, drop and ψ² of choking), the arguments that a port state gives to `flow`."""
+    pressure, rho, _h, *rest = gas.port_state(p, T)
     return pressure, rho, *rest
 
 
@@ -47,7 +47,7 @@ def regularised(dp, width=WIDTH):
 
 
 def into_first(p_1, T_1, p_2, T_2, width=WIDTH, gas=GAS):
-    return flow(AREA, *place(p_1, T_1, gas), *place(p_2, T_2, gas), width)
+    return flow(AREA, *port_state(p_1, T_1, gas), *port_state(p_2, T_2, gas), width)
 
 
 UNCHOKED = (0.999, 0.985, 0.95, 0.8, 0.6)
@@ -75,12 +75,12 @@ def test_nothing_flows_at_equal_pressures():
 
 
 @pytest.mark.parametrize("p_2", [1.0e5, 1.99999e5, 2.00001e5, 2.1e5, 9e5])
-def test_swapping_the_places_turns_the_sign(p_2):
+def test_swapping_the_port_states_turns_the_sign(p_2):
     assert into_first(2e5, 300.0, p_2, 350.0) == -into_first(p_2, 350.0, 2e5, 300.0)  # exactly: mass is conserved by it
 
 
 def test_flow_is_proportional_to_the_area():
-    args = (*place(2e5, 300.0), *place(3e5, 320.0), WIDTH)
+    args = (*port_state(2e5, 300.0), *port_state(3e5, 320.0), WIDTH)
     assert flow(3.0, *args) == pytest.approx(3.0 * flow(1.0, *args), rel=1e-15)
 
 
@@ -96,8 +96,8 @@ def test_the_stated_error_at_the_width_is_sixteen_percent():
 
 
 def test_flow_has_one_slope_on_both_sides_of_equal_pressures():
-    one = place(2e5, 300.0)
-    left, right = (flow_slopes(AREA, *one, *place(2e5 + dp, 300.0), WIDTH)[3] for dp in (-1e-6, 1e-6))
+    one = port_state(2e5, 300.0)
+    left, right = (flow_slopes(AREA, *one, *port_state(2e5 + dp, 300.0), WIDTH)[3] for dp in (-1e-6, 1e-6))
     assert left == pytest.approx(right, rel=1e-6)  # Δp/ε = 1e-7 away from the middle, and ρ differs by as little
 
 
@@ -117,7 +117,7 @@ def test_flow_is_continuous_at_choking():
 def test_the_slope_by_the_pressure_below_vanishes_at_choking():
     p, T = HIGH
     choke, _ = choking(GAS.k)
-    slope = flow_slopes(AREA, *place(p * (1 - choke * (1 - 1e-9)), 300.0), *place(p, T), 0.0)[1]
+    slope = flow_slopes(AREA, *port_state(p * (1 - choke * (1 - 1e-9)), 300.0), *port_state(p, T), 0.0)[1]
     assert abs(slope) * p < 1e-7 * textbook(p, T, 0.0)  # ψ has its maximum there: C1 across choking
 
 
@@ -147,7 +147,7 @@ PAIRS = [(2e5, 2.5e5), (2e5, 2.01e5), (2e5, 9e5), (2.5e5, 2e5), (9e5, 2e5), (2.0
 @pytest.mark.parametrize("which", range(4))
 def test_slopes_are_the_derivatives_of_the_flow(p_1, p_2, which):
     """∂ṁ/∂p_1, ∂ρ_1, ∂p_2, ∂ρ_2 against central differences, unchoked and choked, both directions, near Δp = 0."""
-    values = np.array([p_1, place(p_1, 300.0)[1], p_2, place(p_2, 350.0)[1]])
+    values = np.array([p_1, port_state(p_1, 300.0)[1], p_2, port_state(p_2, 350.0)[1]])
     rest = (1 / GAS.k, *choking(GAS.k))
 
     def at(v):
@@ -163,7 +163,7 @@ def test_slopes_are_the_derivatives_of_the_flow(p_1, p_2, which):
 
 
 def test_slopes_come_with_the_flow_itself():
-    args = (AREA, *place(2e5, 300.0), *place(3e5, 320.0), WIDTH)
+    args = (AREA, *port_state(2e5, 300.0), *port_state(3e5, 320.0), WIDTH)
     assert flow_slopes(*args)[0] == pytest.approx(flow(*args), rel=1e-15)
 
 
@@ -273,7 +273,7 @@ def exact_flux(gas, p_1, T_1, p_2):
 
 
 def local_flux(gas, p_1, T_1, p_2):
-    return flow(1.0, p_2, 1.0, 1.0, 0.5, 0.5, *(gas.place(p_1, T_1)[i] for i in (0, 1, 3, 4, 5)), 0.0)
+    return flow(1.0, p_2, 1.0, 1.0, 0.5, 0.5, *(gas.port_state(p_1, T_1)[i] for i in (0, 1, 3, 4, 5)), 0.0)
 
 
 # fluid, upstream pressure and superheat, and whether the expansion to the throat stays dry

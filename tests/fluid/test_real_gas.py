@@ -205,16 +205,16 @@ def test_both_gases_have_one_interface():
 
 
 @pytest.mark.parametrize(("p", "T"), [(2e5, 275.0), (12e5, 330.0), (39e5, 380.0), (45e5, 400.0)])
-def test_a_plenum_and_a_chamber_of_one_state_are_one_place(p, T):
-    place = R134A.place(p, T)
-    found = R134A.state(T, place[1])
-    assert (found[0], found[1], *found[4:]) == pytest.approx((p, *place[2:]), rel=1e-12)
+def test_a_plenum_and_a_chamber_of_one_state_are_one_port_state(p, T):
+    port_state = R134A.port_state(p, T)
+    found = R134A.state(T, port_state[1])
+    assert (found[0], found[1], *found[4:]) == pytest.approx((p, *port_state[2:]), rel=1e-12)
 
 
 @pytest.mark.parametrize(("p", "T"), [(2e5, 275.0), (12e5, 330.0), (39e5, 380.0), (45e5, 400.0)])
 def test_temperature_inverts_the_enthalpy(p, T):
     assert R134A.temperature(p, R134A.enthalpy(p, T)) == pytest.approx(T, rel=1e-12)
-    assert R134A.place_of_enthalpy(p, R134A.enthalpy(p, T)) == pytest.approx(R134A.place(p, T), rel=1e-10)
+    assert R134A.port_state_of_enthalpy(p, R134A.enthalpy(p, T)) == pytest.approx(R134A.port_state(p, T), rel=1e-10)
 
 
 @pytest.mark.parametrize("fluid", ["R134a", "CarbonDioxide"])
@@ -299,7 +299,7 @@ def test_the_margin_falls_through_zero_at_the_equations_limits():
 
 def test_a_liquid_is_refused_with_its_boiling_point():
     with pytest.raises(UsageError, match=r"R134a at 500000 Pa, 280 K is liquid: it boils at 288\.88"):
-        R134A.place(5e5, 280.0)
+        R134A.port_state(5e5, 280.0)
 
 
 def test_the_nearest_vapour_is_the_state_itself_or_one_kelvin_above_saturation():
@@ -312,7 +312,7 @@ def test_the_nearest_vapour_is_the_state_itself_or_one_kelvin_above_saturation()
 @pytest.mark.parametrize("lower", [60e3, 180e3])  # two phases, liquid
 def test_a_plenum_of_less_enthalpy_than_vapour_has_what_was_asked(lower):
     h = R134A.enthalpy(12e5, 330.0) - lower
-    p, _rho, found, *_ = R134A.place_of_enthalpy(12e5, h)
+    p, _rho, found, *_ = R134A.port_state_of_enthalpy(12e5, h)
     assert (p, found) == pytest.approx((12e5, h), rel=1e-12)
 
 
@@ -322,7 +322,7 @@ def test_a_liquid_is_that_of_coolprop(T, p):
 
     state = coolprop.AbstractState("HEOS", "R134a")
     state.update(coolprop.PT_INPUTS, p, T)
-    _p, rho, *_ = R134A.place_of_enthalpy(p, state.hmass())
+    _p, rho, *_ = R134A.port_state_of_enthalpy(p, state.hmass())
     assert rho == pytest.approx(state.rhomass(), rel=1e-9)  # the reference's own iteration on p
 
 

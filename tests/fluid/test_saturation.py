@@ -218,7 +218,7 @@ def test_an_isenthalpic_state_in_the_dome_has_the_share_of_vapour_that_its_entha
     gas, kernels = RealGas("R134a", "equilibrium"), saturation_kernels("R134a")
     T, rho = wet("R134a", 0.85, 0.3)
     p, h, *_ = gas.state(T, rho)
-    found = gas.place_of_enthalpy(p, h)
+    found = gas.port_state_of_enthalpy(p, h)
     assert found[1] == pytest.approx(rho, rel=1e-9) and found[2] == pytest.approx(h, rel=1e-12)
     assert gas.temperature(p, h) == pytest.approx(T, rel=1e-11)
     assert math.isclose(kernels.pressure(T)[0], p)

@@ -7,7 +7,7 @@ from scenes import DROP, make, run
 from screwsim import outputs
 from screwsim.cycle import coordinates, relaxation
 from screwsim.figures.errors import relative_errors, worst
-from screwsim.model import places, slots
+from screwsim.model import port_states, slots
 from screwsim.model.balance import oil_temperature_slope
 from screwsim.model.network.network import Network
 from screwsim.model.network.steps import step_texts
@@ -97,19 +97,19 @@ def test_the_floor_of_the_oils_mass_is_a_share_of_it(x):
 def size_of(y0, y1, error):
     """Return the size of a step's error of one chamber with carried oil, an ideal gas."""
     network = Network(("T", "rho", "T_oil", "x_oil"), (), heated=True, carried=True, dissolves=False, roomed=False)
-    names = {"PRESSURE": slots.PRESSURE, "TPT": slots.TPT, places.relative.flat_name: places.relative}
+    names = {"PRESSURE": slots.PRESSURE, "TPT": slots.TPT, port_states.relative.flat_name: port_states.relative}
     exec("\n".join(step_texts(network)), names)
-    place = np.zeros(slots.PLACE)
-    place[[slots.PRESSURE, slots.TPT]] = 1e5
-    return names["chamber__error"](np.array(y0), np.array(y1), np.array(error), 0, place, 0, ())
+    port_state = np.zeros(slots.PORT_STATE)
+    port_state[[slots.PRESSURE, slots.TPT]] = 1e5
+    return names["chamber__error"](np.array(y0), np.array(y1), np.array(error), 0, port_state, 0, ())
 
 
 @pytest.mark.parametrize(("x", "possible"), [(0.0, True), (-0.9, True), (-1.1, False), (-100.0, False)])
 def test_oil_below_none_is_rounding_or_impossible(x, possible):
-    """`places.NO_OIL`: oil per gas of -1e-13 passes, less makes the step smaller."""
-    y = [300.0, 1.0, 310.0, x * places.NO_OIL]
+    """`port_states.NO_OIL`: oil per gas of -1e-13 passes, less makes the step smaller."""
+    y = [300.0, 1.0, 310.0, x * port_states.NO_OIL]
     size = size_of(y, y, [0.0, 0.0, 0.0, 0.0])
-    assert size == (0.0 if possible else places.IMPOSSIBLE)
+    assert size == (0.0 if possible else port_states.IMPOSSIBLE)
 
 
 @pytest.mark.parametrize("x", [-1.0, 1.0])
@@ -118,7 +118,7 @@ def test_oil_that_is_rounding_changes_no_sign(x):
     m, omega = 2e-4, 300.0
     found, none = (
         oil_temperature_slope(300.0, share * m, m, 2000.0, 1e-6, 1e-6 * 310.0, 0.0, omega)
-        for share in (x * places.NO_OIL, 0.0)
+        for share in (x * port_states.NO_OIL, 0.0)
     )
     assert none > 0.0
     assert found / none == pytest.approx(1.0, abs=0.12)
@@ -126,20 +126,20 @@ def test_oil_that_is_rounding_changes_no_sign(x):
 
 @pytest.mark.parametrize("speed", ["1000 rpm", "3000 rpm"])
 def test_a_chamber_without_oil_makes_none(speed):
-    """What `places.NO_OIL` lets pass does not grow: no more oil, of either sign, goes through than a step tells."""
+    """What `port_states.NO_OIL` lets pass does not grow: no more oil, of either sign, passes than a step tells."""
     found = run({**CARRIED, "oil_supply.ratio": 0, "operation.speed": speed})
     assert found.status == "ok"
-    assert abs(found.performance.oil_ratio) <= 0.1 * places.SOME_OIL
-    assert abs(found.performance.oil_flow_ratio) <= 0.1 * places.SOME_OIL
+    assert abs(found.performance.oil_ratio) <= 0.1 * port_states.SOME_OIL
+    assert abs(found.performance.oil_flow_ratio) <= 0.1 * port_states.SOME_OIL
     assert found.performance.oil_discharge_temperature is None  # that of nothing
 
 
 @pytest.mark.parametrize(("x", "share"), [(1e-9, 1e-3), (1e-7, 0.1), (1e-6, 1.0), (1e-3, 1.0), (3.0, 1.0)])
 def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share):
-    """`places.SOME_OIL`: below 1e-6 of the gas, oil holds less than 1e-5 of the heat; its temperature counts so."""
+    """`SOME_OIL`: below 1e-6 of the gas, oil holds less than 1e-5 of the heat; its temperature counts so."""
     y = [300.0, 1.0, 310.0, x]
     assert size_of(y, y, [0.0, 0.0, 31.0, 0.0]) == pytest.approx(0.1 * share, rel=1e-12)
-    assert size_of(y, y, [0.0, 0.0, 0.0, 1e-7]) == pytest.approx(1e-7 / max(x, places.SOME_OIL), rel=1e-9)
+    assert size_of(y, y, [0.0, 0.0, 0.0, 1e-7]) == pytest.approx(1e-7 / max(x, port_states.SOME_OIL), rel=1e-9)
 
 
 def test_without_oil_the_slope_of_its_temperature_is_finite():

@@ -12,7 +12,7 @@ from scenes import closed, make
 from screwsim.cycle.coordinates import logarithms
 from screwsim.cycle.feedback import image, set_unknowns
 from screwsim.cycle.guess import begin, leased
-from screwsim.cycle.mixing import Pace
+from screwsim.cycle.mixing import MixingRule
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.search import FINE, SEARCH, searched, sought_on
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
@@ -62,7 +62,7 @@ def left():
     machinery = leased(problem)
     begin(problem, machinery)
     start = chambers_at_pitches(machinery)
-    yield problem, machinery, sought_on(problem, machinery, problem.wanted, start, Pace(5, 0.3), 2_000_000)
+    yield problem, machinery, sought_on(problem, machinery, problem.wanted, start, MixingRule(5, 0.3), 2_000_000)
     leases.give_back(machinery)
 
 
@@ -78,7 +78,7 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
     assert again is not None
     assert np.abs(logarithms(again.y, c) - place).max() < 1e-3
     y = found.y * np.exp(1e-3)
-    swung = close_together(problem, machinery, problem.wanted, y, Pace(0), 400_000, 300)
+    swung = close_together(problem, machinery, problem.wanted, y, MixingRule(0), 400_000, 300)
     assert swung.status == "not_closed"
     assert np.abs(logarithms(swung.y, c) - place).max() > 0.1  # the machine's own course leads away
 

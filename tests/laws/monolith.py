@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.machine.drive.train import Train
-from screwsim.model.slots import E_AREAS, E_SLOPE, FREE, P_OMEGA, PLACE, PRESSURE
+from screwsim.model.slots import E_AREAS, E_SLOPE, FREE, P_OMEGA, PORT_STATE, PRESSURE
 
 
 class Monolith:
@@ -34,7 +34,7 @@ class Monolith:
         context[3][-c.chambers :] = FREE
         module.chambers__surroundings(s, middle, context, self.E)
         module.chambers__rates(np.ascontiguousarray(y[: self.n]), self.E, context, self.f, self.g)
-        pressures = context[3][: c.chambers * PLACE].reshape(-1, PLACE)[:, PRESSURE]
+        pressures = context[3][: c.chambers * PORT_STATE].reshape(-1, PORT_STATE)[:, PRESSURE]
         gas = -float((pressures - self.low) @ self.E.reshape(c.chambers, self.size)[:, E_SLOPE])
         spring = train.coupling.torque(twist) + train.damping * (motor_speed - omega)
         drive = train.motor.limited_torque(motor_speed, self.no_load)

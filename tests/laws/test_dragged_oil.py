@@ -10,7 +10,7 @@ from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.protocol import END_GAP, TIP_GAP
 from screwsim.machine.sliding import wall_speeds
-from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
+from screwsim.model.slots import OIL_TEMPERATURE, PORT_STATE, PRESSURE
 from screwsim.scene import load
 
 ACCURACY = 3e-4  # numerics.accuracy
@@ -127,7 +127,7 @@ def test_radau_finds_the_same():
 
 
 def sides(scene):
-    """Return what is dragged out of each leading place [kg/s], and (T_o, p) there and behind, over angles [rad].
+    """Return what is dragged out of each leading port state [kg/s], and (T_o, p) there and behind, over angles [rad].
 
     The first rows are between chambers, by the angle of the leading one, the second of the last one and the line.
     """
@@ -137,7 +137,7 @@ def sides(scene):
     own, behind = (m.sample(angles)[0] for angles in (phi, phi - PITCH))
     between = phi, -m.oil_films(phi)[:, 1], own[:, [6, 1]].T, behind[:, [6, 1]].T
     beyond = np.linspace(LIFE - PITCH, LIFE, 9001)
-    last, line = m.sample(beyond)[0], m.R[PLACE:]
+    last, line = m.sample(beyond)[0], m.R[PORT_STATE:]
     p = line[PRESSURE]
     T = line[OIL_TEMPERATURE] - (p / (DENSITY * HEAT) if "effects.oil_volume" in scene else 0.0)
     there = np.full((2, len(beyond)), [[T], [p]])

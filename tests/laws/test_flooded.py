@@ -51,8 +51,8 @@ def test_saturated_vapour_is_never_taken_for_a_liquid(fluid, T, two_phase):
     overrides = [f"gas.fluid={fluid}", f"gas.two_phase={two_phase}", f"operation.evaporating_temperature={T} K"]
     overrides += ["operation.condensing_temperature=303 K"]
     at = lines(load(CONFIG, overrides=overrides))
-    place = RealGas(fluid, two_phase).place(at.p_s, at.T_s)
-    assert place[1] == pytest.approx(PropsSI("D", "T", T, "Q", 1, fluid), rel=1e-6)
+    port_state = RealGas(fluid, two_phase).port_state(at.p_s, at.T_s)
+    assert port_state[1] == pytest.approx(PropsSI("D", "T", T, "Q", 1, fluid), rel=1e-6)
 
 
 def test_superheat_over_a_stated_pressure_may_be_none_too():

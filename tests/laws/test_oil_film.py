@@ -9,7 +9,7 @@ from screwsim.explain import explain
 from screwsim.fluid.gap_flow import film_flux
 from screwsim.inputs.faults import SceneError
 from screwsim.model.compose import compose
-from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
+from screwsim.model.slots import OIL_TEMPERATURE, PORT_STATE, PRESSURE
 
 ACCURACY = 3e-4  # numerics.accuracy
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass")
@@ -130,7 +130,7 @@ def test_the_ledger_has_what_films_generate(room):
     q = m.oil_films(phi)[:, 1]
     between = generated(-q, *here, *there) + generated(q, *there, *here)
     beyond = np.linspace(3.5 * np.pi, 4.0 * np.pi, 9001)
-    q, (last, _), line = m.oil_films(beyond)[:, 0], m.sample(beyond), m.R[PLACE:]
+    q, (last, _), line = m.oil_films(beyond)[:, 0], m.sample(beyond), m.R[PORT_STATE:]
     p, T = line[PRESSURE], line[OIL_TEMPERATURE]
     T -= p / (2000.0 * OIL_DENSITY) if room else 0.0
     to_and_fro = generated(q, T, p, last[:, 6], last[:, 1]) + generated(-q, last[:, 6], last[:, 1], T, p)

@@ -10,7 +10,7 @@ from screwsim.effects.plenums import Behind, Parameters, offset, pulsation
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
-from screwsim.model.slots import DENSITY, DISCHARGE_IN, EXPONENT, P_OMEGA, P_PITCH, PLACE, PRESSURE
+from screwsim.model.slots import DENSITY, DISCHARGE_IN, EXPONENT, P_OMEGA, P_PITCH, PORT_STATE, PRESSURE
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 
@@ -207,8 +207,8 @@ def monolith(scene, pitches):
     c, module, context = machinery.composition, machinery.together, machinery.coupled_context
     size, omega, pitch = scene.effects["plenums"].parameters, c.P[P_OMEGA], c.P[P_PITCH]
     flow = -of.streams[2:4, 0].sum() * omega / pitch
-    lines, width = c.n_E_all - 3 * PLACE + PLACE, 4
-    p_d, rho_d, inverse = (machinery.R[PLACE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
+    lines, width = c.n_E_all - 3 * PORT_STATE + PORT_STATE, 4
+    p_d, rho_d, inverse = (machinery.R[PORT_STATE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
     sound = np.sqrt(p_d / (inverse * rho_d))
     E, f, g = np.empty(c.n_E_all), np.empty(c.chambers * machinery.n), np.empty(machinery.nq + 1)
     held = machinery.coupled_space()["spaces"][0][-c.chambers :]
@@ -218,7 +218,7 @@ def monolith(scene, pitches):
         module.chambers__surroundings(phi, phi + 1e-9, context, E)
         p, rho = z[-1], rho_d * (z[-1] / p_d) ** inverse
         E[lines + PRESSURE], E[lines + DENSITY] = p, rho
-        E[lines + 2] = machinery.R[PLACE + 2] + (p / rho - p_d / rho_d) / (1.0 - inverse)
+        E[lines + 2] = machinery.R[PORT_STATE + 2] + (p / rho - p_d / rho_d) / (1.0 - inverse)
         held[:] = -1.0
         module.chambers__rates(np.ascontiguousarray(z[:-1]), E, context, f, g)
         into = -(g[at] + g[at + width]) * omega

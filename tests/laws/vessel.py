@@ -15,7 +15,7 @@ from screwsim.build import build_parts
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model.compose import compose
 from screwsim.model.contexts import ChamberContext
-from screwsim.model.slots import PLACE
+from screwsim.model.slots import PORT_STATE
 from screwsim.scene import loads
 
 VOLUME, AREA = 6e-4, 1e-6  # m³, m²: a pin hole, so that the vessel takes seconds
@@ -62,12 +62,12 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     """Return temperature and mass in the vessel after `time` [s], from (p, T) inside and outside."""
     P, R = v.composition.P.copy(), np.zeros(26)
     P[4] = 1e-6  # Pa: no regularisation that could be seen
-    R[:6] = v.gas.place(*outside)
+    R[:6] = v.gas.port_state(*outside)
     y = np.array([inside[1], v.gas.density(*inside)])
     nq, room, n = v.composition.n_quadratures, 3000, 2
-    columns = n + v.composition.n_place
+    columns = n + v.composition.n_port_state
     history = np.zeros(room + 1), np.zeros((room, 4, columns)), np.zeros((room, nq))
-    spaces = np.zeros(columns), np.append(np.zeros(PLACE), -1.0)
+    spaces = np.zeros(columns), np.append(np.zeros(PORT_STATE), -1.0)
     kept = np.zeros(2, np.int64)
     context = ChamberContext(
         P,

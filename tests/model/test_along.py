@@ -1,4 +1,4 @@
-"""The change of the rates along one of all they take against differences: each parameter, place and state alone."""
+"""The change of the rates along one of all they take against differences: each parameter, port state, state."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ from scenes import OF_ALL_STREAMS, closed, make
 from screwsim.model import compiled
 from screwsim.model.contexts import Changes, CoupledContext, Sides
 from screwsim.model.run import Context
-from screwsim.model.slots import FREE, PLACE
+from screwsim.model.slots import FREE, PORT_STATE
 from screwsim.scene import load
 
 ANGLES = np.radians((5.3, 41.2, 71.6))  # of the first chamber, off the knots of curves
@@ -36,8 +36,8 @@ class Rates:
 
     def context(self, P, TAB, R):
         c = self.c
-        places = np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE))
-        return Context(CoupledContext(P.copy(), TAB.copy(), R.copy(), places, np.zeros(c.n_work_all)))
+        port_states = np.append(np.zeros((c.chambers + 1) * PORT_STATE), np.full(c.chambers, FREE))
+        return Context(CoupledContext(P.copy(), TAB.copy(), R.copy(), port_states, np.zeros(c.n_work_all)))
 
     def empty(self):
         return [np.empty((len(ANGLES), n)) for n in (self.base["y"].shape[1], self.machinery.nq + 1)]

@@ -12,7 +12,7 @@ from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
 SLOTS = ("surroundings", "rates", "jacobian", "at_breakpoint", "lands", "error_size", "share_in_phase", "conserve")
-SLOTS += ("keep_places", "jump")
+SLOTS += ("keep_port_states", "jump")
 
 
 class Path(NamedTuple):
@@ -73,7 +73,8 @@ def emitted(problem: Problem, states: int, quadratures: int) -> dict[str, Any]:
     names: dict[str, Any] = {"np": np, "math": __import__("math")}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian}
     names["p_at_breakpoint"] = at_breakpoint
-    names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
+    names |= {"p_error_size": error_size, "p_conserve": conserve}
+    names["p_keep_port_states"] = lambda step, dense, context: None
     names["p_share_in_phase"], names["p_lands"] = share_in_phase, lambda h, J, *_: problem.lands(h, J)
     names["p_jump"] = lambda y, rtol, context: True
     sizes = {"STATES": states, "QUADRATURES": quadratures}

@@ -198,8 +198,9 @@ OF_TABLES = (
 )
 TELLING = {  # give a truth, a count or a place, or step over a history
     *("fluid.limits.first_outside", "model.closing_ports.closes", "model.closing_ports.stiff"),
-    *("model.oil_displacement.locked", "model.places.gas_at_third", "model.places.jumps", "model.places.row_of_third"),
-    *("model.places.held_to_a_line", "model.trace.peak_pressure", "model.trace.port_oil"),
+    *("model.oil_displacement.locked", "model.port_states.gas_at_third", "model.port_states.jumps"),
+    *("model.port_states.row_of_third", "model.port_states.held_to_a_line", "model.trace.peak_pressure"),
+    "model.trace.port_oil",
     *("numerics.history.locate", "numerics.spline.table_interval"),
 }
 ARRAYS = {"R", "E", "y", "own", "times", "out"}
@@ -207,7 +208,7 @@ ROOM = {"P_ROOM": 0}
 
 
 class Filled:
-    """A kernel whose tables and places are filled in: of its seeds alone."""
+    """A kernel whose tables and port states are filled in: of its seeds alone."""
 
     def __init__(self, item: Kernel, random: np.random.Generator) -> None:
         self.arguments = tuple(name for name in item.arguments if name not in TABLES)

@@ -32,7 +32,7 @@ from scenes import make  # noqa: E402
 from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
 from screwsim.cycle.fallbacks import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa: E402
 from screwsim.cycle.guess import leased  # noqa: E402
-from screwsim.cycle.mixing import FULL, Pace  # noqa: E402
+from screwsim.cycle.mixing import FULL, MixingRule  # noqa: E402
 from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
 from screwsim.cycle.search import sought  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
@@ -111,8 +111,8 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
             return "not_closed", Figures(), None
         cycle = found
     else:
-        pace = Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL
-        cycle = close_together(problem, machinery, finest, y.copy(), pace)
+        rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL
+        cycle = close_together(problem, machinery, finest, y.copy(), rule)
     return cycle.status, evaluate(problem, cycle).figures, cycle.change
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from screwsim.cycle.guess import begin
-from screwsim.cycle.mixing import FULL, Pace
+from screwsim.cycle.mixing import FULL, MixingRule
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.search import SEARCH, judged, possible, sought_on
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
@@ -38,20 +38,20 @@ def fallbacks(
     """
 
     def closed(
-        pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted, patient: bool = False
+        rule: MixingRule = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted, patient: bool = False
     ) -> CycleSolution:
         begin(problem, machinery)
         y = chambers_at_pitches(machinery)
-        return close_together(problem, machinery, wanted, y, pace, most, PITCHES_OF_A_TRY, patient)
+        return close_together(problem, machinery, wanted, y, rule, most, PITCHES_OF_A_TRY, patient)
 
     def plain(patient: bool = False) -> CycleSolution:
-        return closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY, patient=patient)
+        return closed(MixingRule(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY, patient=patient)
 
     def damped(patient: bool = False) -> CycleSolution:
-        pace = Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
+        rule = MixingRule(DAMPED_DEPTH, DAMPING, NEAR_DAMPED)
         if possible(problem) and not patient:
-            return sought_from_guess(pace, MOST_OF_A_TRY, early=True)
-        return judged(problem, machinery, wanted, closed(pace))
+            return sought_from_guess(rule, MOST_OF_A_TRY, early=True)
+        return judged(problem, machinery, wanted, closed(rule))
 
     def faster(patient: bool = False) -> CycleSolution:
         begin(problem, machinery)
@@ -65,9 +65,9 @@ def fallbacks(
         cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY, patient=patient)
         return judged(problem, machinery, wanted, cycle)
 
-    def sought_from_guess(pace: Pace, most: int, early: bool = False) -> CycleSolution:
+    def sought_from_guess(rule: MixingRule, most: int, early: bool = False) -> CycleSolution:
         begin(problem, machinery)
-        cycle = sought_on(problem, machinery, wanted, chambers_at_pitches(machinery), pace, most, early)
+        cycle = sought_on(problem, machinery, wanted, chambers_at_pitches(machinery), rule, most, early)
         return cycle if cycle.needed else judged(problem, machinery, wanted, cycle)
 
     if left < OF_STEPS:
@@ -77,7 +77,7 @@ def fallbacks(
     tries[f"continuation from {FASTER:g} times the speed"] = faster
     yield from tries.items()
     if possible(problem):
-        yield SEARCH, lambda: sought_from_guess(Pace(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
+        yield SEARCH, lambda: sought_from_guess(MixingRule(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
     if problem.composition.chambers > 1:
         for name, attempt in tries.items():  # where all was in vain, each once more, to its end
             yield name, partial(attempt, patient=True)

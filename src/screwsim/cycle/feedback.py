@@ -31,8 +31,8 @@ from screwsim.model.slots import (
     OF_GAS,
     OIL_RATIO,
     OIL_TEMPERATURE,
-    PLACE,
     PLENUM_ENTROPY,
+    PORT_STATE,
     PRESSURE,
     R_DISCHARGE,
     R_SUCTION,
@@ -143,8 +143,8 @@ def _line_flows(
         flow, volume = (each[number] for each in taken())
         streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, OF_GAS]
         mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
-        h = float(life.R[number * PLACE + ENTHALPY])
-        p, rho, _h, exponent, *_ = gas.place_of_enthalpy(float(life.R[number * PLACE + PRESSURE]), h)
+        h = float(life.R[number * PORT_STATE + ENTHALPY])
+        p, rho, _h, exponent, *_ = gas.port_state_of_enthalpy(float(life.R[number * PORT_STATE + PRESSURE]), h)
         return LineFlow(flow + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent)
 
     return flow_to
@@ -176,8 +176,8 @@ def at_its_end(problem: Problem, life: Trajectory) -> str:
 
 def _line(problem: Problem, R: Array) -> Array:
     """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
-    place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
-    return np.array([max(place[cell], 1e-9) for cell in _cells(problem)])
+    port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
+    return np.array([max(port_state[cell], 1e-9) for cell in _cells(problem)])
 
 
 def _cells(problem: Problem) -> tuple[int, ...]:
@@ -219,22 +219,23 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
 def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
     """Give the discharge line its enthalpy and oil.
 
-    An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the place.
+    An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the port
+    state.
     """
     suction = problem.suction
     try:
-        place = problem.parts.gas.place_of_enthalpy(problem.lines.p_d, float(plenum[0]))
+        port_state = problem.parts.gas.port_state_of_enthalpy(problem.lines.p_d, float(plenum[0]))
         if suction.returned > 0.0 and not problem.parts.suction_line:
-            R[R_SUCTION : R_SUCTION + OIL_RATIO] = suction.place(float(plenum[0]))
+            R[R_SUCTION : R_SUCTION + OIL_RATIO] = suction.port_state(float(plenum[0]))
     except UsageError:
-        place = None
-    if place is not None:
-        R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
+        port_state = None
+    if port_state is not None:
+        R[R_DISCHARGE : R_DISCHARGE + len(port_state)] = port_state
     if len(plenum) >= 3:
         R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:3]
         R[R_DISCHARGE + DISSOLVED : R_DISCHARGE + DISSOLVED + len(plenum) - 3] = plenum[3:]
-        if place is not None:
-            R[R_DISCHARGE + DENSITY] *= problem.gas_share(place[DENSITY], float(plenum[1])) ** 2
+        if port_state is not None:
+            R[R_DISCHARGE + DENSITY] *= problem.gas_share(port_state[DENSITY], float(plenum[1])) ** 2
 
 
 def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d: float | None = None) -> None:
@@ -247,14 +248,14 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d:
     discharge = None
     if h_d is not None and problem.suction.returned == 0.0:
         with suppress(UsageError):  # none there
-            discharge = gas.place_of_enthalpy(p_d, h_d)
+            discharge = gas.port_state_of_enthalpy(p_d, h_d)
     if discharge is None:
-        discharge = gas.place(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
-    R[R_SUCTION : R_SUCTION + 8] = *problem.suction.place(discharge[ENTHALPY]), 0.0, T_oil
+        discharge = gas.port_state(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
+    R[R_SUCTION : R_SUCTION + 8] = *problem.suction.port_state(discharge[ENTHALPY]), 0.0, T_oil
     R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + problem.pressed(p_d)
     R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
     if isinstance(parts.oil_content, OilSolution):
         R[R_DISCHARGE + DISSOLVED] = R[R_SUCTION + DISSOLVED] = parts.oil_content.supply
     for i, state in enumerate(parts.plenums.values(), FIRST_OWN):
-        R[i * PLACE : i * PLACE + 8] = *state.place, 0.0, T_oil
-        R[i * PLACE + PLENUM_ENTROPY] = state.s
+        R[i * PORT_STATE : i * PORT_STATE + 8] = *state.port_state, 0.0, T_oil
+        R[i * PORT_STATE + PLENUM_ENTROPY] = state.s

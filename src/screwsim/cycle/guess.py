@@ -30,8 +30,8 @@ def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
     """Set the lines and a first guess; return the state at 0°. `oil` is a share of what chambers carry in it."""
     _anew(problem, machinery)
     parts, lines, suction, c = problem.parts, problem.lines, problem.suction, machinery.composition
-    place = suction.place(problem.h_isentropic) if suction.changed else suction.line
-    y = first_guess(parts, machinery, place[PRESSURE], suction.temperature(place, lines.T_s), lines.p_d)
+    port_state = suction.port_state(problem.h_isentropic) if suction.changed else suction.line
+    y = first_guess(parts, machinery, port_state[PRESSURE], suction.temperature(port_state, lines.T_s), lines.p_d)
     if c.carried and oil != 1.0:
         _share_of_oil(machinery, y, oil)
     set_lines(problem, machinery, float(y[S_T]), float(y[S_X_OIL]) if c.carried else 0.0)

@@ -12,8 +12,8 @@ from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import PressureLosses, Turn
 from screwsim.fluid.moist_air import passed_on
-from screwsim.model.places import SOME_OIL
-from screwsim.model.slots import OF_OIL, PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.port_states import SOME_OIL
+from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
 
@@ -137,7 +137,7 @@ def pressure_behind(problem: Problem, life: Trajectory, to: str) -> float | None
     for part in parts.pulsations:
         if part.to == to:
             offset = float(c.P[c.made[list(parts.made).index(part.offset)]])
-            return float(life.R[parts.number(to) * PLACE + PRESSURE]) * (1.0 + offset)
+            return float(life.R[parts.number(to) * PORT_STATE + PRESSURE]) * (1.0 + offset)
     return None
 
 

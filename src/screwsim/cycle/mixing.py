@@ -13,13 +13,13 @@ from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
 PITCH_DEPTH = 10  # of Anderson's method for coupled chambers
-THROWN = 0.5  # change of a pitch above which damped or plain closing goes back to its own pace
+THROWN = 0.5  # change of a pitch above which damped or plain closing goes back to its own rule
 LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
 OF_NO_AVAIL = 0.25  # of the change of a pitch at which steps are refined, after a time that was of no avail
 FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
 
 
-class Pace(NamedTuple):
+class MixingRule(NamedTuple):
     """Depth of Anderson's method and share of the way to go; `FULL` where a pitch changes less than `near`."""
 
     depth: int
@@ -27,35 +27,35 @@ class Pace(NamedTuple):
     near: float = 0.0
 
 
-FULL = Pace(PITCH_DEPTH)
+FULL = MixingRule(PITCH_DEPTH)
 
 
 class Mixing:
-    """The next point of a fixed-point iteration at a pace; at full pace while a pitch changes less than `near`."""
+    """The next point of a fixed-point iteration by a rule; by the `FULL` one while a pitch changes less than `near`."""
 
-    def __init__(self, pace: Pace) -> None:
-        self.own = self.pace = pace
-        self.accelerate = Anderson(pace.depth)
+    def __init__(self, rule: MixingRule) -> None:
+        self.own = self.rule = rule
+        self.accelerate = Anderson(rule.depth)
 
     def next(self, point: Array, image: Array, gap: float) -> Array:
         """Return the next point after `point` was mapped to `image`, which is `gap` away."""
-        if self.pace is self.own and gap < self.own.near:
-            self._go_at(FULL)
-        elif self.pace is not self.own and gap > THROWN:
-            self._go_at(self.own)
+        if self.rule is self.own and gap < self.own.near:
+            self._follow(FULL)
+        elif self.rule is not self.own and gap > THROWN:
+            self._follow(self.own)
         _, mixed = self.accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
-        if self.pace.damping < 1.0:
-            mixed = point + self.pace.damping * (mixed - point)
+        if self.rule.damping < 1.0:
+            mixed = point + self.rule.damping * (mixed - point)
         return mixed
 
     def restart(self) -> None:
         """Forget what was seen: the map is another one."""
         self.accelerate.restart()
 
-    def _go_at(self, pace: Pace) -> None:
-        self.pace, self.accelerate = pace, Anderson(pace.depth)
+    def _follow(self, rule: MixingRule) -> None:
+        self.rule, self.accelerate = rule, Anderson(rule.depth)
 
 
 class Refining:

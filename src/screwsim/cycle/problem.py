@@ -97,7 +97,7 @@ class Problem:
         return called_for(self.scene, self.parts)
 
     def pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M108)."""
+        """Return p/(ρ_oil c_oil) [K], which a port state's oil temperature is higher by where oil takes room (M108)."""
         oil = self.parts.oil
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
 
@@ -167,10 +167,14 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     composition.P.flags.writeable = False
     station()
     dry = at.quality is None
-    line = parts.gas.place(at.p_s, at.T_s) if dry else parts.gas.place_of_enthalpy(at.p_s, suction_enthalpy(scene))
+    line = (
+        parts.gas.port_state(at.p_s, at.T_s)
+        if dry
+        else parts.gas.port_state_of_enthalpy(at.p_s, suction_enthalpy(scene))
+    )
     lost = 0.0 if scene.losses is None else scene.losses.before
     inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line, lost)
-    begins = suction.place(_h_isentropic(parts, at, inlet)) if suction.changed else line
+    begins = suction.port_state(_h_isentropic(parts, at, inlet)) if suction.changed else line
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
     of_oil = composition.carried, composition.dissolves
     lines_of = (*_discharge_line(*of_oil), *(_suction_line(*of_oil) if parts.suction_line else ()))

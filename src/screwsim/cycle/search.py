@@ -21,7 +21,7 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.linear_pitch import shifted
-from screwsim.cycle.mixing import Pace
+from screwsim.cycle.mixing import MixingRule
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.simultaneous import close_together
 from screwsim.cycle.solution import CycleSolution
@@ -51,7 +51,7 @@ def possible(problem: Problem) -> bool:
 
 
 def sought_on(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, pace: Pace, most: int, early: bool = False
+    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, rule: MixingRule, most: int, early: bool = False
 ) -> CycleSolution:
     """Return the cycle found from the states y by searches, each begun some damped pitches after the one before.
 
@@ -62,7 +62,7 @@ def sought_on(
     """
     budget = int(machinery.counts[2]) + most
     while True:
-        cycle = close_together(problem, machinery, wanted, y, pace, BETWEEN, PITCHES_BETWEEN)
+        cycle = close_together(problem, machinery, wanted, y, rule, BETWEEN, PITCHES_BETWEEN)
         if cycle.status != "not_closed" or machinery.counts[2] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
@@ -148,9 +148,9 @@ def searched(
 
 
 def _gone(
-    pitch: _Pitch, here: Place, step: Array, inverse: Array, share: float, budget: int
-) -> tuple[Place | None, float, Array]:
-    """Return where a share of a step leads, the share and the step that is left there, which is shorter; or no place.
+    pitch: _Pitch, here: Point, step: Array, inverse: Array, share: float, budget: int
+) -> tuple[Point | None, float, Array]:
+    """Return where a share of a step leads, the share and the step that is left there, which is shorter; or no point.
 
     The share is lessened as far as it takes.
     """
@@ -176,7 +176,7 @@ def _product(a: Array, b: Array) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Point:
     """A point in coordinates, what a pitch changes there, and the states and unknowns that it made; their q."""
 
     x: Array
@@ -194,8 +194,8 @@ class _Pitch:
         self.c = machinery.composition
         self.c.P[self.c.widths] = wanted.widths
 
-    def first(self, y: Array) -> Place | None:
-        """Return the place of the states y and of the unknowns as they are set."""
+    def first(self, y: Array) -> Point | None:
+        """Return the point of the states y and of the unknowns as they are set."""
         raw = y, unknowns(self.problem, self.machinery)
         return self.at(self._coordinates(*raw), raw)
 
@@ -207,7 +207,7 @@ class _Pitch:
         n = len(raw[0])
         return states_of(x[:n], raw[0], self.c), self.problem.entries.values(x[n:], raw[1])
 
-    def at(self, x: Array, raw: tuple[Array, Array]) -> Place | None:
+    def at(self, x: Array, raw: tuple[Array, Array]) -> Point | None:
         """Return what a pitch changes from x, left as the last history; None where its integration stops."""
         machinery, (end, met) = self.machinery, self.values(x, raw)
         set_unknowns(self.problem, machinery, met)
@@ -218,9 +218,9 @@ class _Pitch:
         made = image_of(self.problem, machinery.trajectory, q)
         to = machinery.shift(end), made
         changed = self._coordinates(*to) - x
-        return Place(x, changed, to, q) if np.isfinite(changed).all() else None
+        return Point(x, changed, to, q) if np.isfinite(changed).all() else None
 
-    def inverse(self, here: Place) -> Array | None:
+    def inverse(self, here: Point) -> Array | None:
         """Return the inverse of the derivatives of the change where the last pitch began; None where it has none."""
         try:
             J = self._derivatives(here)
@@ -228,12 +228,12 @@ class _Pitch:
         except np.linalg.LinAlgError:
             return None
 
-    def growth(self, here: Place) -> float:
+    def growth(self, here: Point) -> float:
         """Return the largest absolute value of the eigenvalues of the map, where the last pitch began."""
         J = self._derivatives(here)
         return float(np.abs(np.linalg.eigvals(J + np.eye(len(J)))).max()) if np.isfinite(J).all() else math.inf
 
-    def _derivatives(self, here: Place) -> Array:
+    def _derivatives(self, here: Point) -> Array:
         problem, machinery = self.problem, self.machinery
         y, met = self.values(here.x, here.raw)
         tangents = linearised(problem, machinery, met, SLICES)

@@ -12,7 +12,7 @@ from screwsim.cycle.balances import LEAST_WORK, residuals
 from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.mixing import FULL, Mixing, Pace, Refining
+from screwsim.cycle.mixing import FULL, Mixing, MixingRule, Refining
 from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
@@ -39,7 +39,7 @@ def close_together(
     machinery: Machinery,
     wanted: Wanted,
     y: Array,
-    pace: Pace = FULL,
+    rule: MixingRule = FULL,
     most: int = MAX_EVALUATIONS,
     pitches: int = MAX_PITCHES,
     patient: bool = False,
@@ -51,7 +51,7 @@ def close_together(
     c, entries = machinery.composition, problem.entries
     c.P[c.widths] = wanted.widths
     corrections = Corrections(problem, machinery)
-    mixing, refining = Mixing(pace), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
+    mixing, refining = Mixing(rule), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
     met = unknowns(problem, machinery)
     astray: tuple[Array, Array] | None = None  # states and unknowns before the first correction
     seen: list[tuple[float, float]] = []
@@ -84,8 +84,8 @@ def close_together(
         if (
             not patient
             and c.chambers > 1
-            and pace.damping == 1.0
-            and _lead_nowhere(gaps, IN_VAIN if pace.depth else IN_VAIN_PLAIN)
+            and rule.damping == 1.0
+            and _lead_nowhere(gaps, IN_VAIN if rule.depth else IN_VAIN_PLAIN)
         ):
             break
         if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
@@ -93,7 +93,7 @@ def close_together(
             if residual <= ENOUGH * wanted.bound:
                 return ended("ok", y, pitch)
             refining.consider(gap, residual)
-        corrected = pace is FULL and not c.pulsating  # states at a pitch's start kick what a line is given there
+        corrected = rule is FULL and not c.pulsating  # states at a pitch's start kick what a line is given there
         if corrections.due(corrected and pitch > 1 and wanted.tolerance < gap < FARTHEST, gap):
             begun = corrections.begun
             if not begun:

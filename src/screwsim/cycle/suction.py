@@ -4,28 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from screwsim.effects.base import Intake
+from screwsim.effects.base import SuctionChange
 from screwsim.fluid.gas import Gas
 from screwsim.model.parts import Parts
 from screwsim.model.slots import ENTHALPY, PRESSURE
 
-Place = tuple[float, ...]
+PortState = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class SuctionState:
-    """The gas, the suction line's place, the pressure ratio over throttles, and the share of gas that is returned.
+    """The gas, the suction line's port state, the pressure ratio over throttles, and the share of gas that is returned.
 
     `kept` is what a package's losses leave of the pressure, one of those throttles.
     """
 
     gas: Gas
-    line: Place
+    line: PortState
     pressure_ratio: float = 1.0
     returned: float = 0.0
     kept: float = 1.0
 
-    def ratio_of(self, part: Intake) -> float:
+    def ratio_of(self, part: SuctionChange) -> float:
         """Return the pressure ratio over one of the throttles."""
         return self.kept if part.package else part.pressure_ratio
 
@@ -39,29 +39,29 @@ class SuctionState:
         """The pressure [Pa] before the machine's suction port."""
         return self.pressure_ratio * self.line[PRESSURE]
 
-    def mixed(self, h_d: float) -> Place:
-        """Return the place at the line's pressure with the returned gas of enthalpy h_d [J/kg] mixed in (M161)."""
+    def mixed(self, h_d: float) -> PortState:
+        """Return the port state at the line's pressure with the returned gas of enthalpy h_d [J/kg] mixed in (M161)."""
         if self.returned == 0.0:
             return self.line
         h = (1.0 - self.returned) * self.line[ENTHALPY] + self.returned * h_d
-        return self.gas.place_of_enthalpy(self.line[PRESSURE], h)
+        return self.gas.port_state_of_enthalpy(self.line[PRESSURE], h)
 
-    def place(self, h_d: float) -> Place:
-        """Return the place before the machine's suction port (M160, M161)."""
+    def port_state(self, h_d: float) -> PortState:
+        """Return the port state before the machine's suction port (M160, M161)."""
         mixed = self.mixed(h_d)
         if self.pressure_ratio == 1.0:
             return mixed
-        return self.gas.place_of_enthalpy(self.pressure, mixed[ENTHALPY])
+        return self.gas.port_state_of_enthalpy(self.pressure, mixed[ENTHALPY])
 
-    def temperature(self, place: Place, T_s: float) -> float:
-        """Return the temperature [K] of a place; T_s is the line's own."""
-        return T_s if place is self.line else self.gas.temperature(place[PRESSURE], place[ENTHALPY])
+    def temperature(self, port_state: PortState, T_s: float) -> float:
+        """Return the temperature [K] of a port state; T_s is the line's own."""
+        return T_s if port_state is self.line else self.gas.temperature(port_state[PRESSURE], port_state[ENTHALPY])
 
 
-def suction_of(parts: Parts, line: Place, lost: float = 0.0) -> SuctionState:
+def suction_of(parts: Parts, line: PortState, lost: float = 0.0) -> SuctionState:
     """Return what the effects of a scene make of the line's gas, of which a package has lost a pressure [Pa] (M341)."""
     state = SuctionState(parts.gas, line, kept=1.0 - lost / line[PRESSURE])
     ratio, returned = 1.0, 0.0
-    for _, part in parts.all(Intake):
+    for _, part in parts.all(SuctionChange):
         ratio, returned = ratio * state.ratio_of(part), max(returned, part.returned)
     return replace(state, pressure_ratio=ratio, returned=returned) if ratio != 1.0 or returned != 0.0 else state

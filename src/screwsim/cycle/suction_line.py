@@ -25,7 +25,7 @@ from screwsim.model.slots import (
     OF_GAS,
     OIL_RATIO,
     OIL_TEMPERATURE,
-    PLACE,
+    PORT_STATE,
     R_DISCHARGE,
     R_SUCTION,
     SUCTION_IN,
@@ -83,18 +83,18 @@ def values(problem: Problem, R: Array) -> Array:
 def set_values(problem: Problem, R: Array, found: Array) -> None:
     """Let the next turn suck this; what no state of the gas has, on the way, leaves the line as it is."""
     try:
-        place = problem.parts.gas.place_of_enthalpy(problem.suction.pressure, float(found[0]))
+        port_state = problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, float(found[0]))
         T = problem.parts.gas.temperature(problem.suction.pressure, float(found[0]))
     except UsageError:
         return
-    R[R_SUCTION : R_SUCTION + len(place)] = place
+    R[R_SUCTION : R_SUCTION + len(port_state)] = port_state
     if len(found) > 1:
         ratio = max(float(found[1]), 0.0)
         R[R_SUCTION + OIL_RATIO] = ratio
         R[R_SUCTION + OIL_TEMPERATURE] = T + problem.pressed(problem.suction.pressure)
         if len(found) > 2 and ratio > 0.0:
             R[R_SUCTION + DISSOLVED] = max(float(found[2]), 0.0) / ratio
-        R[R_SUCTION + DENSITY] *= problem.gas_share(float(place[DENSITY]), ratio) ** 2
+        R[R_SUCTION + DENSITY] *= problem.gas_share(float(port_state[DENSITY]), ratio) ** 2
 
 
 def leak(problem: Problem, R: Array) -> Stream:
@@ -103,29 +103,29 @@ def leak(problem: Problem, R: Array) -> Stream:
     if not leaks:
         return _NONE
     suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
-    place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
+    port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
     flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))
     flux = max(0.0, flux)
-    gas = flux * sum(part.area * _passing(problem, part, place, flux) for part in leaks) / problem.rate
-    oil = gas * place[OIL_RATIO] if problem.composition.carried else 0.0
-    held = oil * place[DISSOLVED] if problem.parts.dissolves else 0.0
-    return Stream(gas, gas * place[ENTHALPY], oil, oil * place[OIL_TEMPERATURE], held)
+    gas = flux * sum(part.area * _passing(problem, part, port_state, flux) for part in leaks) / problem.rate
+    oil = gas * port_state[OIL_RATIO] if problem.composition.carried else 0.0
+    held = oil * port_state[DISSOLVED] if problem.parts.dissolves else 0.0
+    return Stream(gas, gas * port_state[ENTHALPY], oil, oil * port_state[OIL_TEMPERATURE], held)
 
 
-def _passing(problem: Problem, part: LineLeak, place: list[float], flux: float) -> float:
-    """Return the share of the nozzle's flux [kg/(m² s)] that passes with the oil of a place (M300)."""
+def _passing(problem: Problem, part: LineLeak, port_state: list[float], flux: float) -> float:
+    """Return the share of the nozzle's flux [kg/(m² s)] that passes with the oil of a port state (M300)."""
     if part.resistance is None or flux == 0.0:
         return 1.0
-    ratio = max(place[OIL_RATIO], 0.0) if problem.composition.carried else 0.0
+    ratio = max(port_state[OIL_RATIO], 0.0) if problem.composition.carried else 0.0
     known = {**symbols_of(problem.parts), **part.values, **part.resistance.values}
-    known |= {"flux": flux, "oil_ratio": ratio, "density": place[DENSITY]}
+    known |= {"flux": flux, "oil_ratio": ratio, "density": port_state[DENSITY]}
     share = part.resistance.share
     return float(share(*(known[name] for name in share.arguments)))
 
 
-def _nozzle(place: list[float]) -> tuple[float, ...]:
-    """Return what a nozzle asks of a place: p, ρ, 1/k, drop and ψ² of choking."""
-    p, rho, _h, *rest = place
+def _nozzle(port_state: list[float]) -> tuple[float, ...]:
+    """Return what a nozzle asks of a port state: p, ρ, 1/k, drop and ψ² of choking."""
+    p, rho, _h, *rest = port_state
     return p, rho, *rest
 
 
@@ -169,7 +169,7 @@ def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float
         return None
     share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
     own = max(0.0, sucked - returned.fluid)
-    warmed = own * problem.suction.place(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
+    warmed = own * problem.suction.port_state(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
     return mixed(problem, Stream(own, warmed).plus(returned, share), float(R[R_SUCTION + ENTHALPY]))
 
 
@@ -182,7 +182,7 @@ def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
         found = _mixture(problem, R, streams, h_d, heat)
         if found is None:
             return ""
-        problem.parts.gas.place_of_enthalpy(problem.suction.pressure, found.enthalpy)
+        problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, found.enthalpy)
     except UsageError as wrong:
         return f"gas and oil that flow back make a mixture in the suction line that cannot be: {wrong}"
     off = abs(found.enthalpy / float(R[R_SUCTION + ENTHALPY]) - 1.0)

@@ -22,7 +22,7 @@ from screwsim.model.side_by_side import address, aligned
 Array = np.ndarray
 RATES = "slices__rates_at_all"
 FEWEST = 4  # rates that lanes are worth
-BESIDE = ("P", "R", "places", "work")  # of a context: laid side by side
+BESIDE = ("P", "R", "port_states", "work")  # of a context: laid side by side
 _whole, _beside = Kind("v", (FLOAT,), 1), Kind("p", (FLOAT,), 1)
 _CONTEXT = Kind(
     "c",
@@ -105,10 +105,10 @@ def _entry(machinery: Machinery) -> Any:
 def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
     """Return rates at the nodes (nodes, …, lanes) of each lane, with its numbers; all lanes have as many."""
     machinery = pitch.machinery
-    places, work = machinery.coupled_space()["spaces"]
+    port_states, work = machinery.coupled_space()["spaces"]
     pitch.free()
-    rows = {"places": aligned(len(places)), "work": aligned(len(work))}
-    rows["places"][:], rows["work"][:] = places[:, None], work[:, None]
+    rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
+    rows["port_states"][:], rows["work"][:] = port_states[:, None], work[:, None]
     for name in ("P", "R"):
         rows[name] = aligned(len(getattr(numbers[0], name)))
         rows[name][:, : len(numbers)] = np.transpose([getattr(each, name) for each in numbers])

@@ -10,7 +10,7 @@ import numpy as np
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.slices import SHARES, Crossing
 from screwsim.effects.base import FlowPath
-from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PLACE, PRESSURE
+from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import bracketed, brentq
 
@@ -105,13 +105,13 @@ def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
 def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:
     """Return that of `_line_pressure` at angles [rad]: one where the line does not pulsate."""
     if not life.composition.pulsating or number >= FIRST_OWN:
-        return np.full(len(angles), float(life.R[number * PLACE + PRESSURE]))
+        return np.full(len(angles), float(life.R[number * PORT_STATE + PRESSURE]))
     return np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
 
 
 def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
     """Return the pressure [Pa] that a port meets at an angle [rad], of a line that pulsates with the lobes (M185)."""
-    c, pressure = life.composition, float(life.R[number * PLACE + PRESSURE])
+    c, pressure = life.composition, float(life.R[number * PORT_STATE + PRESSURE])
     if not c.pulsating or number >= FIRST_OWN:
         return pressure
     return pressure * (1.0 + sum(life.module.line_pulse(number, angle, c.P)))

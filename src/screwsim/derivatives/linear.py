@@ -16,7 +16,7 @@ from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.sweeps import compiled
-from screwsim.model.slots import P_GAP_WIDTH, PLACE, PRESSURE, R_RATIO
+from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
 from screwsim.numerics.once import once
 
 Array = np.ndarray
@@ -95,7 +95,7 @@ class Change(NamedTuple):
     @property
     def both(self) -> bool:
         """Is it to be differenced to both sides: pressures of lines, in whose layers chambers may stand for long?"""
-        return bool(self.numbers.R[PRESSURE:R_RATIO:PLACE].any())
+        return bool(self.numbers.R[PRESSURE:R_RATIO:PORT_STATE].any())
 
 
 def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right: Array, first: int) -> Array:

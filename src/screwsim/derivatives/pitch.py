@@ -20,7 +20,7 @@ from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model import compiled
 from screwsim.model.numbers import oil_places
 from screwsim.model.run import Machinery
-from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, R_RATIO, R_SIZE
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE, R_RATIO, R_SIZE
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
@@ -173,7 +173,7 @@ class Pitch:
     def free(self) -> None:
         """Let the gas of no chamber be held in a phase."""
         c = self.machinery.composition
-        self.machinery.coupled_space()["spaces"][0][(c.chambers + 1) * PLACE :] = FREE
+        self.machinery.coupled_space()["spaces"][0][(c.chambers + 1) * PORT_STATE :] = FREE
 
     # ---- reading -----------------------------------------------------------------------------------------------
 

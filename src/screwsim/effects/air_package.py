@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, Faults, Given, Intake, LosesPressure, PressureLosses, Reading
+from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
@@ -220,10 +220,10 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
 
 
-def build(parameters: Parameters, machine) -> list[Reading | Intake]:
+def build(parameters: Parameters, machine) -> list[Reading | SuctionChange]:
     named = parameters.state == UNLOADED or any(getattr(parameters, name) is not None for name in BEFORE)
     reading = Reading(names_of(FIGURES), lambda known: read(parameters, known))
-    return [reading, *([Intake(package=True)] if named else [])]
+    return [reading, *([SuctionChange(package=True)] if named else [])]
 
 
 def check(parameters: Parameters, facts) -> Faults:

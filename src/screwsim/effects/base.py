@@ -17,11 +17,11 @@ from screwsim.effects.parts.flows import FlowPath, Resistance, Scaled
 from screwsim.effects.parts.lines import (
     CoolsOil,
     InSeparator,
-    Intake,
     LineLeak,
     LosesPressure,
     PressureLosses,
     Separator,
+    SuctionChange,
     SuctionHeat,
     SuctionLine,
 )
@@ -48,7 +48,6 @@ __all__ = [  # all that an effect's file imports
     "Given",
     "HeatRate",
     "InSeparator",
-    "Intake",
     "LineFlow",
     "LineLeak",
     "LosesPressure",
@@ -73,6 +72,7 @@ __all__ = [  # all that an effect's file imports
     "Sought",
     "Span",
     "Stops",
+    "SuctionChange",
     "SuctionHeat",
     "SuctionLine",
     "Turn",
@@ -83,7 +83,7 @@ __all__ = [  # all that an effect's file imports
 Faults = Iterator[Fault]  # of an effect's `check`
 Part = (
     FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
-    | PowerLoss | Reading | Shaft | Separator | Intake | SuctionLine | LineLeak | SuctionHeat
+    | PowerLoss | Reading | Shaft | Separator | SuctionChange | SuctionLine | LineLeak | SuctionHeat
 )  # fmt: skip
 
 

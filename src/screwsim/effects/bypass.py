@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.effects.base import Effect, Faults, FlowPath, Intake
+from screwsim.effects.base import Effect, Faults, FlowPath, SuctionChange
 from screwsim.effects.gap import flow_coefficient, ramp
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import choice, number, quantity
@@ -57,9 +57,9 @@ def window(size: float, opens: float, closes: float, flow_coefficient: float) ->
     return FlowPath("suction", area, values, breakpoints, flow_coefficient=flow_coefficient, beside=True)
 
 
-def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
+def build(parameters: Parameters, machine) -> list[FlowPath | SuctionChange]:
     if parameters.source == "discharge":
-        return [Intake(returned=parameters.share or 0.0)]
+        return [SuctionChange(returned=parameters.share or 0.0)]
     opens = parameters.opens or 0.0
     closes = opens + (parameters.passage or 0.0)
     return [window(parameters.area or 0.0, opens, closes, parameters.flow_coefficient)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, Intake
+from screwsim.effects.base import Effect, SuctionChange
 from screwsim.inputs.declare import number
 from screwsim.outputs import CHANGED
 
@@ -22,8 +22,8 @@ class Parameters:
     pressure_ratio: float = number("pressure behind the valve over that of the suction line (1: open)", gt=0.0, le=1.0)
 
 
-def build(parameters: Parameters, machine) -> list[Intake]:
-    return [Intake(pressure_ratio=parameters.pressure_ratio)]
+def build(parameters: Parameters, machine) -> list[SuctionChange]:
+    return [SuctionChange(pressure_ratio=parameters.pressure_ratio)]
 
 
 EFFECT = Effect(

@@ -151,7 +151,7 @@ def _intake_temperature(problem: Problem, life: Trajectory) -> float:
     suction = problem.suction
     if problem.parts.suction_line:
         return problem.parts.gas.temperature(suction.pressure, float(life.R[R_SUCTION + ENTHALPY]))
-    return suction.temperature(suction.place(float(life.R[R_DISCHARGE + ENTHALPY])), problem.lines.T_s)
+    return suction.temperature(suction.port_state(float(life.R[R_DISCHARGE + ENTHALPY])), problem.lines.T_s)
 
 
 def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: float) -> dict[str, float]:
@@ -162,7 +162,7 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
     rate, R = problem.rate, life.R
     back, leak = suction_line.back(problem, R, streams), suction_line.leak(problem, R)
     fresh = suction_line.fresh(problem, R, streams)
-    warmed = float(R[R_SUCTION + ENTHALPY]) - problem.suction.place(float(R[R_DISCHARGE + ENTHALPY]))[ENTHALPY]
+    warmed = float(R[R_SUCTION + ENTHALPY]) - problem.suction.port_state(float(R[R_DISCHARGE + ENTHALPY]))[ENTHALPY]
     return {
         "returned_gas_flow": back.gas * rate,
         "returned_oil_flow": back.oil * rate,

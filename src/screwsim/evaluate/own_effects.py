@@ -22,7 +22,7 @@ from screwsim.model.parts import Parts
 from screwsim.model.slots import (
     LOOSE,
     P_PORT_WIDTH,
-    PLACE,
+    PORT_STATE,
     PRESSURE,
     R_DISCHARGE,
     R_RATIO,
@@ -236,7 +236,7 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
         number = parts.number(path.to)
 
         def opening(point: Point, i=i, number=number) -> float:
-            drop = float(R[number * PLACE + PRESSURE]) - point.p
+            drop = float(R[number * PORT_STATE + PRESSURE]) - point.p
             return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
 
         yield Asked(name, "opening", "", opening, 0.0, 1.0)

@@ -17,13 +17,13 @@ from screwsim.effects.base import (
     ChamberState,
     FlowPath,
     HeatRate,
-    Intake,
     Made,
     OilGas,
     Plenum,
     Pulsation,
     Scaled,
     Shaft,
+    SuctionChange,
     Wall,
 )
 from screwsim.explain.media import gas_rows, oil_rows
@@ -237,7 +237,7 @@ def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) 
     added += [f"state {HELD_GAS}" for part in built if isinstance(part, OilGas) and dissolves]
     added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {name}" for name in given]
-    added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
+    added += ["another state of what is sucked in" for part in built if isinstance(part, SuctionChange)]
     added += [
         "speed, motor speed and twist over the pitch, closed with the chambers"
         for part in built

@@ -11,7 +11,7 @@ from operator import is_
 from typing import Any
 
 from screwsim.effects import catalogue, having, imported
-from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
+from screwsim.effects.base import Effect, PowerLoss, Reading, SuctionChange
 from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model.parts import Parts
 from screwsim.numerics.remembered import Remembered
@@ -38,7 +38,7 @@ from screwsim.scene.types import ActiveEffect, Scene
 
 _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # whether a scene has what no key of its own tells
     HEATED[0]: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
-    CHANGED[0]: lambda scene, parts: bool(parts.all(Intake)) or parts.suction_line,
+    CHANGED[0]: lambda scene, parts: bool(parts.all(SuctionChange)) or parts.suction_line,
     WALLED[0]: lambda scene, parts: bool(parts.walls),
     HELD[0]: lambda scene, parts: parts.dissolves,
     AFTERCOOLED[1]: lambda scene, parts: scene.gas.relative_humidity is not None and _has(scene, AFTERCOOLED[1]),

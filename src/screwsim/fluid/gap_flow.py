@@ -121,6 +121,6 @@ def oil_film(drop, oil_ratio, gap, passage, filled_from, oil_viscosity, oil_dens
 def dragged_oil(oil_ratio, filled_from, wall_speed, tip_speed, oil_density):
     """Return the flux [kg/(m² s)] of oil over the gap's area that a moving wall drags along (M256).
 
-    `wall_speed` is the wall's speed across the gap over that of the tips; the oil's ratio is that of the place ahead.
+    `wall_speed` is the wall's speed across the gap over that of the tips; the oil's ratio is that of the state ahead.
     """
     return 0.5 * filled_share(oil_ratio, filled_from) * oil_density * wall_speed * tip_speed

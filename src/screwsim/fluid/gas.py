@@ -103,12 +103,12 @@ class Gas(Protocol):
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]."""
         ...
 
-    def place(self, p: float, T: float) -> tuple[float, ...]:
+    def port_state(self, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
         ...
 
-    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]."""
+    def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `port_state` does, at p [Pa] and specific enthalpy h [J/kg]."""
         ...
 
     def vapour(self, p: float, T: float) -> Reservoir:

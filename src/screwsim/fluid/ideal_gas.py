@@ -95,17 +95,17 @@ class IdealGas:
         """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
         return h / self.c_p
 
-    def place(self, p: float, T: float) -> tuple[float, ...]:
+    def port_state(self, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum."""
         return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *self.choked
 
-    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""
-        return self.place(p, self.temperature(p, h))
+    def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `port_state` does, at pressure [Pa] and specific enthalpy [J/kg]."""
+        return self.port_state(p, self.temperature(p, h))
 
     def vapour(self, p: float, T: float) -> Reservoir:
         """Return a reservoir of gas at p [Pa] and T [K]."""
-        p, rho, h, exponent, choke, choked = self.place(p, T)
+        p, rho, h, exponent, choke, choked = self.port_state(p, T)
         return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
 
     def first_outside(self, T: object, rho: object) -> int | None:

@@ -142,21 +142,21 @@ class MoistAir:
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]."""
         return float(self._at(p, h, False)[0])
 
-    def _place(self, p: float, T: float, rho: float) -> tuple[float, ...]:
+    def _port_state(self, p: float, T: float, rho: float) -> tuple[float, ...]:
         _p, h, _c_v, _tpt, a, choke, choked = self._compiled("state", T, rho)
         return p, rho, h, a, choke, choked
 
-    def place(self, p: float, T: float) -> tuple[float, ...]:
+    def port_state(self, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
-        return self._place(p, T, self.density(p, T))
+        return self._port_state(p, T, self.density(p, T))
 
-    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]."""
-        return self._place(p, *self._at(p, h, False))
+    def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `port_state` does, at p [Pa] and specific enthalpy h [J/kg]."""
+        return self._port_state(p, *self._at(p, h, False))
 
     def vapour(self, p: float, T: float) -> Reservoir:
         """Return a reservoir at p [Pa] and T [K]."""
-        p, rho, h, exponent, choke, choked = self.place(p, T)
+        p, rho, h, exponent, choke, choked = self.port_state(p, T)
         return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
 
     def nearest_vapour(self, p: float, T: float) -> float:

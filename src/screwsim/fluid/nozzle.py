@@ -1,4 +1,4 @@
-"""Isentropic nozzle flow between two places, choked and not, in both directions, regularised at equal pressures.
+"""Isentropic nozzle flow between two port states, choked and not, in both directions, regularised at equal pressures.
 
 Source: Chernov et al. 2015, eqs. (3), (4), restated as M12; choking M13 is added (the paper has none).
 
@@ -111,9 +111,9 @@ def choking(k):
 
 @kernel
 def flow(area, p_1, rho_1, a_1, choke_1, choked_1, p_2, rho_2, a_2, choke_2, choked_2, width):
-    """Return the mass flow [kg/s] from place 2 into place 1 (M12, M13); width is ε [Pa].
+    """Return the mass flow [kg/s] from port state 2 into port state 1 (M12, M13); width is ε [Pa].
 
-    A place: pressure [Pa], density [kg/m³], 1/k, and drop and ψ² of choking.
+    A port state: pressure [Pa], density [kg/m³], 1/k, and drop and ψ² of choking.
     """
     dp = p_2 - p_1
     if dp >= 0.0:

@@ -198,20 +198,20 @@ class RealGas:
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]: T_sat where two phases have it."""
         return self._at(p, h, False)[0]
 
-    def _place(self, p: float, T: float, rho: float) -> tuple[float, ...]:
+    def _port_state(self, p: float, T: float, rho: float) -> tuple[float, ...]:
         _p, h, _c_v, _tpt, a, choke, choked = self._kernels["state"](T, rho)
         return p, rho, h, a, choke, choked
 
-    def place(self, p: float, T: float) -> tuple[float, ...]:
+    def port_state(self, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
-        return self._place(p, T, self.density(p, T))
+        return self._port_state(p, T, self.density(p, T))
 
-    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
+    def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `port_state` does, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
 
         A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
         """
-        return _place_of_enthalpy(self, p, h)
+        return _port_state_of_enthalpy(self, p, h)
 
     def vapour(self, p: float, T: float) -> Reservoir:
         """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises UsageError for a liquid."""
@@ -339,8 +339,8 @@ def _vapour_energies(gas: RealGas, p: float, T: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=64)
-def _place_of_enthalpy(gas: RealGas, p: float, h: float) -> tuple[float, ...]:
-    return gas._place(p, *gas._at(p, h, False))
+def _port_state_of_enthalpy(gas: RealGas, p: float, h: float) -> tuple[float, ...]:
+    return gas._port_state(p, *gas._at(p, h, False))
 
 
 @lru_cache(maxsize=64)

@@ -21,6 +21,6 @@ class Reservoir(NamedTuple):
     choked: float
 
     @property
-    def place(self) -> tuple[float, ...]:
-        """Return (p, ρ, h, 1/k, drop and ψ² of choking), as `place` of a gas does."""
+    def port_state(self) -> tuple[float, ...]:
+        """Return (p, ρ, h, 1/k, drop and ψ² of choking), as `port_state` of a gas does."""
         return self.p, self.rho, self.h, self.exponent, self.choke, self.choked

@@ -22,7 +22,7 @@ class Outflow(NamedTuple):
     `gas_flow` is what leaves as gas once the oil has taken up what it had given off; `energy` [W] is what all of it
     brings beyond gas of enthalpy `h_ref` [J/kg] and oil at `T_supply`, that of the oil's supply. `heating` [W] are the
     losses that heat gas and oil on their way, `friction` [W] those of bearings, seals and gears. `supplied` [W] is what
-    comes into the chambers beyond `h_ref`: work, gas from other places, heat of walls.
+    comes into the chambers beyond `h_ref`: work, gas from other port states, heat of walls.
     """
 
     gas: Any

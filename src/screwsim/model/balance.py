@@ -1,4 +1,4 @@
-"""Kernels of the balances: streams between places, and the first law of one chamber.
+"""Kernels of the balances: streams between port states, and the first law of one chamber.
 
 Source: Chernov et al. 2015, eqs. (5)–(15), in the form of docs/model.md M1–M8. Positive flow is into the chamber.
 """

@@ -17,14 +17,14 @@ from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
-from screwsim.model.network import balances, places, steps, stops, surroundings
+from screwsim.model.network import balances, port_states, steps, stops, surroundings
 from screwsim.model.network.cell import RESERVED, Cell
 from screwsim.model.network.chambers import room, work_constants
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
-from screwsim.model.slots import FIRST_OWN, OIL_NUMBERS, PLACE, R_SIZE
+from screwsim.model.slots import FIRST_OWN, OIL_NUMBERS, PORT_STATE, R_SIZE
 from screwsim.model.writing import Writer, scales
 from screwsim.numerics.kernel import Kernel
 
@@ -49,7 +49,7 @@ def compose(parts: Parts) -> Composition:
     signed = {HELD_GAS, *(part.name for part in own_states if not part.positive)}
     writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
     _write(writer, parts, plenum, gaps)
-    cell, layout, numbers, places_of_lines = (
+    cell, layout, numbers, port_states_of_lines = (
         Cell(network),
         Layout(network),
         writer.numbers,
@@ -58,7 +58,7 @@ def compose(parts: Parts) -> Composition:
     constants, structure = _constants(network, parts)
     constants |= numbers.places | SHARED | {name: structure[name] for name in OIL_NUMBERS}
     key, own, called = network.key(), tuple(writer.text), tuple(writer.kernels)
-    held = places_of_lines * PLACE if parts.pulsations else 0
+    held = port_states_of_lines * PORT_STATE if parts.pulsations else 0
     items = tuple(constants.items()), tuple(structure.items())
     return Composition(
         text=module_text(key, own, called, *items, _read_with(network)),
@@ -72,7 +72,7 @@ def compose(parts: Parts) -> Composition:
         gap_paths=tuple((name, path.offset) for name, path in gaps),
         ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
         heats=tuple(name for name, _ in parts.all(HeatRate)),
-        n_place=len(places.columns(network)),
+        n_port_state=len(port_states.columns(network)),
         n_sums=len(cell.sums) * len(network.quantities),
         width=len(network.quantities),
         n_E=layout.lines + held,
@@ -81,7 +81,7 @@ def compose(parts: Parts) -> Composition:
         carried=network.carried,
         recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
         n_widths=FIRST_OWN + len(parts.plenums),
-        n_R=places_of_lines * PLACE if parts.plenums or parts.pulsations else R_SIZE,
+        n_R=port_states_of_lines * PORT_STATE if parts.plenums or parts.pulsations else R_SIZE,
         ported=port is not None,
         oil_room=parts.oil_room,
         walls=tuple(name for name, _ in parts.walls),
@@ -156,7 +156,7 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
     if stopped := [part for _, part in parts.all(Stops)]:
         writing.write_stops(writer, stopped, network.states)
     called = (*balances.balance_kernels(network), *steps.step_kernels(network))
-    called += (*surroundings.surroundings_kernels(network), *places.place_kernels(), nozzle.flow)
+    called += (*surroundings.surroundings_kernels(network), *port_states.port_state_kernels(), nozzle.flow)
     for each in (*called, *stops.stop_kernels(network)):
         network.kernels[each.flat_name] = each
 
@@ -172,7 +172,7 @@ def _constants(network: Network, parts: Parts) -> tuple[dict[str, Any], dict[str
     }
     quadratures = Cell(network).quadratures
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
-    constants |= layout.constants(list(places.columns(network)), quadratures) | work_constants(network)
+    constants |= layout.constants(list(port_states.columns(network)), quadratures) | work_constants(network)
     structure = {"QUADRATURES": len(quadratures)} | oil_places(parts)
     return constants, structure
 

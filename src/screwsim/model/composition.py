@@ -35,7 +35,7 @@ class Composition:
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
     ends: tuple[str, ...]  # of plenum paths and gaps: line or plenum to which what leaves through them goes
     heats: tuple[str, ...]  # the effect of each heat rate
-    n_place: int  # columns of a history beyond the states
+    n_port_state: int  # columns of a history beyond the states
     n_sums: int
     n_E: int
     n_E_all: int

@@ -12,8 +12,8 @@ Array = np.ndarray
 class ChamberContext(NamedTuple):
     """Of one chamber among neighbours whose histories are known.
 
-    `own` is the chamber's place, then the phase that its gas is held in during a step (`slots.FREE`: none) and what the
-    openings remember; `kept` are the numbers of steps of both histories, the new one first.
+    `own` is the chamber's port state, then the phase that its gas is held in during a step (`slots.FREE`: none) and
+    what the openings remember; `kept` are the numbers of steps of both histories, the new one first.
     """
 
     P: Array  # parameters
@@ -50,12 +50,12 @@ class Sides(NamedTuple):
 class CoupledContext(NamedTuple):
     """Of all chambers together.
 
-    `places` has one of each chamber and a spare one, then the phase in which each chamber's gas is held during a step.
-    `work` takes what the chambers give each other, and derivatives (`network.chambers`).
+    `port_states` has one of each chamber and a spare one, then the phase in which each chamber's gas is held during a
+    step. `work` takes what the chambers give each other, and derivatives (`network.chambers`).
     """
 
     P: Array
     TAB: Array
     R: Array
-    places: Array
+    port_states: Array
     work: Array

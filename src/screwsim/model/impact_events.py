@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
-from screwsim.model.places import SHARP
+from screwsim.model.port_states import SHARP
 
 Array = np.ndarray
 

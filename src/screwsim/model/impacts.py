@@ -4,7 +4,7 @@ A position lies between 0 (seat) and 1 (stop). Where the dense output of a step 
 end there, and the impact law v' = -e v is applied between two steps. A bounce too low to be seen by the accuracy is
 none: the state rests, its rates zero, until the push turns; there, too, a step ends.
 
-Kernels are of one pair of position and speed, the states `i` and `j`. In a chamber's own place stand its `mode`
+Kernels are of one pair of position and speed, the states `i` and `j`. In a chamber's own port state stand its `mode`
 (`MOVES`, `SEATED`, `STOPPED`) and what is `due` at the end of the step; behind those of all pairs the number of impacts
 of the turn and the angles where the step tried begins and ends. `network.stops` writes what is done with every pair.
 

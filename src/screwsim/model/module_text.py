@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import ledger, places, slices, trace
+from screwsim.model import ledger, port_states, slices, trace
 from screwsim.model.network import along as along_network
 from screwsim.model.network.along import along_text
 from screwsim.model.network.chamber import chamber_texts
@@ -21,12 +21,12 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
 # what the integrator calls of both drivers: by its slot (rodas.py)
 ASKED = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve", "lands")
-ASKED += ("at_breakpoint", "jump", "keep_places")
+ASKED += ("at_breakpoint", "jump", "keep_port_states")
 ONE = {name: f"chamber__{name}" for name in ASKED}
 ALL = {name: f"chambers__{name}" for name in ASKED}
 
 # what histories are put in place with, and what closed cycles are read with
-READ_WITH = (places.places_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
+READ_WITH = (port_states.port_states_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
 READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along, trace.pressures)
 
 # what a pitch is linearised with
@@ -37,7 +37,7 @@ OWN = {name: name for name in (
     *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "path_area"),
     *("injected_oil", "oil_inflow", "solution_entropy"),
 )}  # fmt: skip
-OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_places")}
+OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_port_states")}
 OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced_alone")}
 OWN |= {name: f"chamber__{name}" for name in ("faces_line", "add_to_lines", "add_outflow")}
 OWN |= {

@@ -1,8 +1,8 @@
 """Room that the oil takes: the gas's volume, what flows feel of it, and the injection of oil that displaces gas.
 
-Source: docs/model.md M106–M110. The oil is incompressible: V_gas = V − m_oil/ρ_oil, and its enthalpy is
-c_oil T_oil + p/ρ_oil. In a place with room the density is that of the gas times the square of its share of the volume,
-so that a nozzle's flow, S √(ρ …), has the share as a factor; the oil temperature is enthalpy over heat capacity.
+Source: docs/model.md M106–M110. The oil is incompressible: V_gas = V − m_oil/ρ_oil, and its enthalpy is c_oil T_oil +
+p/ρ_oil. In a port state with room the density is that of the gas times the square of its share of the volume, so that a
+nozzle's flow, S √(ρ …), has the share as a factor; the oil temperature is enthalpy over heat capacity.
 """
 
 from __future__ import annotations

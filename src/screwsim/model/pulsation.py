@@ -1,4 +1,4 @@
-"""Lines whose pressure pulsates: the place that a chamber meets at an angle, in lieu of the line's own.
+"""Lines whose pressure pulsates: the port state that a chamber meets at an angle, in lieu of the line's own.
 
 Source: docs/model.md M185, M186. The pressure is that of the line, an offset to which gas is throttled, and harmonics
 of the lobe frequency, along which the gas is compressed isentropically.

@@ -19,7 +19,7 @@ from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.exchange import here
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
+from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
 from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.compiling import clock
 from screwsim.numerics.integrators import Check
@@ -43,13 +43,13 @@ class Machinery:
         self.nq = composition.n_quadratures
         self.R = np.zeros(composition.n_R)
         self.max_steps = max_steps
-        self.columns = n + composition.n_place
+        self.columns = n + composition.n_port_state
         self.histories = [self.new_history(max_steps, self.columns, self.nq) for _ in range(2)]
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         paths = len(composition.plenum_paths)
         stops = np.zeros(2 * len(composition.stops) + 3)
-        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
+        own = np.concatenate([np.zeros(PORT_STATE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
         self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own)
         self.counts = np.zeros(4, np.int64)
@@ -213,13 +213,13 @@ class Machinery:
         return rows[0]
 
     def install(self, times: Array, dense: Array, quads: Array) -> None:
-        """Put a history of states in place as the last turn's, and fill the places of its steps."""
+        """Put a history of states in place as the last turn's, and fill the port states of its steps."""
         steps = len(dense)
         self._make_room(steps)
         old = self.histories[0]
         old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
-        self.module.places__places_along(old[1], steps, self.context)
+        self.module.port_states__port_states_along(old[1], steps, self.context)
 
     def _make_room(self, steps: int) -> None:
         if steps > self.max_steps:
@@ -232,9 +232,9 @@ class Machinery:
         """Return the arrays of the coupled chambers, made when they are first wanted."""
         if not self._together:
             c = self.composition
-            places = np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE))
+            port_states = np.append(np.zeros((c.chambers + 1) * PORT_STATE), np.full(c.chambers, FREE))
             self._together = {
-                "spaces": (places, np.zeros(c.n_work_all)),
+                "spaces": (port_states, np.zeros(c.n_work_all)),
                 "history": self.new_history(self.max_steps, c.chambers * self.n, self.nq + 1),
                 "kept": np.zeros(1, np.int64),
             }

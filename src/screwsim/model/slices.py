@@ -60,7 +60,7 @@ def rates_along(angles, middles, y, context, n_e, sides, step, changes, f, g, f_
     E = np.empty(n_e)
     E_below = np.empty(n_e)
     E_along = np.empty(n_e)
-    places_along = np.zeros(context.places.shape[0])
+    port_states_along = np.zeros(context.port_states.shape[0])
     work_along = np.zeros(context.work.shape[0])
     for k in range(angles.shape[0]):
         for side in range(3):
@@ -86,7 +86,7 @@ def rates_along(angles, middles, y, context, n_e, sides, step, changes, f, g, f_
             changes.P,
             changes.TAB,
             changes.R,
-            places_along,
+            port_states_along,
             work_along,
             f_along[k],
             g_along[k],

@@ -11,8 +11,8 @@ kilogram of oil holds,
 `path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `films_into` that of oil beside it,
 `add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums,
 `push_on(T, rho, y, R, P, TAB)` → acceleration at rest of what moves between a seat and a stop, filled for each,
-`neighbour(columns, P, R, E, at)` → the place of a neighbour at E[at], `keep_places(step, dense, context)` → what a
-history holds of a step beyond the states,
+`neighbour(columns, P, R, E, at)` → the port state of a neighbour at E[at],
+`keep_port_states(step, dense, context)` → what a history holds of a step beyond the states,
 `mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
 `balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance,
 `balanced_alone(flows, mass_rate)` → that of the one port that is open to a line,
@@ -29,7 +29,7 @@ Constants: N (states of a chamber), N_FLOWS (paths into a chamber, both sides of
 of gaps), CHAMBERS (alive at once), the indices into P that move with the number of own plenums, and those of
 `network.layout`.
 
-Indices into P, R and a place that are fixed for every composition stand here too.
+Indices into P, R and a port state that are fixed for every composition stand here too.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 solution_entropy: Any = Slot("solution_entropy")
 neighbour: Any = Slot("neighbour")
-keep_places: Any = Slot("keep_places")
+keep_port_states: Any = Slot("keep_port_states")
 mass_rate: Any = Slot("mass_rate")
 balanced: Any = Slot("balanced")
 given_off: Any = Slot("given_off")
@@ -80,32 +80,30 @@ P_H_PORT: Any = Structure("P_H_PORT")  # enthalpy over heat capacity of the oil 
 P_TRAPPED: Any = Structure("P_TRAPPED")  # gas trapped [kg], noted by `inject`, to which a pump delivers its ratio
 OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_PORT", "P_TRAPPED")
 
-# a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T, and what
-# a kilogram of the oil holds dissolved.
+# a port state: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T, and
+# what a kilogram of the oil holds dissolved.
 # Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
-# the oil (network.places).
+# the oil (network.port_states).
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT, DISSOLVED = range(11)
-PLACE = 11
+PORT_STATE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
 HELD = 4  # where oil dissolves: gas per oil
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
-PHASE = PLACE  # behind a chamber's own place: the phase that its gas is held in, FREE or 0 or 1
-BEYOND = (
-    PLACE  # behind the place of a neighbour in E: 1 where it is that of the discharge line, beyond the last chamber
-)
-OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path,
+PHASE = PORT_STATE  # behind a chamber's own port state: the phase that its gas is held in, FREE or 0 or 1
+BEYOND = PORT_STATE  # behind that of a neighbour in E: 1 where it is the discharge line's, beyond the last chamber
+OPENING = PORT_STATE + 1  # of a chamber's own: behind the phase that is held, opening and switch of each plenum path,
 # then what `stops` keeps of each seat and stop
 LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
-# R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle;
-# plenum i of the effects' own (i = 3, 4, …) is the place at i · PLACE
+# R: what changes while the cycle is closed: the two plenums (port states), then what happens at the injection angle;
+# plenum i of the effects' own (i = 3, 4, …) is the port state at i · PORT_STATE
 R_SUCTION = 0
-R_DISCHARGE = PLACE
-R_RATIO, R_TRAPPED, R_PRESSURE, R_INJECTED, R_OIL_BEFORE, R_LOCK, R_SIZE = range(2 * PLACE, 2 * PLACE + 7)
+R_DISCHARGE = PORT_STATE
+R_RATIO, R_TRAPPED, R_PRESSURE, R_INJECTED, R_OIL_BEFORE, R_LOCK, R_SIZE = range(2 * PORT_STATE, 2 * PORT_STATE + 7)
 FIRST_OWN = 3  # number of the first of the effects' own plenums
 
-# E: what depends on the angle alone: volume, dV/dφ, oil present, angle, then areas and places of neighbours
+# E: what depends on the angle alone: volume, dV/dφ, oil present, angle, then areas and port states of neighbours
 E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 
 # categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net); with own plenums
@@ -123,7 +121,7 @@ Q_WORK, Q_HEAT, Q_WALLS = range(3)
 FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
-    *("DISSOLVED", "PLACE", "PHASE", "BEYOND", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
+    *("DISSOLVED", "PORT_STATE", "PHASE", "BEYOND", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
     *("R_TRAPPED", "R_PRESSURE", "R_OIL_BEFORE", "R_INJECTED"),
     *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS", "PLENUM_ENTROPY"),
 )

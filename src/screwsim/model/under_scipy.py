@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from screwsim.model.impact_events import ImpactEvents
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
+from screwsim.model.slots import FREE, OPENING, P_INJECTION, PORT_STATE, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import Slopes, integrate
 
@@ -33,7 +33,9 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
         impacts = ImpactEvents(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
         impacts.begin(y, rtol)
     kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
-    slopes = _slopes(machinery, kernels, context, (own[PLACE : PLACE + 1], own[held]), len(y), c.n_E, machinery.nq)
+    slopes = _slopes(
+        machinery, kernels, context, (own[PORT_STATE : PORT_STATE + 1], own[held]), len(y), c.n_E, machinery.nq
+    )
     end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, impacts)
     y[:] = end
     steps = len(path.dense)
@@ -45,7 +47,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
     if at < steps:  # nothing jumps there: what is noted is the trapped mass
         module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
-    module.places__places_along(dense, steps, context)
+    module.port_states__port_states_along(dense, steps, context)
     module.trace__work_along(times, dense, quads, steps, context)
     return int(path.message != ""), path.times[-1], h, q
 

@@ -13,7 +13,7 @@ derivatives by the state and by φ, from the surroundings at φ and at φ + δ),
 `lands` (whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the
 size of a step's error; huge for a state that cannot be: a smaller step is tried), `share_in_phase` (the share of a step
 after which the equations change their form, 1 where they do not: the step is made again that long), `conserve` (closes
-the balances of an accepted step, in its end and its quadratures), `keep_places` (fills columns of the dense output
+the balances of an accepted step, in its end and its quadratures), `keep_port_states` (fills columns of the dense output
 beyond the states), `jump` (changes the state from which the next step begins where that is due, and tells whether the
 integration may go on; that a step ends there is the work of `share_in_phase`). Steps land on breakpoints and keep their
 size across them. STATES and QUADRATURES, their numbers, are constants of the text, so that short loops are unrolled.
@@ -37,7 +37,7 @@ lands = Slot("lands")
 error_size = Slot("error_size")
 share_in_phase = Slot("share_in_phase")
 conserve = Slot("conserve")
-keep_places = Slot("keep_places")
+keep_port_states = Slot("keep_port_states")
 jump = Slot("jump")
 
 STATES: Any = Structure("STATES")
@@ -174,8 +174,8 @@ def keep(step, phi, h, n, nq, y, y1, q, u, times, dense, quads):
 def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
     """Integrate y and the quadratures q (both in place) over the breakpoints; return (status, φ reached, next step).
 
-    Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_places`), kept[0] = steps so far (readable by
-    the slots while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
+    Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_port_states`), kept[0] = steps so far (readable
+    by the slots while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
     """
     n = STATES
     nq = QUADRATURES
@@ -245,7 +245,7 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
             for i in range(nq):
                 q[i] += dq[i]
             keep(step, phi, trial, n, nq, y, y1, q, u, times, dense, quads)
-            keep_places(step, dense, context)
+            keep_port_states(step, dense, context)
             step += 1
             kept[0] = step
             counts[0] += 1

@@ -12,7 +12,7 @@ COOLED = ("operation.condensing_temperature and machine.mode: compressor", "oper
 HUMID = ("gas.relative_humidity",)
 # roles of effects, which say that they have them (`effects.base`)
 HEATED = ("an effect that gives the oil a temperature",)
-CHANGED = ("an effect with an Intake",)
+CHANGED = ("an effect with a SuctionChange",)
 WALLED = ("an effect with a Wall",)
 HELD = ("an effect by which the oil gives its gas off over time",)
 AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity, an effect with an aftercooler")

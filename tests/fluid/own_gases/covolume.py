@@ -71,16 +71,16 @@ class CovolumeGas:
     def temperature(self, p, h):
         return (h - self.b * p) / self.c_p
 
-    def place(self, p, T):
+    def port_state(self, p, T):
         rho = self.density(p, T)
         _, h, _, _, a, drop, choked = state(T, rho, *self.values.values())
         return p, rho, h, a, drop, choked
 
-    def place_of_enthalpy(self, p, h):
-        return self.place(p, self.temperature(p, h))
+    def port_state_of_enthalpy(self, p, h):
+        return self.port_state(p, self.temperature(p, h))
 
     def vapour(self, p, T):
-        p, rho, h, a, drop, choked = self.place(p, T)
+        p, rho, h, a, drop, choked = self.port_state(p, T)
         return Reservoir(p, T, rho, h, self.entropy(p, T), a, drop, choked)
 
     def nearest_vapour(self, p, T):

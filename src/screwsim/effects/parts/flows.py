@@ -14,16 +14,16 @@ class Resistance:
     """What holds back the nozzle's flow in a gap between chambers (M190).
 
     `share` returns the share that passes, 0 to 1, of the nozzle's mass flux `flux` [kg/(m² s)]; it may ask for the
-    upstream place's `oil_ratio` and `density` [kg/m³], for numbers of `values`, and for symbols. It must be smooth, and
-    flux times share must grow with the flux. `title` says what it is.
+    upstream port state's `oil_ratio` and `density` [kg/m³], for numbers of `values`, and for symbols. It must be
+    smooth, and flux times share must grow with the flux. `title` says what it is.
 
     `film`, where given, returns the mass flux of oil [kg/(m² s)] over the gap's area that flows beside the gas's stream
-    and the oil in that (M252), at the pressure difference `drop` ≥ 0 [Pa] from the upstream to the downstream place; it
-    may ask for the upstream `oil_ratio` and the like, must be smooth, and nothing at no drop and at no oil.
+    and the oil in that (M252), at the pressure difference `drop` ≥ 0 [Pa] from the upstream to the downstream port
+    state; it may ask for the upstream `oil_ratio` and the like, must be smooth, and nothing at no drop and at no oil.
 
-    `drag`, where given, returns the mass flux of oil [kg/(m² s)] that a moving wall takes along, from the leading place
-    to the trailing chamber whatever their pressures (M256); it may ask for the leading place's `oil_ratio`, and is
-    nothing at no oil. It is that at the mean speed of the rotors, and follows the speed.
+    `drag`, where given, returns the mass flux of oil [kg/(m² s)] that a moving wall takes along, from the leading port
+    state to the trailing chamber whatever their pressures (M256); it may ask for the leading port state's `oil_ratio`,
+    and is nothing at no oil. It is that at the mean speed of the rotors, and follows the speed.
     """
 
     share: Kernel
@@ -62,10 +62,10 @@ class FlowPath:
     where no step is held (scipy's integrators), LOOSE where a stored cycle is read (model.slots).
 
     `law`, where given, is the flow in place of the nozzle's (M12): it returns the mass flux [kg/(m² s)] over the area
-    into the chamber, from the numbers of the chamber's own place, `p_1` [Pa], `rho_1` [kg/m³], `h_1` [J/kg],
-    `exponent_1` (1/k), `oil_ratio_1` (0 without carried oil), and of the place beyond, `p_2` …; with `width`, `values`
-    and symbols. It must be smooth, nothing at equal pressures, and have the sign of p_2 − p_1. Its stream brings what
-    the place that it comes from has.
+    into the chamber, from the numbers of the chamber's own port state, `p_1` [Pa], `rho_1` [kg/m³], `h_1` [J/kg],
+    `exponent_1` (1/k), `oil_ratio_1` (0 without carried oil), and of the port state beyond, `p_2` …; with `width`,
+    `values` and symbols. It must be smooth, nothing at equal pressures, and have the sign of p_2 − p_1. Its stream
+    brings what the port state that it comes from has.
     """
 
     to: str

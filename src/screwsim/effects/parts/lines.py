@@ -12,7 +12,7 @@ from screwsim.inputs.declare import quantity
 
 
 @dataclass(frozen=True)
-class Intake:
+class SuctionChange:
     """What lies between suction line and machine (M160, M161).
 
     A throttle leaves `pressure_ratio` of the pressure, or what the losses of a `package` leave; of what is sucked the

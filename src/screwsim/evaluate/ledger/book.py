@@ -106,7 +106,7 @@ class Cycle:
     def at(self, p: float, h: float) -> State:
         """Return the state at a pressure [Pa] of enthalpy h [J/kg]."""
         gas = self.parts.gas
-        return self.state(gas.temperature(p, h), gas.place_of_enthalpy(p, h)[1], h)
+        return self.state(gas.temperature(p, h), gas.port_state_of_enthalpy(p, h)[1], h)
 
     @once
     def paths(self) -> list[str]:

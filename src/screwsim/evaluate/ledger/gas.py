@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import log
 
 from screwsim.cycle import suction_line
-from screwsim.effects.base import Intake, Pulsation
+from screwsim.effects.base import Pulsation, SuctionChange
 from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DENSITY, DISCHARGE_IN, DISCHARGE_OUT, ENTHALPY, OF_ENERGY, OF_GAS, R_DISCHARGE
@@ -77,13 +77,13 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
         return state.h - cycle.T_0 * state.s
 
     line, mixed, port = (
-        exergy(cycle.state(intake.temperature(place, T_s), place[DENSITY], place[ENTHALPY]))
-        for place in (intake.line, intake.mixed(h_d), intake.place(h_d))
+        exergy(cycle.state(intake.temperature(port_state, T_s), port_state[DENSITY], port_state[ENTHALPY]))
+        for port_state in (intake.line, intake.mixed(h_d), intake.port_state(h_d))
     )
     share, out = intake.returned, exergy(discharge)
     returned = flow * (share * out + (1.0 - share) * line - mixed)
     throttled = flow * (mixed - port)
-    for name, part in cycle.parts.all(Intake):
+    for name, part in cycle.parts.all(SuctionChange):
         if part.returned > 0.0:
             energy = share * flow * (discharge.h - intake.line[ENTHALPY])
             book.add(name, gas=share * flow, energy=energy, exergy=returned)

@@ -74,7 +74,7 @@ def enter_line(
 
     h_d = float(cycle.R[R_DISCHARGE + ENTHALPY])
     p = cycle.suction.pressure
-    fresh, leaked = cycle.at(p, cycle.suction.place(h_d)[ENTHALPY]), cycle.at(p, h_d)
+    fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[ENTHALPY]), cycle.at(p, h_d)
     warmed = _warmed(book, cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))

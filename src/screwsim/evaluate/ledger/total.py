@@ -122,8 +122,8 @@ def _sucked(cycle: Cycle) -> State:
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
     if cycle.parts.suction_line:
         return cycle.at(cycle.suction.pressure, h)
-    place = cycle.suction.place(float(cycle.R[R_DISCHARGE + ENTHALPY]))
-    return cycle.state(cycle.suction.temperature(place, cycle.lines.T_s), rho, h)
+    port_state = cycle.suction.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
+    return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
 
 
 def _acting(cycle: Cycle) -> Iterator[str]:

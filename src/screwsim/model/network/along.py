@@ -1,6 +1,6 @@
 """The rates of all chambers and how they change along any change of what they take, as text: forward mode, one seed.
 
-States, surroundings, parameters, tables and places of lines each have a change beside them, `y__along`, `E__along`,
+States, surroundings, parameters, tables and port states of lines have a change beside them, `y__along`, `E__along`,
 `P__along`, `TAB__along`, `R__along`. So a number of the scene, `P[…]`, is a seed as a state is, alone or with all that
 it moves.
 
@@ -21,7 +21,7 @@ from screwsim.numerics.expressions import ALONG, slope_name
 from screwsim.numerics.kernel import Kernel
 
 GIVEN = ("y", "E", "P", "TAB", "R")  # arrays whose changes are given ...
-WORKED = ("places", "work")  # ... those in which numbers stand on the way ...
+WORKED = ("port_states", "work")  # ... those in which numbers stand on the way ...
 FOUND = ("f", "g")  # ... and those whose changes are found
 NAME = "chambers__rates_along"
 
@@ -52,7 +52,7 @@ class Along(Chambers):
             body.add("T = y[j * N + S_T]", "rho = y[j * N + S_rho]")
             body.add(f"phase = int({held_phase(network, 'j')})" if network.phases else "phase = 0")
             balances.gas_state(body, network)
-            body.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
+            body.add(*(f"port_states[j * PORT_STATE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
         body.add(*self._between(False))
         with body.within(f"for i in range({len(self._all)})"):
             body.add("g[i] = 0.0")

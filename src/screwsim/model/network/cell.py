@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from screwsim.model.network import balances
 from screwsim.model.network.flows import (
-    Place,
+    PortState,
     add_film,
     add_stream,
     drag_flux,
     film_flux,
     gap_flux,
     needed,
-    place_of,
     port_flux,
-    read_place,
+    port_state_of,
+    read_port_state,
 )
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port
@@ -25,20 +25,20 @@ from screwsim.model.network.statements import Statements
 CONSTANT = ("exponent", "choke", "choked")  # of the gas, in the derivatives of flows
 RESERVED = {  # names that no state can have
     *("y", "E", "P", "TAB", "R", "own", "f", "g", "J", "Jq", "e", "j", "c", "i", "k", "s", "phi", "phase", "V", "dV"),
-    *("oiled", "delta", "per_delta", "context", "side", "places", "work", "ahead"),
+    *("oiled", "delta", "per_delta", "context", "side", "port_states", "work", "ahead"),
 }
 BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_next
 
 
 class Cell:
-    """A chamber whose surroundings stand in E from `e` on; where lines pulsate, their places stand behind."""
+    """A chamber whose surroundings stand in E from `e` on; where lines pulsate, their port states stand behind."""
 
     e = ""
     together = False
 
     def __init__(self, network: Network) -> None:
         self.network, self.layout = network, Layout(network)
-        self.own = own_place(network)
+        self.own = own_port_state(network)
         # sums of streams in the order of the categories (slots.py)
         self.sums = [f"{cell}_{way}" for cell in network.cells if cell for way in ("in", "out")]
         self.sums[4:4] = ["between", "port"] if network.ported or len(network.cells) > 3 else ["between"]
@@ -51,7 +51,7 @@ class Cell:
         return [*names, *(f"{name} = E[{self.e}{number}]" for name, number in around.items())]
 
     def line(self, cell: str) -> tuple[str, str]:
-        """Return array and index of the place of a line or plenum; in E where the lines pulsate (M184)."""
+        """Return array and index of the port state of a line or plenum; in E where the lines pulsate (M184)."""
         return self.layout.line(cell, self.together)
 
     def opened(self, to: Statements, what: str, at: str, slopes: bool) -> str:
@@ -65,17 +65,17 @@ class Cell:
         """Add the stream through a port."""
         if port.opening:
             to.add(f"switch_{self.layout.label(port)} = {self.layout.share(port, 'HELD')}")
-        beyond = place_of(self.network, port.cell)
+        beyond = port_state_of(self.network, port.cell)
         with to.within(self.opened(to, f"{port.effect} (M12)", f"{self.e}{self.layout.area(port)}", slopes)):
-            read_place(to, self.network, port.cell, *self.line(port.cell))
+            read_port_state(to, self.network, port.cell, *self.line(port.cell))
             if slopes and port.one_way:
                 way = ">" if port.one_way > 0 else "<"
                 to.add(f"switch_{self.layout.label(port)} = 1.0 if {beyond.p} {way} p else 0.0")
             port_flux(to, port, self.layout.label(port), self.own, beyond)
             self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
 
-    def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place, way: str = "ahead") -> None:
-        """Add the streams through a gap to the place `way` of the chamber, of gas and of oil beside it."""
+    def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: PortState, way: str = "ahead") -> None:
+        """Add the streams through a gap to the port state `way` of the chamber, of gas and of oil beside it."""
         gap_flux(to, gap, self.own, beyond)
         self.upwind(to, inward, outward, beyond)
         if gap.film:
@@ -96,8 +96,8 @@ class Cell:
             to.add("film = -area * drag")
             add_film(to, self.network, outward, self.own)
 
-    def upwind(self, to: Statements, inward: str, outward: str, beyond: Place) -> None:
-        """Add a stream of the state of the place that it comes from."""
+    def upwind(self, to: Statements, inward: str, outward: str, beyond: PortState) -> None:
+        """Add a stream that has the port state that it comes from."""
         to.add("flow = area * flux")
         with to.within("if flux >= 0.0"):
             add_stream(to, self.network, inward, "flow", beyond)
@@ -130,9 +130,9 @@ class Cell:
         found["area"] = "(next_area - area) * per_delta"
         if network.pulsating:
             for cell in filter(None, network.cells):
-                _, place = self.line(cell)
+                _, port_state = self.line(cell)
                 changing = {name: at for name, at in needed(network).items() if name not in CONSTANT}
-                found |= {f"{name}_{cell}": BY_ANGLE.format(at=f"{place} + {at}") for name, at in changing.items()}
+                found |= {f"{name}_{cell}": BY_ANGLE.format(at=f"{port_state} + {at}") for name, at in changing.items()}
         there = f"(E_next[{self.e}E_ANGLE],"
         slow = network.slow.replace("(phi,", there)
         if network.ported:
@@ -143,8 +143,8 @@ class Cell:
         return {(name, "phi"): text for name, text in found.items()}
 
 
-def own_place(network: Network) -> Place:
-    """Return the names of the numbers of a chamber's own place."""
+def own_port_state(network: Network) -> PortState:
+    """Return the names of the numbers of a chamber's own port state."""
     rho, T_oil = ("rho_felt", "T_felt") if network.roomed else ("rho", "T_oil")
     oil = ("x_oil", T_oil) if network.carried else ("0.0", "0.0")
-    return Place("p", rho, "h", "exponent", "choke", "choked", *oil, "w_gas" if network.dissolves else "0.0")
+    return PortState("p", rho, "h", "exponent", "choke", "choked", *oil, "w_gas" if network.dissolves else "0.0")

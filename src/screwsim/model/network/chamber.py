@@ -1,6 +1,6 @@
 """One chamber among neighbours whose histories are known, as text: its rates, their derivatives, its flows.
 
-Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volume, areas, places of the neighbours
+Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volume, areas, port states of the neighbours
 (slots.py).
 """
 
@@ -12,11 +12,19 @@ from typing import Any
 from screwsim.model.network import balances, stops
 from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
-from screwsim.model.network.flows import drag_flux, film_flux, gap_flux, needed, place_of, port_flux, read_place
+from screwsim.model.network.flows import (
+    drag_flux,
+    film_flux,
+    gap_flux,
+    needed,
+    port_flux,
+    port_state_of,
+    read_port_state,
+)
 from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.line_flow import line_flow_texts
 from screwsim.model.network.network import Gap, Network
-from screwsim.model.network.places import place_texts
+from screwsim.model.network.port_states import port_state_texts
 from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import CONTEXT, step_texts
 from screwsim.model.network.surroundings import beyond_last_text, lines_texts, surroundings_text
@@ -46,13 +54,13 @@ class Chamber(Cell):
         """Return the texts of all functions."""
         films = [self.film_flows(), self.oil_films()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
         network = self.network
-        between = [*place_texts(network), *between_texts(network), *step_texts(network)]
+        between = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
         around = [*lines_texts(network)[:1], beyond_last_text(network), surroundings_text(network)]
         own = [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films]
         return [*own, *between, *around, *line_flow_texts(network)]
 
     def _side(self, gap: Gap, way: str) -> tuple[str, str]:
-        """Return where in E the area of a gap's side stands, and the place beyond it."""
+        """Return where in E the area of a gap's side stands, and the port state beyond it."""
         return self.layout.area(gap, way), f"E_{self.layout.neighbour(gap.side, way)}"
 
     def _streams(self, to: Statements, slopes: bool) -> None:
@@ -81,18 +89,19 @@ class Chamber(Cell):
 
     def _neighbour(self, to: Statements, gap: Gap, way: str, slopes: bool) -> None:
         """Add the streams through a gap to the chamber ahead, or behind."""
-        area, place = self._side(gap, way)
+        area, port_state = self._side(gap, way)
         cell, network = self.layout.neighbour(gap.side, way), self.network
         instead = ("area == 0.0", "E_next") if slopes else ("", "")  # of a gap that opens
         with to.within(self.opened(to, f"{gap.effect}, {way} (M12)", area, slopes)):
-            read_place(to, network, cell, "E", place, instead)
+            read_port_state(to, network, cell, "E", port_state, instead)
             if way == "ahead":
-                line = f"E[{place} + BEYOND]"
+                line = f"E[{port_state} + BEYOND]"
                 to.add(
-                    f"beyond_{cell} = " + (f"E_next[{place} + BEYOND] if area == 0.0 else {line}" if slopes else line)
+                    f"beyond_{cell} = "
+                    + (f"E_next[{port_state} + BEYOND] if area == 0.0 else {line}" if slopes else line)
                 )
             sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
-            self.gap(to, gap, *sums, place_of(network, cell), way)
+            self.gap(to, gap, *sums, port_state_of(network, cell), way)
             to.add(f"from_{cell} += flow")
 
     def _body(self, slopes: bool) -> list[str]:
@@ -151,13 +160,13 @@ class Chamber(Cell):
         )
 
     def _by_angle(self) -> dict[tuple[str, str], str]:
-        """Return the derivatives by the angle of what stands in E, the places of the neighbours with it."""
+        """Return the derivatives by the angle of what stands in E, the port states of the neighbours with it."""
         found = self.by_angle()
         for gap, way in self.sides:
-            _, place = self._side(gap, way)
+            _, port_state = self._side(gap, way)
             for name, at in needed(self.network).items():
                 if name not in CONSTANT:
-                    text = BY_ANGLE.format(at=f"{place} + {at}")
+                    text = BY_ANGLE.format(at=f"{port_state} + {at}")
                     found[f"{name}_{self.layout.neighbour(gap.side, way)}", "phi"] = f"{text} if area > 0.0 else 0.0"
         return found
 
@@ -168,10 +177,10 @@ class Chamber(Cell):
             flow, label = f"out[{self.layout.flow(port)}]", self.layout.label(port)
             to.add(f"{flow} = 0.0", f"area = E[{self.layout.area(port)}]")
             with to.within("if area > 0.0"):
-                read_place(to, network, port.cell, *self.line(port.cell))
+                read_port_state(to, network, port.cell, *self.line(port.cell))
                 if port.opening:
                     to.add(f"switch_{label} = LOOSE")
-                port_flux(to, port, label, self.own, place_of(network, port.cell))
+                port_flux(to, port, label, self.own, port_state_of(network, port.cell))
                 to.add(f"{flow} = area * flux")
                 if port.opening:
                     to.add(f"{self.layout.share(port, 'OPENED')} = opened")
@@ -221,14 +230,14 @@ class Chamber(Cell):
 
     def _read(self, to: Statements, gap: Gap, way: str, out: str, what: str) -> None:
         """Store the flow through one side of a gap, its film, or what a wall drags through it."""
-        area, place = self._side(gap, way)
+        area, port_state = self._side(gap, way)
         to.add(f"{out} = 0.0", f"area = E[{area}]")
         if what != "flux" and not getattr(gap, what):
             return
         cell = self.layout.neighbour(gap.side, way)
-        beyond, sign = place_of(self.network, cell), ""
+        beyond, sign = port_state_of(self.network, cell), ""
         with to.within("if area > 0.0"):
-            read_place(to, self.network, cell, "E", place)
+            read_port_state(to, self.network, cell, "E", port_state)
             if what == "drag":
                 drag_flux(to, self.network, gap, beyond if way == "ahead" else self.own)
                 sign = "" if way == "ahead" else "-"
@@ -237,15 +246,15 @@ class Chamber(Cell):
             to.add(f"{out} = {sign}area * {what}")
 
     def _reading(self, name: str, what: str, to: Statements, more: str = "") -> str:
-        """Return the text of a function that fills `out` for the state of a stored cycle, and the chamber's place."""
+        """Return the text of a function that fills `out` for the state of a stored cycle, and the port state."""
         asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
         asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
-        place = [
-            "chamber__place(FREE, y, 0, P, TAB, own, 0)",
+        port_state = [
+            "chamber__port_state(FREE, y, 0, P, TAB, own, 0)",
             *(f"{each} = own[{at}]" for each, at in asked.items()),
         ]
         return function(
             f"chamber__{name}(y, E, context, out{more})",
             [f'"""Fill `out` with the {what}."""', CONTEXT],
-            [*self.states(), *place, *to.lines],
+            [*self.states(), *port_state, *to.lines],
         )

@@ -17,10 +17,10 @@ from typing import Any
 from screwsim.model.network import balances
 from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import CONSTANT, Cell
-from screwsim.model.network.flows import Place, place_of, read_place
+from screwsim.model.network.flows import PortState, port_state_of, read_port_state
 from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.network import Gap, Network
-from screwsim.model.network.places import place_texts
+from screwsim.model.network.port_states import port_state_texts
 from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import step_texts
 from screwsim.model.network.steps_together import BEFORE, held_phase, step_texts_together
@@ -28,8 +28,8 @@ from screwsim.model.network.surroundings import lines_texts, surroundings_togeth
 from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
-CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"
-GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a place, with derivatives by T and rho
+CONTEXT = "P, TAB, R, port_states, work = context.P, context.TAB, context.R, context.port_states, context.work"
+GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a port state, with derivatives by T and rho
 NOZZLE = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
 BOTH = ("T", "rho")
 ANGLE = "COLUMNS - 1"  # the column of derivatives by the angle
@@ -41,7 +41,7 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
     """Return the functions of all chambers of a network, given by its key, and the kernels that they call."""
     network = Network(*key)
     chambers, exact = Chambers(network), Chambers(network, exact=True)
-    of_one = [*place_texts(network), *between_texts(network), *step_texts(network)]
+    of_one = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
     of_one += [*lines_texts(network)[1:], surroundings_together_text(network)]
     jacobians = chambers.jacobian(), *((exact.jacobian(),) if network.varies else ())
     texts = chambers.rates(), *jacobians, *step_texts_together(network), *of_one
@@ -86,7 +86,8 @@ class Chambers(Cell):
     def __init__(self, network: Network, exact: bool = False) -> None:
         super().__init__(network)
         self.jacobian_name = "exact_jacobian" if exact else "jacobian"
-        self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)  # what of a place has derivatives
+        # what of a port state has derivatives
+        self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)
         self.of_gas = [(name, seed) for name in self.gas for seed in BOTH]
         self.ends = "_EXACT" if exact else ""  # of the names of `work_constants`
         self.tangents: list[Kernel] = []
@@ -96,7 +97,7 @@ class Chambers(Cell):
     def _read_own(self, to: Statements, slopes: bool) -> None:
         """Read a chamber's states, surroundings and gas."""
         to.add("e = j * E_CHAMBER", "own = j * N", *self.states("own + "))
-        to.add(*(f"{name} = places[j * PLACE + {at}]" for name, at in (GAS | NOZZLE).items()))
+        to.add(*(f"{name} = port_states[j * PORT_STATE + {at}]" for name, at in (GAS | NOZZLE).items()))
         if slopes:
             self._read_slopes(to, "", "j")
 
@@ -113,17 +114,17 @@ class Chambers(Cell):
         """Return where the derivative of what chamber `row` is given stands, by the state or angle of a column."""
         return f"work[GIVEN_SLOPES{self.ends} + ({row} * GIVEN + GIVEN_{quantity}) * COLUMNS + {column}]"
 
-    def _other(self, of: str) -> Place:
-        """Return the names of the numbers of another chamber's place."""
+    def _other(self, of: str) -> PortState:
+        """Return the names of the numbers of another chamber's port state."""
         names = (self.own.p, self.own.rho, self.own.h, *NOZZLE, self.own.oil_ratio, self.own.T_oil, self.own.held)
-        return Place(*(name if name == "0.0" else name + of for name in names))
+        return PortState(*(name if name == "0.0" else name + of for name in names))
 
     def _read_other(self, to: Statements, slopes: bool) -> None:
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
         to.add(*(f"{name}_ahead = y[ahead * N + S_{name}]" for name in states))
         asked = {"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE
-        to.add(*(f"{name}_ahead = places[ahead * PLACE + {at}]" for name, at in asked.items()))
+        to.add(*(f"{name}_ahead = port_states[ahead * PORT_STATE + {at}]" for name, at in asked.items()))
         if slopes:
             self._read_slopes(to, "_ahead", "ahead")
 
@@ -218,8 +219,8 @@ class Chambers(Cell):
             with to.within(f"if j + {network.offsets[gap.side]} >= CHAMBERS"):  # beyond lies the discharge line
                 at = f"{self.e}{self.layout.area(gap)}"
                 with to.within(self.opened(to, f"{gap.effect} (M12)", at, slopes)):
-                    read_place(to, network, discharge, *self.line(discharge))
-                    self.gap(to, gap, f"{discharge}_in", f"{discharge}_out", place_of(network, discharge))
+                    read_port_state(to, network, discharge, *self.line(discharge))
+                    self.gap(to, gap, f"{discharge}_in", f"{discharge}_out", port_state_of(network, discharge))
         balances.oil_through_ports(to, network)
         self.finish(to)
         self._crossing(to)
@@ -265,7 +266,7 @@ class Chambers(Cell):
         network, to = self.network, Statements()
         with to.within("for j in range(CHAMBERS)"):
             phase = held_phase(network, "j")
-            to.add(f"chamber__place({phase}, y, j * N, P, TAB, places, j * PLACE)")
+            to.add(f"chamber__port_state({phase}, y, j * N, P, TAB, port_states, j * PORT_STATE)")
         to.add(*self._between(False))
         with to.within("for i in range(Q_crossing + 1)"):
             to.add("g[i] = 0.0")
@@ -278,7 +279,7 @@ class Chambers(Cell):
         return function("chambers__rates(y, E, context, f, g)", [text, CONTEXT], to.lines)
 
     def _gas(self, to: Statements) -> None:
-        """Fill the places of all chambers, and keep the derivatives of their gas."""
+        """Fill the port states of all chambers, and keep the derivatives of their gas."""
         network, body = self.network, Statements()
         balances.gas_state(body, network)
         tangent = Tangent(body.lines, BOTH, network.kernels, {}, self.constant)
@@ -288,7 +289,7 @@ class Chambers(Cell):
             phase = held_phase(network, "j")
             to.add(*(["phase = gas_phase(T, rho, P, TAB)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
-            to.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
+            to.add(*(f"port_states[j * PORT_STATE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
             for name, seed in self.of_gas:
                 to.add(f"{self._gas_slope('j', name, seed)} = {tangent.slope(name, seed)}")
 

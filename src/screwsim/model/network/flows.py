@@ -1,7 +1,7 @@
 """Flows through openings and the streams that they carry, each stated once: what every text takes from here.
 
 Source: docs/model.md M10–M13, M184–M186, M190, M250–M252, M256. A flow [kg/s] is positive into the chamber. Its stream
-has the state of the place that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
+has the port state that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from screwsim.model.network.network import Gap, Law, Network, Port
 from screwsim.model.network.statements import Statements
 
 FLOW = flow.flat_name
-NUMBERS = {  # of a place, by the name that locals have for it: where it stands (slots.PRESSURE …)
+NUMBERS = {  # of a port state, by the name that locals have for it: where it stands (slots.PRESSURE …)
     "p": "PRESSURE",
     "rho": "DENSITY",
     "h": "ENTHALPY",
@@ -27,8 +27,8 @@ NUMBERS = {  # of a place, by the name that locals have for it: where it stands 
 
 
 @dataclass(frozen=True)
-class Place:
-    """Names of the numbers of a place: of a chamber itself, or of what lies beyond an opening."""
+class PortState:
+    """Names of the numbers of a port state: of a chamber itself, or of what lies beyond an opening."""
 
     p: str
     rho: str  # that flows feel (M107)
@@ -42,35 +42,35 @@ class Place:
 
     @property
     def nozzle(self) -> str:
-        """What a nozzle asks of a place."""
+        """What a nozzle asks of a port state."""
         return f"{self.p}, {self.rho}, {self.exponent}, {self.choke}, {self.choked}"
 
 
 def needed(network: Network) -> dict[str, str]:
-    """Return which numbers of a place flows and streams ask for, and where they stand in it."""
+    """Return which numbers of a port state flows and streams ask for, and where they stand in it."""
     skipped = () if network.carried else ("oil_ratio", "T_oil")
     skipped += () if network.dissolves else ("held",)
     return {name: at for name, at in NUMBERS.items() if name not in skipped}
 
 
-def place_of(network: Network, cell: str) -> Place:
-    """Return the names of a place's numbers: `p_suction` …; 0.0 for what there is none of."""
+def port_state_of(network: Network, cell: str) -> PortState:
+    """Return the names of a port state's numbers: `p_suction` …; 0.0 for what there is none of."""
     asked = needed(network)
-    return Place(*(f"{name}_{cell}" if name in asked else "0.0" for name in NUMBERS))
+    return PortState(*(f"{name}_{cell}" if name in asked else "0.0" for name in NUMBERS))
 
 
-def read_place(
+def read_port_state(
     to: Statements, network: Network, cell: str, array: str, at: str, instead: tuple[str, str] = ("", "")
 ) -> None:
-    """Read the numbers of a place that stands in an array; in another one where a test holds."""
+    """Read the numbers of a port state that stands in an array; in another one where a test holds."""
     test, other = instead
     for name, number in needed(network).items():
         found = f"{array}[{at} + {number}]"
         to.add(f"{name}_{cell} = " + (f"{other}[{at} + {number}] if {test} else {found}" if test else found))
 
 
-def stream_terms(to: Statements, network: Network, stream: str, source: Place) -> dict[str, str]:
-    """Return what a stream with the state of a place adds to the sum of each quantity."""
+def stream_terms(to: Statements, network: Network, stream: str, source: PortState) -> dict[str, str]:
+    """Return what a stream of a port state adds to the sum of each quantity."""
     terms = {"mass": stream, "energy": f"{stream} * {source.h}"}
     if network.carried:
         to.add(f"oil = {stream} * {source.oil_ratio}")
@@ -80,31 +80,31 @@ def stream_terms(to: Statements, network: Network, stream: str, source: Place) -
     return terms
 
 
-def add_stream(to: Statements, network: Network, sums: str, stream: str, source: Place) -> None:
-    """Add a stream with the state of a place to sums."""
+def add_stream(to: Statements, network: Network, sums: str, stream: str, source: PortState) -> None:
+    """Add a stream of a port state to sums."""
     for quantity, term in stream_terms(to, network, stream, source).items():
         to.add(f"{quantity}_{sums} += {term}")
 
 
-def add_film(to: Statements, network: Network, sums: str, source: Place) -> None:
-    """Add oil that flows as a film, `film` [kg/s], with the state of a place to sums (M252)."""
+def add_film(to: Statements, network: Network, sums: str, source: PortState) -> None:
+    """Add oil that flows as a film, `film` [kg/s], of a port state to sums (M252)."""
     to.add(f"oil_{sums} += film", f"oil_heat_{sums} += film * {source.T_oil}")
     if network.dissolves:
         to.add(f"held_{sums} += film * {source.held}")
 
 
-def _flux(to: Statements, law: Law | None, own: Place, beyond: Place, width: str) -> str:
+def _flux(to: Statements, law: Law | None, own: PortState, beyond: PortState, width: str) -> str:
     """Return a call for the flux [kg/(m² s)] into the chamber: a nozzle's (M12), or that of a law of the path's own."""
     if law is None:
         return f"{FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, {width})"
-    places = {"1": own, "2": beyond}
+    port_states = {"1": own, "2": beyond}
     for name in law.asks:
         number, _, side = name.rpartition("_")
-        to.add(f"{name} = {getattr(places[side], number)}" if side in places else f"{name} = {width}")
+        to.add(f"{name} = {getattr(port_states[side], number)}" if side in port_states else f"{name} = {width}")
     return law.call
 
 
-def port_flux(to: Statements, port: Port, label: str, own: Place, beyond: Place) -> None:
+def port_flux(to: Statements, port: Port, label: str, own: PortState, beyond: PortState) -> None:
     """Set `flux` [kg/(m² s)] through a port (M12); times its open share where that hangs on the state."""
     flux = _flux(to, port.law, own, beyond, port.width)
     if not port.opening:
@@ -115,7 +115,7 @@ def port_flux(to: Statements, port: Port, label: str, own: Place, beyond: Place)
     to.add(f"flux = opened * {flux}")
 
 
-def gap_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
+def gap_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> None:
     """Set `flux` [kg/(m² s)] through a gap: less what the gap holds back of it (M190)."""
     nozzle = _flux(to, gap.law, own, beyond, f"0.5 * P[P_GAP_WIDTH] * ({own.p} + {beyond.p})")
     if not gap.share:
@@ -128,7 +128,7 @@ def gap_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
     to.add("flux = abs(nozzle)", f"flux = nozzle * {gap.share}")
 
 
-def film_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
+def film_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> None:
     """Set `film` [kg/(m² s)] of oil beside the gas through a gap, down the pressure difference (M252)."""
     to.add(f"drop = {beyond.p} - {own.p}")
     for head, sign, source in (("if drop >= 0.0", "", beyond), ("else", "-", own)):
@@ -139,6 +139,6 @@ def film_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
             to.add(f"film = {sign}{gap.film}")
 
 
-def drag_flux(to: Statements, network: Network, gap: Gap, ahead: Place) -> None:
-    """Set `drag` [kg/(m² s)] of oil that a wall drags out of the place ahead, whatever the pressures (M256)."""
+def drag_flux(to: Statements, network: Network, gap: Gap, ahead: PortState) -> None:
+    """Set `drag` [kg/(m² s)] of oil that a wall drags out of the port state ahead, whatever the pressures (M256)."""
     to.add(f"oil_ratio = {ahead.oil_ratio}", f"drag = {gap.drag}{' / slow' if network.slow else ''}")

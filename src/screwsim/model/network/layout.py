@@ -1,8 +1,9 @@
 """Where everything stands, by name: the indices that the texts of a network use, each stated here alone.
 
-States stand in y as `S_T` …, areas in E as `A_tip_leakage_ahead` …, places of chambers and lines in E as `E_ahead_4` or
-`E_discharge_line`, those of lines and plenums in R as `R_discharge_line` …, flows as `FLOW_tip_leakage_ahead` …,
-quadratures as `Q_work` …; `slots` says what the arrays are. Paths of one effect are told apart by a number.
+States stand in y as `S_T` …, areas in E as `A_tip_leakage_ahead` …, port states of chambers and lines in E as
+`E_ahead_4` or `E_discharge_line`, those of lines and plenums in R as `R_discharge_line` …, flows as
+`FLOW_tip_leakage_ahead` …, quadratures as `Q_work` …; `slots` says what the arrays are. Paths of one effect are told
+apart by a number.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from screwsim.model.network.network import Gap, Network, Port, identifier
-from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PLACE
+from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PORT_STATE
 
 AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # of a turn, and the angles of the step tried
 WAYS = ("ahead", "behind")  # the two sides of a gap
@@ -57,11 +58,11 @@ class Layout:
         return f"{way}_{self._network.offsets[side]}"
 
     def share(self, port: Port, what: str) -> str:
-        """Return where in a chamber's own place stands how far a port is `OPENED`, or which way it is `HELD`."""
+        """Return where in a chamber's own port state stands how far a port is `OPENED`, or which way it is `HELD`."""
         return f"own[{what}_{self.label(port)}]"
 
     def line(self, cell: str, together: bool = False) -> tuple[str, str]:
-        """Return array and index of the place of a line or plenum; in E where the lines pulsate (M184)."""
+        """Return array and index of the port state of a line or plenum; in E where the lines pulsate (M184)."""
         if self._network.pulsating:
             return "E", f"{'ALL' if together else 'E'}_{cell}"
         return "R", f"R_{cell}"
@@ -101,9 +102,9 @@ class Layout:
 
     @property
     def lines(self) -> int:
-        """Return where in E of one chamber the places of lines that pulsate begin."""
+        """Return where in E of one chamber the port states of lines that pulsate begin."""
         network = self._network
-        return E_AREAS + len(network.ports) + 2 * len(network.gaps) + (PLACE + 1) * len(self.met)
+        return E_AREAS + len(network.ports) + 2 * len(network.gaps) + (PORT_STATE + 1) * len(self.met)
 
     @property
     def size(self) -> int:
@@ -116,7 +117,9 @@ class Layout:
         cells = [(number, cell) for number, cell in enumerate(network.cells) if cell]
         opened = [port for port in network.ports if port.opening]
         areas = [*(self.area(each) for each in network.ports), *(self.area(*each) for each in self.sides)]
-        neighbours = {f"E_{each}": self.lines + (PLACE + 1) * (i - len(self.met)) for i, each in enumerate(self.met)}
+        neighbours = {
+            f"E_{each}": self.lines + (PORT_STATE + 1) * (i - len(self.met)) for i, each in enumerate(self.met)
+        }
         found = {
             **_counted("S_", network.states),
             **_counted("COLUMN_", columns, len(network.states)),
@@ -124,7 +127,7 @@ class Layout:
             **{self.area(gap): E_AREAS + ports + gap.index for gap in network.gaps},
             **neighbours,
             **_counted("HINT_", self.met),
-            **{f"R_{cell}": number * PLACE for number, cell in cells},
+            **{f"R_{cell}": number * PORT_STATE for number, cell in cells},
             **{f"P_WIDTH_{cell}": P_PORT_WIDTH + number for number, cell in cells},
             **{f"OPENED_{self.label(port)}": OPENING + port.index for port in opened},
             **{f"HELD_{self.label(port)}": OPENING + ports + port.index for port in opened},
@@ -141,8 +144,8 @@ class Layout:
             **_counted("", map(place_of_sum, [*quadratures, "q_crossing"])),
         }
         if network.pulsating:
-            found |= {f"E_{cell}": self.lines + number * PLACE for number, cell in cells}
-            found |= {f"ALL_{cell}": network.chambers * self.size + number * PLACE for number, cell in cells}
+            found |= {f"E_{cell}": self.lines + number * PORT_STATE for number, cell in cells}
+            found |= {f"ALL_{cell}": network.chambers * self.size + number * PORT_STATE for number, cell in cells}
         return found
 
 

@@ -119,9 +119,9 @@ def _add_outflow(network: Network) -> str:
         if port.cell == network.cells[1]:
             _leaving(to, f"flows[{layout.flow(port)}]", f"if flows[{layout.flow(port)}] < 0.0")
     for gap, way in layout.sides:
-        flow, place = f"flows[{layout.flow(gap, way)}]", f"E[E_{layout.neighbour(gap.side, way)} + BEYOND]"
+        flow, port_state = f"flows[{layout.flow(gap, way)}]", f"E[E_{layout.neighbour(gap.side, way)} + BEYOND]"
         if way == "ahead":
-            _leaving(to, flow, f"if {flow} < 0.0 and {place} > 0.0")
+            _leaving(to, flow, f"if {flow} < 0.0 and {port_state} > 0.0")
     to.add("return heat, mass")
     return function(
         "chamber__add_outflow(heat, mass, flows, T_oil, weight, E)",

@@ -11,7 +11,7 @@ from typing import Any
 
 from screwsim.model.network import balances
 from screwsim.model.network.chamber import Chamber
-from screwsim.model.network.flows import Place, place_of, read_place
+from screwsim.model.network.flows import PortState, port_state_of, read_port_state
 from screwsim.model.network.layout import WAYS
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements, function
@@ -63,12 +63,12 @@ class Moments(Chamber):
         network, row, beyond = (
             self.network,
             f"paths[PATH_{self.layout.label(port)}, {{}}]",
-            place_of(self.network, port.cell),
+            port_state_of(self.network, port.cell),
         )
         s = {0: "s_suction", 1: "s_discharge"}.get(port.number, f"R[R_{port.cell} + PLENUM_ENTROPY]")
         to.add(f"flow = flows[{self.layout.flow(port)}]")
         with to.within("if flow >= 0.0"):
-            read_place(to, network, port.cell, *self.line(port.cell))
+            read_port_state(to, network, port.cell, *self.line(port.cell))
             self._press(to, beyond, f"R[R_{port.cell} + PRESSURE]")
             self._arrival(to, row, beyond, s)
         with to.within("else"):
@@ -79,24 +79,24 @@ class Moments(Chamber):
 
     def _through_gap(self, to: Statements, gap: Gap, way: str) -> None:
         network, cell = self.network, self.layout.neighbour(gap.side, way)
-        row, beyond = f"paths[PATH_{self.layout.label(gap)}, {{}}]", place_of(network, cell)
+        row, beyond = f"paths[PATH_{self.layout.label(gap)}, {{}}]", port_state_of(network, cell)
         discharge = f"R[R_{network.cells[1]} + PRESSURE]"
-        area, place = self._side(gap, way)
+        area, port_state = self._side(gap, way)
         to.add(f"flow = flows[{self.layout.flow(gap, way)}]")
         if gap.film:
             to.add(f"film = films[{self.layout.film(gap, way)}]")
         with to.within(f"if E[{area}] > 0.0"):
-            read_place(to, network, cell, "E", place)
-            line = f"E[{place} + BEYOND] > 0.0"
+            read_port_state(to, network, cell, "E", port_state)
+            line = f"E[{port_state} + BEYOND] > 0.0"
             self._press(to, beyond, f"{discharge} if {line} else {beyond.p}" if way == "ahead" else beyond.p)
             with to.within("if flow > 0.0"):
                 self._arrival(to, row, beyond, f"s_{cell}")
             if way == "ahead":
-                with to.within(f"elif flow < 0.0 and E[{place} + BEYOND] > 0.0"):
+                with to.within(f"elif flow < 0.0 and E[{port_state} + BEYOND] > 0.0"):
                     self._departure(to, row, "leaving" if network.heated else "0.0")
                     to.add("discharged -= leaving * flow")
             if gap.film:
-                self._film(to, row, beyond, f"E[{place} + BEYOND] > 0.0" if way == "ahead" else "")
+                self._film(to, row, beyond, f"E[{port_state} + BEYOND] > 0.0" if way == "ahead" else "")
             if gap.drag and way == "ahead":
                 self._drag(to, row, beyond, f"drags[{self.layout.film(gap, way)}]")
 
@@ -105,27 +105,27 @@ class Moments(Chamber):
         network, cell = self.network, self.layout.neighbour(side, way)
         gaps = [gap for gap in network.gaps if gap.side == side]
         coming = " or ".join(f"flows[{self.layout.flow(gap, way)}] > 0.0" for gap in gaps)
-        _, place = self._side(gaps[0], way)
+        _, port_state = self._side(gaps[0], way)
         shift = network.offsets[side] * (1 if way == "ahead" else -1)
         to.add(f"s_{cell} = s_discharge")
-        with to.within(f"if ({coming}) and not (E[{place} + BEYOND] > 0.0)"):
+        with to.within(f"if ({coming}) and not (E[{port_state} + BEYOND] > 0.0)"):
             to.add(f"i = context.hints[HINT_{cell}]", f"there = phi + {shift} * P[P_PITCH]")
             to.add("theta = (there - context.t_old[i]) / (context.t_old[i + 1] - context.t_old[i])")
             for name in ("T", "rho"):
                 pieces = ", ".join(f"context.d_old[i, {piece}, S_{name}]" for piece in range(4))
                 to.add(f"{name}_there = rodas__dense_value(theta, {pieces})")
-            rho = "rho_there" if network.roomed else f"E[{place} + DENSITY]"
+            rho = "rho_there" if network.roomed else f"E[{port_state} + DENSITY]"
             to.add(f"s_{cell} = gas_entropy(T_there, {rho}, P, TAB)")
 
-    def _press(self, to: Statements, beyond: Place, pulsating: str) -> None:
-        """Set the pressure with which oil that takes room has the enthalpy of the place beyond (M109).
+    def _press(self, to: Statements, beyond: PortState, pulsating: str) -> None:
+        """Set the pressure with which oil that takes room has the enthalpy of the port state beyond (M109).
 
         Of a line that pulsates that is the line's own: its oil is left out of the plenum's compression (M186).
         """
         if self.network.roomed:
             to.add(f"pressed = {pulsating if self.network.pulsating else beyond.p}")
 
-    def _oil_arrival(self, stream: str, beyond: Place) -> str:
+    def _oil_arrival(self, stream: str, beyond: PortState) -> str:
         """Return a call for what oil generates that mixes with the chamber's (M51, M109)."""
         if self.network.roomed:
             return f"ledger__pressed_oil_arriving({stream}, {beyond.T_oil}, pressed, T_felt, p, T_oil)"
@@ -135,7 +135,7 @@ class Moments(Chamber):
         """Return a call for what generates the gas that such oil holds (M233)."""
         return f"ledger__held_arriving({stream}, {held}, w_gas, s_held, all_held, P, TAB)"
 
-    def _arrival(self, to: Statements, row: str, beyond: Place, s: str) -> None:
+    def _arrival(self, to: Statements, row: str, beyond: PortState, s: str) -> None:
         """Add what an inflow moves, and generates in the chamber."""
         to.add(f"{row.format('MOVED')} += dt * flow", f"{row.format('CARRIES')} += dt * flow * {beyond.h}")
         generated = row.format("GENERATED")
@@ -165,7 +165,7 @@ class Moments(Chamber):
             to.add(f"{row.format('OUT_HELD')} -= dt * {oil} * w_gas")
             to.add(f"{row.format('OUT_HELD_ENTROPY')} -= dt * {oil} * all_held")
 
-    def _film(self, to: Statements, row: str, beyond: Place, line: str) -> None:
+    def _film(self, to: Statements, row: str, beyond: PortState, line: str) -> None:
         """Add what a film of oil generates in the chamber, or takes to the line beyond it (M254)."""
         generated = row.format("GENERATED")
         with to.within("if film > 0.0"):
@@ -176,7 +176,7 @@ class Moments(Chamber):
             with to.within(f"elif film < 0.0 and {line} and T_oil > 0.0"):
                 self._oil_out(to, row, "film")
 
-    def _drag(self, to: Statements, row: str, ahead: Place, drag: str) -> None:
+    def _drag(self, to: Statements, row: str, ahead: PortState, drag: str) -> None:
         """Add what oil generates that a wall drags into the chamber: it comes with the chamber's pressure (M258)."""
         generated, call = row.format("GENERATED"), self._oil_arrival(drag, ahead)
         if self.network.roomed:  # without what the wall gets of it

@@ -18,7 +18,7 @@ QUANTITIES = ("mass", "energy", "oil", "oil_heat", "held")  # of a stream: as ma
 
 @dataclass(frozen=True)
 class Law:
-    """A flow's own law: the call for its flux, and which numbers of both places it asks for (`p_1` …)."""
+    """A flow's own law: the call for its flux, and which numbers of both port states it asks for (`p_1` …)."""
 
     call: str
     asks: tuple[str, ...]

@@ -8,13 +8,13 @@ from __future__ import annotations
 from screwsim.model.borders import share_before_border, share_before_switch
 from screwsim.model.closing_ports import closes, stiff
 from screwsim.model.network.cell import Cell
-from screwsim.model.network.flows import NUMBERS, Place, stream_terms
+from screwsim.model.network.flows import NUMBERS, PortState, stream_terms
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.network.stops import stop_texts
 from screwsim.model.oil_displacement import density_of, displaced, gas_mass_slope, locked
-from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
+from screwsim.model.port_states import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.rodas import dense_slope
 
@@ -37,7 +37,7 @@ def step_texts(network: Network) -> list[str]:
 
 
 def step_kernels(network: Network) -> list[Kernel]:
-    """Return what those functions call, and those of places and of gas between two steps."""
+    """Return what those functions call, and those of port states and of gas between two steps."""
     asked = {
         share_before_border: network.phases,
         share_before_switch: any(port.one_way for port in network.ports),
@@ -69,7 +69,7 @@ def _error(network: Network) -> str:
         error, before, after = (f"{array}[at + S_{name}]" for array in ("error", "y0", "y1"))
         to.add(f"e = {relative.flat_name}({error}, {before}, {after}, {scales.get(name, 1e-300)!r})")
         if name == "T":
-            to.add("e *= max(1.0, place[row + TPT] / place[row + PRESSURE])")
+            to.add("e *= max(1.0, port_state[row + TPT] / port_state[row + PRESSURE])")
         if name == "T_oil" and network.carried:
             to.add("e *= some_oil")
         if name == "w_gas":
@@ -85,7 +85,7 @@ def _error(network: Network) -> str:
         to.add(f"return {IMPOSSIBLE!r}")
     to.add("return worst")
     return function(
-        "chamber__error(y0, y1, error, at, place, row, P)",
+        "chamber__error(y0, y1, error, at, port_state, row, P)",
         ['"""Return the largest relative error of a chamber\'s states; huge for states that cannot be."""'],
         to.lines,
     )
@@ -96,7 +96,7 @@ def _above_zero(name: str, positive: dict[str, bool]) -> bool:
 
 
 def _error_size() -> str:
-    """Return the text of a step's error; the place of the last stage is that of y1 all but for the error itself."""
+    """Return the text of a step's error; that of y1 is the last stage's port state, but for the error itself."""
     body = ["return chamber__error(y0, y1, error, 0, context.own, 0, context.P)"]
     text = '"""Return the largest relative error of the states over a step."""'
     return function("chamber__error_size(y0, y1, error, context)", [text], body)
@@ -211,11 +211,11 @@ def _jump(network: Network) -> str:
 
 
 def _into(network: Network) -> str:
-    """Return the text that adds a stream of the state of a place to the sums of its category (M1–M13)."""
+    """Return the text that adds a stream of a port state to the sums of its category (M1–M13)."""
     to = Statements()
-    terms = stream_terms(to, network, "m", Place(*(f"source[s + {at}]" for at in NUMBERS.values())))
+    terms = stream_terms(to, network, "m", PortState(*(f"source[s + {at}]" for at in NUMBERS.values())))
     to.add(*(f"sums[at + OF_{quantity}] += {term}" for quantity, term in terms.items()))
-    text = '"""Add a stream of m [kg] with the state of the place at source[s] to sums, from sums[at] on (M10)."""'
+    text = '"""Add a stream of m [kg] of the port state at source[s] to sums, from sums[at] on (M10)."""'
     return function("chamber__into(sums, at, m, source, s)", [text], to.lines)
 
 
@@ -252,7 +252,7 @@ def _conserve(network: Network) -> str:
     with to.within("if dq[inward] + dq[outward] >= 0.0"):
         to.add("chamber__into(dq, inward, defect, R, line)")
     with to.within("else"):
-        to.add("chamber__place(own[PHASE], y1, 0, P, TAB, own, 0)")
+        to.add("chamber__port_state(own[PHASE], y1, 0, P, TAB, own, 0)")
         to.add("chamber__into(dq, outward, defect, own, 0)")
     head = "chamber__conserve(y, y1, E, E_next, context, dq)"
     return function(
@@ -266,13 +266,13 @@ def _conserve(network: Network) -> str:
 
 
 def exchanged(line: str) -> tuple[str, str, str]:
-    """Return what sets the sums of the streams in from a line and out to it, and its place."""
+    """Return what sets the sums of the streams in from a line and out to it, and its port state."""
     return f"inward = Q_mass_{line}_in", f"outward = Q_mass_{line}_out", f"line = R_{line}"
 
 
 def _held_shares(to: Statements, network: Network, y: str, name: str) -> None:
-    """Set how far each port whose opening hangs on the state is open to a chamber of state y, whose place is filled."""
-    to.add(f"chamber__place(own[PHASE], {y}, 0, P, TAB, own, 0)")
+    """Set how far each port whose opening hangs on the state is open to a chamber of state y; fill its port state."""
+    to.add(f"chamber__port_state(own[PHASE], {y}, 0, P, TAB, own, 0)")
     layout = Layout(network)
     for port in network.ports:
         if port.opening and port.wide:

@@ -1,6 +1,6 @@
 """What the integrator asks of all chambers at once between its steps, as text: errors, phases, the mass balance.
 
-Source: docs/model.md M24; docs/explanation/numerics.md. Chamber j has its states at y[j N], its place in row j.
+Source: docs/model.md M24; docs/explanation/numerics.md. Chamber j has its states at y[j N], its port state in row j.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from screwsim.model.network.steps import closing_test, exchanged, stiff_test
 from screwsim.model.slots import FIRST_OWN
 
 BEFORE = "(j + 0.5) * P[P_PITCH] < P[P_INJECTION]"  # is chamber j before the injection angle?
-CONTEXT = "P, TAB, R, places = context.P, context.TAB, context.R, context.places"
+CONTEXT = "P, TAB, R, port_states = context.P, context.TAB, context.R, context.port_states"
 
 
 def step_texts_together(network: Network) -> list[str]:
     """Return the functions that the integrator asks of all chambers."""
     nothing = [
         function(head, ["pass"])
-        # the only jump, oil injection, lies at the border between two pitches; places are filled when the pitch becomes
-        # a life (`places.places_along`)
-        for head in ("chambers__at_breakpoint(phi, y, context)", "chambers__keep_places(step, dense, context)")
+        # the only jump, oil injection, lies at the border between two pitches; port states are filled when the pitch
+        # becomes a life (`port_states.port_states_along`)
+        for head in ("chambers__at_breakpoint(phi, y, context)", "chambers__keep_port_states(step, dense, context)")
     ]
     jump = function("chambers__jump(y, rtol, context)", ["return True"])
     own = [_error_size(network), _share_in_phase(network), _lands(network), _through_port(network), _conserve(network)]
@@ -32,7 +32,7 @@ def step_texts_together(network: Network) -> list[str]:
 
 def held_phase(network: Network, j: str) -> str:
     """Return where the phase stands that chamber j is held in during a step."""
-    return f"places[(CHAMBERS + 1) * PLACE + {j}]"
+    return f"port_states[(CHAMBERS + 1) * PORT_STATE + {j}]"
 
 
 def _error_size(network: Network) -> str:
@@ -40,7 +40,7 @@ def _error_size(network: Network) -> str:
     to = Statements()
     to.add("worst = 0.0")
     with to.within("for j in range(CHAMBERS)"):
-        error = "chamber__error(y0, y1, error, j * N, context.places, j * PLACE, context.P)"
+        error = "chamber__error(y0, y1, error, j * N, context.port_states, j * PORT_STATE, context.P)"
         to.add(f"worst = max(worst, {error})")
     to.add("return worst")
     text = '"""Return the largest relative error of the states of all chambers over a step."""'
@@ -53,7 +53,7 @@ def _share_in_phase(network: Network) -> str:
     to.add("share = 1.0")
     if network.phases:
         with to.within("for j in range(CHAMBERS)"):
-            to.add("steep = places[j * PLACE + TPT] / places[j * PLACE + PRESSURE]")
+            to.add("steep = port_states[j * PORT_STATE + TPT] / port_states[j * PORT_STATE + PRESSURE]")
             to.add(f"held = {held_phase(network, 'j')}")
             to.add("share = min(share, borders__share_before_border(held, y, y1, u, j * N, steep, rtol, P, TAB))")
     to.add("return share")
@@ -102,9 +102,10 @@ def _through_port(network: Network) -> str:
     with to.within("if dq[inward] + dq[outward] >= 0.0"):
         to.add("chamber__into(dq, inward, defect, R, line)")
     with to.within("else"):
-        to.add(f"held = {held_phase(network, 'j')}", "row = j * PLACE")
+        to.add(f"held = {held_phase(network, 'j')}", "row = j * PORT_STATE")
         to.add(
-            "chamber__place(held, y1, j * N, P, TAB, places, row)", "chamber__into(dq, outward, defect, places, row)"
+            "chamber__port_state(held, y1, j * N, P, TAB, port_states, row)",
+            "chamber__into(dq, outward, defect, port_states, row)",
         )
     head = "chambers__through_port(defect, j, inward, outward, line, y1, context, dq)"
     text = '"""Add what a mass balance lacks to the stream from a line into chamber j, or out of it to that line."""'

@@ -1,4 +1,4 @@
-"""What surrounds chambers, as text: volume and areas at an angle, the places of neighbours and of lines that pulsate.
+"""What surrounds chambers, as text: volume and areas at an angle, port states of neighbours and of lines that pulsate.
 
 Source: docs/model.md M1–M13, M24, M184–M186. What neighbours do is read from histories. Of all chambers together, over
 one lobe pitch, chamber j stands at s + j pitch. A context is one of `contexts`.
@@ -52,7 +52,7 @@ def surroundings_text(network: Network) -> str:
                     to.add(f"{read_ahead.flat_name}({asked})")
     return function(
         "chamber__surroundings(phi, middle, context, E)",
-        ['"""Fill E for a chamber at phi [rad]: volume, areas of its openings, places of its neighbours (M1, M24)."""'],
+        ['"""Fill E for a chamber at phi [rad]: volume, areas of openings, port states of neighbours (M1, M24)."""'],
         ["P, TAB, R = context.P, context.TAB, context.R"],
         to.lines,
     )
@@ -85,18 +85,18 @@ def _of_angle(to: Statements, network: Network, phi: str, middle: str, e: str = 
 
 
 def beyond_last_text(network: Network) -> str:
-    """Return the text of the place ahead of the last chamber: that of the discharge line."""
+    """Return the text of the port state ahead of the last chamber: that of the discharge line."""
     array, line = Layout(network).line(network.cells[DISCHARGE])
     return function(
         "chamber__beyond_last(R, E, at)",
-        ['"""Fill the place of the discharge line, ahead of the last chamber, at E[at]."""'],
+        ['"""Fill the port state of the discharge line, ahead of the last chamber, at E[at]."""'],
         [f"E[at + {number}] = {array}[{line} + {number}]" for number in needed(network).values()],
         ["E[at + BEYOND] = 1.0"],
     )
 
 
 def lines_texts(network: Network) -> list[str]:
-    """Return the texts of the places of lines and plenums at an angle, where lines pulsate (M186)."""
+    """Return the texts of the port states of lines and plenums at an angle, where lines pulsate (M186)."""
     if not network.pulsating:
         return []
     return [_lines(network, "chamber", False), _lines(network, "chambers", True)]
@@ -116,6 +116,6 @@ def _lines(network: Network, whose: str, together: bool) -> str:
             to.add(f"E[{at} + {number}] = {found}")
     return function(
         f"{whose}__lines(phi, P, R, E)",
-        ['"""Fill the places of lines and plenums, those of lines as they pulsate at phi [rad] (M186)."""'],
+        ['"""Fill the port states of lines and plenums, those of lines as they pulsate at phi [rad] (M186)."""'],
         to.lines,
     )

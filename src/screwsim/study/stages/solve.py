@@ -293,11 +293,11 @@ class _Chain:
         h_2 = self.gas.enthalpy(p - self.chain.intercooler.pressure_drop, pair.T)
         T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.name, p)
         drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
-        place = self.gas.place(self.low.p_s, self.low.T_s)
+        port_state = self.gas.port_state(self.low.p_s, self.low.T_s)
         if self.low.quality is not None:
-            place = self.gas.place_of_enthalpy(self.low.p_s, suction_enthalpy(self.chain.first))
+            port_state = self.gas.port_state_of_enthalpy(self.low.p_s, suction_enthalpy(self.chain.first))
         ends = replace(self.low, p_d=self.high.p_d)
-        etas, notes = efficiencies(self.gas, ends, Inlet(place[1], place[2]), flow, power, drawn)
+        etas, notes = efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn)
         comes, taken = pair.flows
         cooling = self._cooling(pair, flow)
         cop = None if cooling is None or power <= 0.0 else cooling / power

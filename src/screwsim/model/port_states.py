@@ -1,7 +1,7 @@
-"""Places along a life: what a history holds of a chamber beyond its states, for its neighbours to read.
+"""Port states along a life: what a history holds of a chamber beyond its states, for its neighbours to read.
 
-Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A place is the row of numbers that
-`slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their places.
+Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A port state is the row of numbers that
+`slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their port states.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from screwsim.model.slots import (
     R_SUCTION,
     S_RHO,
     S_T,
-    keep_places,
+    keep_port_states,
 )
 from screwsim.numerics.history import cubic
 from screwsim.numerics.kernel import kernel
@@ -80,10 +80,10 @@ def make_cubic(step, dense, column):
 
 
 @kernel
-def places_along(dense, steps, context):
+def port_states_along(dense, steps, context):
     """Fill the columns beyond the states of a whole history."""
     for step in range(steps):
-        keep_places(step, dense, context)
+        keep_port_states(step, dense, context)
 
 
 @kernel

@@ -1,7 +1,8 @@
-"""Places as text: the numbers by which flows and balances know a chamber, a neighbour or a line.
+"""Port states as text: the numbers by which flows and balances know a chamber, a neighbour or a line.
 
-Source: docs/model.md M5, M6, M10, M106–M108, M184. A place is the row of numbers that `slots.PRESSURE` … name. Those of
-neighbours are read from histories, whose columns beyond the states hold what the equation of state says of them.
+Source: docs/model.md M5, M6, M10, M106–M108, M184. A port state is the row of numbers that `slots.PRESSURE` … name.
+Those of neighbours are read from histories, whose columns beyond the states hold what the equation of state says of
+them.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from screwsim.model.network import balances
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
-from screwsim.model.places import gas_at_third, hold_to_line, jumps, make_cubic, row_of_third
+from screwsim.model.port_states import gas_at_third, hold_to_line, jumps, make_cubic, row_of_third
 from screwsim.numerics.kernel import Kernel
 
 STORED = {"p": "PRESSURE", "h": "ENTHALPY"}  # in the columns beyond the states, in this order
@@ -18,43 +19,43 @@ OIL = {"x_oil": "OIL_RATIO", "w_gas": "DISSOLVED"}
 LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
 
 
-def place_texts(network: Network) -> list[str]:
-    """Return the functions that fill places."""
+def port_state_texts(network: Network) -> list[str]:
+    """Return the functions that fill port states."""
     return [_of_chamber(network), _kept(network), _of_neighbour(network)]
 
 
-def place_kernels() -> list[Kernel]:
+def port_state_kernels() -> list[Kernel]:
     """Return what those functions call."""
     return [gas_at_third, hold_to_line, jumps, make_cubic, row_of_third]
 
 
 def columns(network: Network) -> dict[str, str]:
-    """Return what a history holds beyond the states, and where it stands in a place."""
+    """Return what a history holds beyond the states, and where it stands in a port state."""
     return STORED | (VARYING if network.varies else {})
 
 
 def _of_chamber(network: Network) -> str:
-    """Return the text of the place of a chamber whose states begin at y[at], in the phase that is held, or its own."""
+    """Return the text of a chamber's port state, whose states begin at y[at], in the phase that is held, or its own."""
     to = Statements()
     to.add(*(f"{name} = y[at + S_{name}]" for name in network.states if name not in network.own_states))
     to.add("phase = gas_phase(T, rho, P, TAB) if held == FREE else int(held)" if network.phases else "phase = 0")
     balances.gas_state(to, network)
-    _fill(to, network, {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"} | VARYING, "place[row + {}]")
+    _fill(to, network, {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"} | VARYING, "port_state[row + {}]")
     return function(
-        "chamber__place(held, y, at, P, TAB, place, row)",
-        ['"""Fill row `row` of `place` for a chamber whose state begins at y[at]."""'],
+        "chamber__port_state(held, y, at, P, TAB, port_state, row)",
+        ['"""Fill row `row` of `port_state` for a chamber whose state begins at y[at]."""'],
         to.lines,
     )
 
 
-def _fill(to: Statements, network: Network, numbers: dict[str, str], place: str) -> None:
-    """Store numbers of a place, and those that flows feel where oil takes room (M107, M108)."""
+def _fill(to: Statements, network: Network, numbers: dict[str, str], port_state: str) -> None:
+    """Store numbers of a port state, and those that flows feel where oil takes room (M107, M108)."""
     balances.oil_room(to, network)
     felt = {"rho_felt": "DENSITY", "T_felt": "OIL_TEMPERATURE"} if network.roomed else {"rho": "DENSITY"}
     if network.heated and not network.roomed:
         felt["T_oil"] = "OIL_TEMPERATURE"
     oil = {name: at for name, at in OIL.items() if name in network.states}
-    to.add(*(f"{place.format(at)} = {name}" for name, at in (numbers | felt | oil).items()))
+    to.add(*(f"{port_state.format(at)} = {name}" for name, at in (numbers | felt | oil).items()))
 
 
 def _kept(network: Network) -> str:
@@ -70,7 +71,7 @@ def _kept(network: Network) -> str:
     to.add(f"{hold_to_line.flat_name}(step, dense, COLUMN_p, P, R)")
     to.add(*(f"{make_cubic.flat_name}(step, dense, COLUMN_{name})" for name in asked))
     return function(
-        "chamber__keep_places(step, dense, context)",
+        "chamber__keep_port_states(step, dense, context)",
         [
             '"""Fill the columns of a step beyond the states: what neighbours need of the gas (M5, M10).',
             "",
@@ -84,7 +85,7 @@ def _kept(network: Network) -> str:
 
 
 def _of_neighbour(network: Network) -> str:
-    """Return the text of the place of a neighbour, from the columns of its history."""
+    """Return the text of the port state of a neighbour, from the columns of its history."""
     to, asked = Statements(), columns(network)
     to.add(*(f"{name} = columns[S_{name}]" for name in network.states if name in ("rho", "T_oil", "w_gas")))
     if network.carried:
@@ -98,6 +99,6 @@ def _of_neighbour(network: Network) -> str:
     to.add("E[at + BEYOND] = 0.0")
     return function(
         "chamber__neighbour(columns, P, R, E, at)",
-        ['"""Fill the place of a neighbour at E[at], and that it is none of a line."""'],
+        ['"""Fill the port state of a neighbour at E[at], and that it is none of a line."""'],
         to.lines,
     )
