@@ -18,7 +18,7 @@ from screwsim.outputs import AFTERCOOLED, CHANGED, HEATED, HELD, PERFORMANCE, WA
 from screwsim.scene import load
 
 ROOT = Path(__file__).parents[2]
-_SPEC = importlib.util.spec_from_file_location("each_effect", ROOT / "scripts" / "each_effect.py")
+_SPEC = importlib.util.spec_from_file_location("each_effect", ROOT / "docs" / "tools" / "each_effect.py")
 each = importlib.util.module_from_spec(_SPEC)
 sys.modules.setdefault(_SPEC.name, each)  # its annotations are looked up there
 _SPEC.loader.exec_module(each)
