@@ -174,7 +174,7 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
         done = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
         return replace(done, status="not_closed", y=y)
 
-    monkeypatch.setattr(close, "_close", not_closed)
+    monkeypatch.setattr(close, "by_ways", not_closed)
     result = simulate(make({}))
     assert result.status == "ok"
     assert "the cycle closed only with a tighter tolerance of the steps" in result.warnings
