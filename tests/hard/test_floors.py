@@ -97,6 +97,7 @@ def test_the_floor_of_the_oils_mass_is_a_share_of_it(x):
 def size_of(y0, y1, error):
     """Return the size of a step's error of one chamber with carried oil, an ideal gas."""
     network = Network(("T", "rho", "T_oil", "x_oil"), (), heated=True, carried=True, dissolves=False, roomed=False)
+    network.cells = ["suction_line", "discharge_line", ""]
     names = {"PRESSURE": slots.PRESSURE, "TPT": slots.TPT, port_states.relative.flat_name: port_states.relative}
     exec("\n".join(step_texts(network)), names)
     port_state = np.zeros(slots.PORT_STATE)
