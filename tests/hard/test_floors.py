@@ -9,6 +9,7 @@ from screwsim.cycle import coordinates, relaxation
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import port_states, slots
 from screwsim.model.balance import oil_temperature_slope
+from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.steps import step_texts
 from screwsim.simulate import simulate
@@ -99,6 +100,7 @@ def size_of(y0, y1, error):
     network = Network(("T", "rho", "T_oil", "x_oil"), (), heated=True, carried=True, dissolves=False, roomed=False)
     network.cells = ["suction_line", "discharge_line", ""]
     names = {"PRESSURE": slots.PRESSURE, "TPT": slots.TPT, port_states.relative.flat_name: port_states.relative}
+    names |= Layout(network).constants((), ())
     exec("\n".join(step_texts(network)), names)
     port_state = np.zeros(slots.PORT_STATE)
     port_state[[slots.PRESSURE, slots.TPT]] = 1e5
