@@ -136,7 +136,7 @@ COURSES = """
 
 `tests/tools/{command}` solves {courses} courses of {kinds} kinds of machines, {scenes} scenes drawn
 far apart, each begun from the cycles before it, as a sweep does, and each of {compared} that are ok again alone, with a
-fortieth of the wanted accuracy. {beyond} are off by more than was wanted without a warning, {alone} of them alone, too,
+fortieth of the wanted accuracy. {beyond},
 the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_courses_outcome.json`, whence this section.
 
 | kind | ok | worst, over the accuracy |
@@ -192,14 +192,16 @@ def _courses() -> str:
     kinds = made["kinds"]
     rows = [row for found in kinds.values() for row in found]
     beyond = [each for row in rows for each in row["beyond"]]
+    alone = sum(each["alone"] is not None and each["alone"] > each["wanted"] for each in beyond)
+    count = f"{len(beyond)} are" if beyond else "None is"
+    told = f"{count} off by more than was wanted without a warning"
     return COURSES.format(
         command=made["command"],
         courses=len(rows),
         scenes=sum(row["scenes"] for row in rows),
         kinds=len(kinds),
         compared=sum(row["compared"] for row in rows),
-        beyond=len(beyond),
-        alone=sum(each["alone"] is not None and each["alone"] > each["wanted"] for each in beyond),
+        beyond=f"{told}, {alone} of them alone, too" if beyond else told,
         worst=max(row["worst"] for row in rows),
         rows="\n".join(
             _row(name, sum(row["ok"] for row in found), max(row["worst"] for row in found))
