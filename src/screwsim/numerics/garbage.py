@@ -1,4 +1,4 @@
-"""Python's search for garbage, put off while texts are written and read.
+"""Python's search for garbage, put off where many objects are made of which none is garbage: texts, scenes composed.
 
 Trees of a text are some hundred thousand objects, made one after the other and none of them in a ring: each search on
 the way goes through all of them and finds nothing. Reading a text without takes half the time.
