@@ -11,7 +11,8 @@ import pytest
 
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.machine import paper_law
-from screwsim.machine.geometry import Geometry, area_breakpoints
+from screwsim.machine.geometry import Geometry
+from screwsim.machine.laws import area_breakpoints
 from screwsim.scene import load, value_at
 from screwsim.simulate import simulate
 
