@@ -1,6 +1,5 @@
 """Every effect alone on the paper's machine: it closes, is explained and accounted for, and vanishes in its limit."""
 
-import importlib.util
 import re
 import shutil
 import subprocess
@@ -17,19 +16,10 @@ from screwsim.explain import explain
 from screwsim.figures import called_for
 from screwsim.machine.kinds import MACHINES
 from screwsim.simulate import simulate
+from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
-
-
-def script():
-    spec = importlib.util.spec_from_file_location("each_effect", ROOT / "docs" / "tools" / "each_effect.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its annotations are looked up there
-    spec.loader.exec_module(module)
-    return module
-
-
-each = script()
+each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 LIMITS = [name for name, row in each.ROWS.items() if not row.whole]
 PAGE = (ROOT / "docs" / "reference" / "effects.md").read_text(encoding="utf-8")
 

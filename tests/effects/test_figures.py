@@ -1,6 +1,5 @@
 """Effects declare their figures: a scene that names one has them, with unit, meaning and scale, and no other has."""
 
-import importlib.util
 import json
 import math
 import pickle
@@ -33,12 +32,10 @@ from screwsim.results.write import write_tables
 from screwsim.scene import load, loads
 from screwsim.study.compare import compare
 from screwsim.study.part_files import is_whole, read_part, write_part
+from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
-_SPEC = importlib.util.spec_from_file_location("each_effect", ROOT / "docs" / "tools" / "each_effect.py")
-each = importlib.util.module_from_spec(_SPEC)
-sys.modules.setdefault(_SPEC.name, each)  # its annotations are looked up there
-_SPEC.loader.exec_module(each)
+each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 CHECKED = "effects.check_valves={suction_area: 50 mm^2, discharge_area: 28 mm^2}"
 FULL = {  # what of an effect's parameters calls for the rest of its figures

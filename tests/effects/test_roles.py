@@ -1,7 +1,5 @@
 """Effects say what they are to the core: roles that are true, and what scenes of a machine usually name."""
 
-import importlib.util
-import sys
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -16,12 +14,10 @@ from screwsim.figures import called_for, known, needs_of
 from screwsim.machine.kinds import MACHINES
 from screwsim.outputs import AFTERCOOLED, CHANGED, HEATED, HELD, PERFORMANCE, WALLED
 from screwsim.scene import load
+from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
-_SPEC = importlib.util.spec_from_file_location("each_effect", ROOT / "docs" / "tools" / "each_effect.py")
-each = importlib.util.module_from_spec(_SPEC)
-sys.modules.setdefault(_SPEC.name, each)  # its annotations are looked up there
-_SPEC.loader.exec_module(each)
+each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 HUMID = ROOT / "configs" / "air" / "humid_package.yaml"
 OF_FIGURES = (CHANGED[0], WALLED[0], HELD[0], AFTERCOOLED[1])  # heated are more than say so: whoever has T_oil
