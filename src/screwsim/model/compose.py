@@ -7,6 +7,7 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,8 @@ from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
-from screwsim.model.slots import FIRST_OWN, OIL_NUMBERS, PORT_STATE, R_SIZE
+from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
+from screwsim.model.trajectory import with_numbers
 from screwsim.model.writing import Writer, scales
 from screwsim.numerics.kernel import Kernel
 
@@ -32,65 +34,94 @@ SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 Named = Sequence[tuple[str, FlowPath]]
 LINES = ("suction", "discharge")
+NO_NUMBERS = np.zeros(0)
 
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    geometry, port = parts.geometry, parts.oil_port
     named = parts.all(FlowPath)
     plenum = [(name, path) for name, path in named if path.to != "neighbour"]
     gaps = [(name, path) for name, path in named if path.to == "neighbour"]
     _refuse_resistances(named)
     network = _network(parts, plenum, gaps)
-    stops = [part for _, part in parts.all(Stops)]
-    _refuse(network, bool(stops) or any(path.opening is not None for _, path in plenum))
-    stopped = tuple((network.states.index(part.position), network.states.index(part.speed)) for part in stops)
-    own_states = [part for _, part in parts.all(ChamberState)]
-    signed = {HELD_GAS, *(part.name for part in own_states if not part.positive)}
+    stopped = [part for _, part in parts.all(Stops)]
+    _refuse(network, bool(stopped) or any(path.opening is not None for _, path in plenum))
     writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
     _write(writer, parts, plenum, gaps)
-    cell, layout, numbers, port_states_of_lines = (
-        Cell(network),
-        Layout(network),
-        writer.numbers,
-        len(parts.plenums) + FIRST_OWN,
+    numbers, port = writer.numbers, parts.oil_port
+    found = _structure(
+        network.key(),
+        tuple(writer.text),
+        tuple(writer.kernels),
+        tuple(numbers.places.items()),
+        (*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
+        tuple(numbers.place_of(cell) for cell in writer.made.values()),
+        writer.speed_curve,
+        tuple(oil_places(parts).items()),
     )
-    constants, structure = _constants(network, parts)
-    constants |= numbers.places | SHARED | {name: structure[name] for name in OIL_NUMBERS}
-    key, own, called = network.key(), tuple(writer.text), tuple(writer.kernels)
-    held = port_states_of_lines * PORT_STATE if parts.pulsations else 0
-    items = tuple(constants.items()), tuple(structure.items())
-    return Composition(
-        text=module_text(key, own, called, *items, _read_with(network)),
-        together=lambda: module_text(key, own, called, *items, together=True),
-        along=lambda: module_text(key, own, called, *items, together=True, along=True),
-        P=np.array(numbers.values),
+    return with_numbers(
+        found,
+        np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        breakpoints=breakpoints(parts, geometry.volume_law(), named, port.breakpoints if port is not None else ()),
+        breakpoints=breakpoints(parts, parts.geometry.volume_law(), named, () if port is None else port.breakpoints),
+        recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
+        starts=tuple(part.start for _, part in parts.all(ChamberState)),
+    )
+
+
+@lru_cache(maxsize=64)
+def _structure(
+    key: tuple[Any, ...],
+    own: tuple[str, ...],
+    called: tuple[Kernel, ...],
+    places: tuple[tuple[str, int], ...],
+    ends: tuple[str, ...],
+    made: tuple[int, ...],
+    speed_curve: int | None,
+    oil: tuple[tuple[str, int], ...],
+) -> Composition:
+    """Return the composition of what was written, with no numbers: scenes that differ by these share it.
+
+    `key` is that of the network, `own` and `called` are the texts and kernels, `places` those of numbers in P.
+    """
+    network = Network(*key)
+    cell, layout = Cell(network), Layout(network)
+    structure = {"QUADRATURES": len(cell.quadratures), **dict(oil)}
+    constants = _constants(network, cell, layout) | dict(places) | SHARED | dict(oil)
+    lines = len(network.cells)
+    held = lines * PORT_STATE if network.pulsating else 0
+    items, numbers = tuple(constants.items()), tuple(structure.items())
+    positive = dict(zip(network.own_states, network.positive, strict=True)) | {HELD_GAS: False}
+    return Composition(
+        text=module_text(key, own, called, items, numbers, _read_with(network)),
+        together=lambda: module_text(key, own, called, items, numbers, together=True),
+        along=lambda: module_text(key, own, called, items, numbers, together=True, along=True),
+        P=NO_NUMBERS,
+        TAB=NO_NUMBERS,
+        breakpoints=NO_NUMBERS,
         states=network.states,
-        plenum_paths=tuple(name for name, _ in plenum),
-        gap_paths=tuple((name, path.offset) for name, path in gaps),
-        ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
-        heats=tuple(name for name, _ in parts.all(HeatRate)),
+        plenum_paths=tuple(each.effect for each in network.ports),
+        gap_paths=tuple((each.effect, network.offsets[each.side]) for each in network.gaps),
+        ends=ends,
+        heats=tuple(each.effect for each in network.heats),
         n_port_state=len(port_states.columns(network)),
         n_sums=len(cell.sums) * len(network.quantities),
         width=len(network.quantities),
         n_E=layout.lines + held,
         n_E_all=network.chambers * layout.size + held,
-        chambers=geometry.chambers,
+        chambers=network.chambers,
         carried=network.carried,
-        recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
-        n_widths=FIRST_OWN + len(parts.plenums),
-        n_R=port_states_of_lines * PORT_STATE if parts.plenums or parts.pulsations else R_SIZE,
-        ported=port is not None,
-        oil_room=parts.oil_room,
-        walls=tuple(name for name, _ in parts.walls),
-        made=tuple(numbers.place_of(cell) for cell in writer.made.values()),
-        speed_curve=writer.speed_curve,
+        recipe=Recipe(NO_NUMBERS, [], []),
+        n_widths=lines,
+        n_R=lines * PORT_STATE if lines > FIRST_OWN or network.pulsating else R_SIZE,
+        ported=network.ported,
+        oil_room=network.roomed,
+        walls=tuple(each.effect for each in network.walls),
+        made=made,
+        speed_curve=speed_curve,
         own_states=network.own_states,
-        stops=stopped,
-        signed=tuple(i for i, name in enumerate(network.states) if name in signed),
-        starts=tuple(part.start for part in own_states),
+        stops=tuple((network.states.index(each.position), network.states.index(each.speed)) for each in network.stops),
+        signed=tuple(i for i, name in enumerate(network.states) if not positive.get(name, True)),
         pulsating=network.pulsating,
         pushes=network.pushes,
         offsets=tuple(network.offsets),
@@ -161,20 +192,16 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         network.kernels[each.flat_name] = each
 
 
-def _constants(network: Network, parts: Parts) -> tuple[dict[str, Any], dict[str, int]]:
-    """Return the constants of the text, and the numbers of its structure (slots.py)."""
-    layout = Layout(network)
+def _constants(network: Network, cell: Cell, layout: Layout) -> dict[str, Any]:
+    """Return the constants of the text that the network decides on."""
     constants: dict[str, Any] = {
         "N": len(network.states),
         "N_FLOWS": len(layout.flows),
         "N_FILMS": len(layout.sides),
         "CHAMBERS": network.chambers,
     }
-    quadratures = Cell(network).quadratures
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
-    constants |= layout.constants(list(port_states.columns(network)), quadratures) | work_constants(network)
-    structure = {"QUADRATURES": len(quadratures)} | oil_places(parts)
-    return constants, structure
+    return constants | layout.constants(port_states.columns(network), cell.quadratures) | work_constants(network)
 
 
 def _read_with(network: Network) -> tuple[Kernel, ...]:

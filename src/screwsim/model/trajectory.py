@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from threading import Lock
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,10 +21,10 @@ from screwsim.model.trace import SAMPLED
 Array = np.ndarray
 
 
-def with_numbers(composition: Composition, P: Array) -> Composition:
-    """Return a composition with other numbers; `dataclasses.replace` takes ten times as long."""
+def with_numbers(composition: Composition, P: Array, **more: Any) -> Composition:
+    """Return a composition with other numbers, `more` by name; `dataclasses.replace` takes ten times as long."""
     found = object.__new__(Composition)
-    found.__dict__.update(composition.__dict__, P=P)
+    found.__dict__.update(composition.__dict__, P=P, **more)
     return found
 
 

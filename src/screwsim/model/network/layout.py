@@ -9,6 +9,7 @@ apart by a number.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PORT_STATE
@@ -153,15 +154,20 @@ def _counted(head: str, names: Iterable[str], first: int = 0) -> dict[str, int]:
     return {f"{head}{name}": i for i, name in enumerate(names, first)}
 
 
-def labels(names: Sequence[str]) -> list[str]:
+def labels(names: Iterable[str]) -> list[str]:
     """Return names as parts of identifiers, each once: the second of a name ends with 2 …."""
+    return list(_labels(tuple(names)))
+
+
+@lru_cache(maxsize=256)
+def _labels(names: tuple[str, ...]) -> tuple[str, ...]:
     found: list[str] = []
     for name in map(identifier, names):
         label, again = name, 2
         while label in found:
             label, again = f"{name}_{again}", again + 1
         found.append(label)
-    return found
+    return tuple(found)
 
 
 def place_of_sum(name: str) -> str:

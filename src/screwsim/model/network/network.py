@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any
 
 from screwsim.model.slots import FIRST_OWN
@@ -153,6 +154,7 @@ def _fixed(value: Any) -> Any:
     return tuple(value.items()) if isinstance(value, dict) else tuple(value) if isinstance(value, list) else value
 
 
+@cache
 def identifier(name: str) -> str:
     """Return a name as part of an identifier."""
     return re.sub(r"\W", "_", name)
