@@ -82,21 +82,27 @@ def test_both_forms_of_equation_12_have_their_own_text():
     assert composition(effects__oil_heat=heat).text != composition().text
 
 
+def forget():
+    """Let texts be written anew."""
+    composing.structured.cache_clear()
+    composing.module_text.cache_clear()
+
+
 @pytest.mark.parametrize("edited", [nozzle.flow, tip_leakage.all_tips, rodas.attempt], ids=lambda item: item.flat_name)
 def test_an_edit_in_any_file_makes_another_module(edited, monkeypatch):
     """No stale compiled code: the module's name is the hash of all text, other files' included."""
-    composing.module_text.cache_clear()
+    forget()
     before = composition().text
     monkeypatch.setattr(edited, "source", edited.source.replace('"""', '"""Edited. ', 1))
-    composing.module_text.cache_clear()
+    forget()
     after = composition().text
-    composing.module_text.cache_clear()
+    forget()
     assert module_name(after) != module_name(before)
 
 
 def test_the_same_scene_has_the_same_text():
     before = composition().text
-    composing.module_text.cache_clear()
+    forget()
     assert composition().text == before
 
 

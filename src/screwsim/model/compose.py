@@ -49,7 +49,7 @@ def compose(parts: Parts) -> Composition:
     writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
     _write(writer, parts, plenum, gaps)
     numbers, port = writer.numbers, parts.oil_port
-    found = _structure(
+    found = structured(
         network.key(),
         tuple(writer.text),
         tuple(writer.kernels),
@@ -70,7 +70,7 @@ def compose(parts: Parts) -> Composition:
 
 
 @lru_cache(maxsize=64)
-def _structure(
+def structured(
     key: tuple[Any, ...],
     own: tuple[str, ...],
     called: tuple[Kernel, ...],
