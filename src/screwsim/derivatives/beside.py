@@ -18,6 +18,7 @@ from screwsim.derivatives.slices import NODES
 from screwsim.model.contexts import CoupledContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned
+from screwsim.numerics.reused import zeros
 
 Array = np.ndarray
 RATES = "slices__rates_at_all"
@@ -102,6 +103,10 @@ def _entry(machinery: Machinery) -> Any:
     return _entries[module.__name__]
 
 
+def _room(size: int, _of: Any) -> Array:
+    return zeros(size)
+
+
 def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
     """Return rates at the nodes (nodes, …, lanes) of each lane, with its numbers; all lanes have as many."""
     machinery = pitch.machinery
@@ -114,7 +119,7 @@ def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], 
         rows[name][:, : len(numbers)] = np.transpose([getattr(each, name) for each in numbers])
     by_lane = {name: [np.ascontiguousarray(getattr(each, name)) for each in nodes] for name in Nodes._fields}
     by_lane["TAB"] = [np.ascontiguousarray(each.TAB) for each in numbers]
-    out = [aligned(len(nodes[0].y) * size).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
+    out = [aligned(len(nodes[0].y) * size, room=_room).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
     words: list[int] = [(1 << len(nodes)) - 1]
 
     def lanes(name: str) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from screwsim.derivatives.slices import NODES
 from screwsim.derivatives.stages import compiled
+from screwsim.numerics.reused import empty
 
 Array = np.ndarray
 
@@ -17,7 +18,7 @@ class Blocks:
         """`states` are those of a chamber, `reach` is how many chambers on it meets others; others are left out."""
         count, _, N, _ = J.shape
         self.states, self.reach = states, reach
-        self.factors, self.pivots = np.empty((count, NODES * N, NODES * N)), np.empty((count, NODES * N), np.int64)
+        self.factors, self.pivots = empty(count, NODES * N, NODES * N), np.empty((count, NODES * N), np.int64)
         compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
 
     def follow(self, start: Array, right: Array) -> Array:

@@ -18,6 +18,7 @@ from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
 from screwsim.numerics.once import once
+from screwsim.numerics.reused import zeros
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # of the regularisation: steps of differences, a tenth of how near to its turn a node is ...
@@ -174,7 +175,7 @@ class Linear:
         self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
         felt = [Change(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
         self._known = N + len(felt)  # columns of what is followed before those of changes
-        right = np.zeros((*Y.shape, self._known + len(changes)))
+        right = zeros(*Y.shape, self._known + len(changes))
         of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # rates side by side cost less
         right[..., N : self._known] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]

@@ -22,6 +22,7 @@ from screwsim.model.numbers import oil_places
 from screwsim.model.run import Machinery
 from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE, R_RATIO, R_SIZE
 from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.reused import empty
 
 Array = np.ndarray
 INSIDE = 1e-9  # of a pitch: its end, of the chamber that is still there
@@ -152,7 +153,7 @@ class Pitch:
 
     def _slopes(self, angles: Array, *asked: Any) -> tuple[Array, ...]:
         many, N, q = len(angles), self.N, self.q
-        found = np.empty((many, N)), np.empty((many, q)), np.empty((many, N, N)), np.empty((many, q, N))
+        found = np.empty((many, N)), np.empty((many, q)), empty(many, N, N), empty(many, q, N)
         module = self.machinery.together
         if "tangents" not in compiled.warm(module):
             with self.machinery.compiling("tangents"):
@@ -187,7 +188,7 @@ class Pitch:
         These may have a further axis behind them, which becomes the first.
         """
         columns, steps = Y.shape[3:], self.N // self.n * self.count
-        found = np.empty((*(columns or (1,)), steps, 4 * self.n))
+        found = empty(*(columns or (1,)), steps, 4 * self.n)
         starts, nodes = (np.ascontiguousarray(each) for each in (y, Y))
         sweeps().sweeps__lives(starts.reshape(self.N, -1), nodes.reshape(self.count * NODES, self.N, -1), self.n, found)
         return found.reshape(*columns, steps, 4, self.n)

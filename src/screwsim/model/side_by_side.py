@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -147,9 +147,9 @@ class Lanes:
         return np.array(words, np.int64)
 
 
-def aligned(rows: int, of: Any = float) -> Array:
-    """Return rows of lanes, each in a line of the processor's cache."""
-    raw = np.zeros((rows + 1) * LANES, of)
+def aligned(rows: int, of: Any = float, room: Callable[..., Array] = np.zeros) -> Array:
+    """Return rows of lanes, each in a line of the processor's cache; `room` makes arrays of a size and a kind."""
+    raw = room((rows + 1) * LANES, of)
     skip = -raw.ctypes.data % 64 // raw.itemsize
     return raw[skip : skip + rows * LANES].reshape(rows, LANES)
 
