@@ -21,6 +21,22 @@ class Blocks:
         self.factors, self.pivots = empty(count, NODES * N, NODES * N), np.empty((count, NODES * N), np.int64)
         compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
 
+    def among(self, others: Blocks, own: Array, at: Array, chambers: int) -> Blocks:
+        """Return these together with others, both of each of so many chambers: `own` tells which slices are of these.
+
+        The rest are those at `at` among the others.
+        """
+        found = object.__new__(Blocks)
+        found.states, found.reach = self.states, self.reach
+        size, count = self.factors.shape[-1], len(own)
+        found.factors, found.pivots = empty(chambers * count, size, size), np.empty((chambers * count, size), np.int64)
+        for name in ("factors", "pivots"):
+            each, mine, theirs = (getattr(one, name) for one in (found, self, others))
+            parts = each.reshape(chambers, count, -1)
+            parts[:, own] = mine.reshape(chambers, -1, parts.shape[-1])
+            parts[:, ~own] = theirs.reshape(chambers, -1, parts.shape[-1])[:, at]
+        return found
+
     def follow(self, start: Array, right: Array) -> Array:
         """Return changes at all nodes (slices, NODES, N, k) from those at the start (N, k).
 

@@ -7,7 +7,7 @@ as the integrator left them; to close, a chamber's changes follow it through its
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -27,25 +27,45 @@ AGAIN = 4.0  # ... so many times what any before left open: what one leaves, oth
 LONGEST = 0.3  # change of a state in one iteration, over itself
 SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
+ALIKE = 1e-3  # change of a state, relative, up to which the slopes of its slice are lent to other slices beside it ...
+LENT = 0.2  # ... and of the residual before, down to which these are good enough
 
 
 @dataclass
 class Kept:
-    """The stage equations of each chamber by itself as they were factored last, of so many slices.
+    """The stage equations of each chamber by itself as they were factored last, of slices with these edges.
 
-    They are tried for other slices that are as many, which moved a little with where flows turn round.
+    They are tried for other slices that are as many, which moved a little with where flows turn round. Of slices that
+    are not as many those keep theirs that were there before, with states that were nearly the same.
     """
 
     blocks: Blocks | None = None
-    count: int = 0
+    edges: Array = field(default_factory=lambda: np.zeros(1))
+    states: Array = field(default_factory=lambda: np.zeros(0))
+    good: bool = True  # did states come nearer fast enough by them?
+    mixed: bool = False  # are some of them of other states?
 
     def of(self, pitch: Pitch) -> Blocks | None:
         """Return those that were kept, if they may be good for a pitch."""
-        return self.blocks if pitch.count == self.count else None
+        return self.blocks if pitch.count == len(self.edges) - 1 else None
+
+    def begun(self, pitch: Pitch, Y: Array) -> Blocks:
+        """Return those of a pitch whose slices are others: at states, where there was no such slice."""
+        if self.blocks is None or not self.good:
+            return self.anew(pitch, Y)
+        edges, before = pitch.slices.edges, self.edges
+        at = np.minimum(np.searchsorted(before, edges[:-1]), len(before) - 2)
+        apart = (np.abs(Y - self.states[at]) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
+        new = (before[at] != edges[:-1]) | (before[at + 1] != edges[1:]) | (apart > ALIKE)
+        found, self.states = _blocks(pitch, Y, np.flatnonzero(new)), np.where(new[:, None, None], Y, self.states[at])
+        self.blocks, self.edges = found.among(self.blocks, new, at[~new], pitch.N // pitch.n), edges
+        self.mixed = not new.all()
+        return self.blocks
 
     def anew(self, pitch: Pitch, Y: Array) -> Blocks:
         """Return those of a pitch at states, which are kept."""
-        self.blocks, self.count = _blocks(pitch, Y), pitch.count
+        self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.slices.edges
+        self.states, self.mixed = Y, False
         return self.blocks
 
 
@@ -57,11 +77,14 @@ def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
         open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
         size = size_of(open_, Y)
         if size < bound:
+            kept.good = size < LENT * before
             pitch.install(start, Y)
             return start, Y
         if not np.isfinite(size):
             break
-        if blocks is None or size > KEPT * before:
+        if blocks is None:
+            blocks = kept.begun(pitch, Y)
+        elif size > (LENT if kept.mixed else KEPT) * before:
             blocks = kept.anew(pitch, Y)
         before = size
         last = tamed(blocks.follow_one_by_one(-open_, nothing), last)
@@ -85,7 +108,9 @@ def closed(pitch: Pitch, Y: Array, bound: float, kept: Kept) -> Array | None:
         worse = not size < AGAIN * least
         if worse and not (lent and np.isfinite(size)):
             break
-        if blocks is None or worse:
+        if blocks is None:
+            blocks, lent = kept.begun(pitch, Y), True
+        elif worse:
             blocks, lent = kept.anew(pitch, Y), False
         inject = injection(pitch, Y)[0] if inject is None else inject
         least = min(size, least)
@@ -119,12 +144,12 @@ def open_of(pitch: Pitch, Y: Array) -> Open:
     return Open(off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums))
 
 
-def _blocks(pitch: Pitch, Y: Array) -> Blocks:
-    """Return the stage equations of each chamber by itself, factored."""
+def _blocks(pitch: Pitch, Y: Array, slices: Array) -> Blocks:
+    """Return the stage equations of each chamber by itself, factored, of some slices."""
     chambers, n = pitch.N // pitch.n, pitch.n
-    J = pitch.slopes(Y).by_states.reshape(pitch.count, NODES, chambers, n, chambers, n)
+    J = pitch.by_states(Y, slices).reshape(len(slices), NODES, chambers, n, chambers, n)
     own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, NODES, n, n)
-    return Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0)
+    return Blocks(own, np.tile(pitch.slices.widths[slices], chambers), n, 0)
 
 
 def residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:

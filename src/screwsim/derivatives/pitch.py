@@ -146,6 +146,12 @@ class Pitch:
         found = self._slopes(*self._asked(Y, self.slices))
         return Slopes(*(each.reshape(self.count, NODES, *each.shape[1:]) for each in found))
 
+    def by_states(self, Y: Array, slices: Array) -> Array:
+        """Return the derivatives of the rates by the states at the nodes of some slices (slices, NODES, N, N)."""
+        angles, middles = self.slices.angles[slices].ravel(), np.repeat(self.slices.middles[slices], NODES)
+        J = self._slopes(angles, middles, np.ascontiguousarray(Y[slices]).reshape(-1, self.N), *self._context)[2]
+        return J.reshape(len(slices), NODES, self.N, self.N)
+
     def slopes_at(self, angles: Array, y: Array) -> tuple[Array, Array]:
         """Return rates and their derivatives at one angle in each slice."""
         f, _, J, _ = self._slopes(angles, self.slices.middles, y, *self._context)
