@@ -6,7 +6,8 @@ from closed_points import closed_point
 
 from screwsim.derivatives import beside, nearby
 from screwsim.derivatives.blocks import Blocks, follow_once
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.slices import INTEGRALS, between
 
 
 @pytest.fixture(scope="module", params=["paper", "r134a"])
@@ -103,6 +104,30 @@ def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cyc
     assert found == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
     pitch.put(at)
     pitch.install(cycle.start, cycle.nodes)
+
+
+def test_slices_that_stay_lend_their_factors_and_others_have_their_own(cycle, monkeypatch):
+    """Of a slice that is divided, and of one whose states are others, derivatives are asked for; of no other one."""
+    pitch, at, asked = cycle.pitch, cycle.at, []
+    pitch.put(at)
+    pitch.install(cycle.start, cycle.nodes)
+    kept, edges = nearby.Kept(), pitch.slices.edges
+    kept.anew(pitch, cycle.nodes)
+    finer = Pitch(pitch.problem, pitch.machinery, between(np.insert(edges, 8, 0.5 * (edges[7] + edges[8]))))
+    Y, by_states = finer.read(), Pitch.by_states
+    Y[20] *= 1.0 + 2.0 * nearby.ALIKE
+    monkeypatch.setattr(Pitch, "by_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given))
+    lent = kept.begun(finer, Y)
+    assert asked == [[7, 8, 20]]
+    assert kept.of(finer) is lent and kept.mixed
+    own = nearby.Kept().anew(finer, Y)
+    assert (lent.pivots == own.pivots).all()
+    assert np.abs(lent.factors - own.factors).max() < 1e-3 * np.abs(own.factors).max()
+    new = np.zeros(finer.count, bool)
+    new[[7, 8, 20]] = True
+    chambers = finer.N // finer.n
+    one, other = (each.factors.reshape(chambers, finer.count, -1)[:, new] for each in (lent, own))
+    np.testing.assert_array_equal(one, other)
 
 
 def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle):

@@ -1,9 +1,11 @@
 """The stage equations of slices as compiled kernels: band matrices factored, changes followed through all slices.
 
-Rows go by chamber, in it by node, so that a matrix whose chambers meet the next ones alone is a band. Pivots are sought
-in the band below: where a port is open the rates by the states are large and nearly of rank one.
+Rows go by chamber, in it by node, so that a matrix whose chambers meet the next ones alone is a band of blocks. Pivots
+are sought within a chamber, which by itself can be solved for, but where a port is open its rates by its states are
+large and nearly of rank one; what chambers make of each other over a slice is little beside that. So the band stays.
 
-Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., Johns Hopkins 2013, 4.3 (band systems).
+Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., Johns Hopkins 2013, 4.3 and 4.5 (band systems, block
+tridiagonal ones).
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ def fill(J, k, h, n, reach, M, m):
 
 @kernel
 def pivoted(M, k, column, last, wide):
-    """Return which row of M[k] below `column` has the largest number there; that row has changed places with it."""
+    """Return which row of M[k] from `column` to `last` has the largest number there; it has changed places with it."""
     p = column
     for i in range(column + 1, last):
         if abs(M[k, i, column]) > abs(M[k, p, column]):
@@ -80,34 +82,52 @@ def eliminate_four(M, k, column, row, last):
 
 
 @kernel
+def share_of_four(M, k, column, row):
+    """Turn a row of M[k] into its shares of the four rows from `column` on, whose diagonal is inverted."""
+    s0 = M[k, row, column] * M[k, column, column]
+    s1 = (M[k, row, column + 1] - s0 * M[k, column, column + 1]) * M[k, column + 1, column + 1]
+    s2 = M[k, row, column + 2] - s0 * M[k, column, column + 2] - s1 * M[k, column + 1, column + 2]
+    s2 *= M[k, column + 2, column + 2]
+    s3 = M[k, row, column + 3] - s0 * M[k, column, column + 3] - s1 * M[k, column + 1, column + 3]
+    s3 = (s3 - s2 * M[k, column + 2, column + 3]) * M[k, column + 3, column + 3]
+    M[k, row, column] = s0
+    M[k, row, column + 1] = s1
+    M[k, row, column + 2] = s2
+    M[k, row, column + 3] = s3
+
+
+@kernel
 def factor_one(J, k, h, n, reach, M, m, pivots):
     """Factor 1 − h a J of slice k in M[m] (3 N, 3 N); rows that change places in pivots[m].
 
-    Four columns at once, so that what lies behind them is gone through once and not four times; of little, each alone.
+    Four columns of a chamber at once, so that what lies behind them is gone through once and not four times; of little,
+    and where a chamber has no four left, each alone.
     """
     size = M.shape[1]
-    band = 3 * n * (reach + 1) - 1
     fill(J, k, h, n, reach, M, m)
     column = 0
     while column < size:
-        behind = column + 4 if size > LITTLE and column + 4 <= size else column + 1
-        wide = min(size, behind + 2 * band)
+        own = (column // (3 * n) + 1) * 3 * n  # where the chamber ends
+        wide = min(size, own + 3 * n * reach)  # ... and those that it meets
+        behind = column + 4 if size > LITTLE and column + 4 <= own else column + 1
         for c in range(column, behind):
-            last = min(size, c + band + 1)
-            pivots[m, c] = pivoted(M, m, c, last, wide)
+            pivots[m, c] = pivoted(M, m, c, own, wide)
             inverse = 1.0 / M[m, c, c]
             M[m, c, c] = inverse
-            for i in range(c + 1, last):
+            for i in range(c + 1, own):
                 M[m, i, c] *= inverse
                 eliminate(M, m, c, i, c + 1, behind)
         for c in range(column, behind):
             for i in range(c + 1, behind):
                 eliminate(M, m, c, i, behind, wide)
-        last = min(size, behind + band)
-        for i in range(behind, last):
+        for i in range(behind, wide):
             if behind == column + 4:
+                if i >= own:
+                    share_of_four(M, m, column, i)
                 eliminate_four(M, m, column, i, wide)
             else:
+                if i >= own:
+                    M[m, i, column] *= M[m, column, column]
                 eliminate(M, m, column, i, behind, wide)
         column = behind
 
@@ -156,9 +176,10 @@ def lessen(B, k, M, m, row, first, last, place):
 
 
 @kernel
-def solve(M, pivots, m, place, band, B, k):
+def solve(M, pivots, m, place, n, reach, B, k):
     """Solve with the factors M[m], right sides B[k] (3 N, columns) in place, their rows by node."""
     size = M.shape[1]
+    block = 3 * n
     columns = B.shape[2]
     for row in range(size):
         a = place[row]
@@ -167,12 +188,9 @@ def solve(M, pivots, m, place, band, B, k):
             for c in range(columns):
                 B[k, a, c], B[k, b, c] = B[k, b, c], B[k, a, c]
     for row in range(size):
-        first = 0  # a row that changed places more than once may begin far before the band
-        while first < row and M[m, row, first] == 0.0:
-            first += 1
-        lessen(B, k, M, m, row, first, row, place)
+        lessen(B, k, M, m, row, max(0, row // block - reach) * block, row, place)
     for row in range(size - 1, -1, -1):
-        lessen(B, k, M, m, row, row + 1, min(size, row + 2 * band + 1), place)
+        lessen(B, k, M, m, row, row + 1, min(size, (row // block + reach + 1) * block), place)
         a = place[row]
         inverse = M[m, row, row]
         for c in range(columns):
@@ -180,14 +198,14 @@ def solve(M, pivots, m, place, band, B, k):
 
 
 @kernel
-def through(M, pivots, m, place, band, now, B, k):
+def through(M, pivots, m, place, n, reach, now, B, k):
     """Follow changes through slice k with the factors M[m]: from `now` (N, columns), which becomes those at its end."""
     size = M.shape[1]
     N = size // 3
     for row in range(size):
         for c in range(B.shape[2]):
             B[k, row, c] += now[row % N, c]
-    solve(M, pivots, m, place, band, B, k)
+    solve(M, pivots, m, place, n, reach, B, k)
     for i in range(N):
         for c in range(B.shape[2]):
             now[i, c] = B[k, 2 * N + i, c]
@@ -203,7 +221,7 @@ def follow(M, pivots, n, reach, now, B):
     place = np.empty(size, np.int64)
     places(n, size // 3 // n, place)
     for k in range(B.shape[0]):
-        through(M, pivots, k, place, 3 * n * (reach + 1) - 1, now, B, k)
+        through(M, pivots, k, place, n, reach, now, B, k)
 
 
 @kernel
@@ -216,7 +234,7 @@ def follow_once(J, widths, n, reach, now, B):
     places(n, N // n, place)
     for k in range(B.shape[0]):
         factor_one(J, k, widths[k], n, reach, M, 0, pivots)
-        through(M, pivots, 0, place, 3 * n * (reach + 1) - 1, now, B, k)
+        through(M, pivots, 0, place, n, reach, now, B, k)
 
 
 @kernel
@@ -242,7 +260,7 @@ def follow_one_by_one(M, pivots, n, inject, B):
         for k in range(chamber * count, (chamber + 1) * count):
             for row in range(3 * n):
                 B[k, row, 0] += now[row % n]
-            solve(M, pivots, k, place, 3 * n - 1, B, k)
+            solve(M, pivots, k, place, n, 0, B, k)
             for s in range(n):
                 now[s] = B[k, 2 * n + s, 0]
 
