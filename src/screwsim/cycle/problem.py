@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -85,6 +85,11 @@ class Problem:
     def h_isentropic(self) -> float:
         """Enthalpy [J/kg] of the suction gas compressed to the discharge pressure at its entropy."""
         return _h_isentropic(self.parts, self.lines, self.inlet)
+
+    @once
+    def leaked(self) -> dict[bytes, Any]:
+        """What leaks beside the chambers by the states of both lines, those last met: who reads a life asks often."""
+        return {}
 
     @once
     def refrigerating_effect(self) -> float | None:

@@ -99,9 +99,19 @@ def set_values(problem: Problem, R: Array, found: Array) -> None:
 
 def leak(problem: Problem, R: Array) -> Stream:
     """Return what leaks from the discharge line beside the chambers, per life of one of them (M274)."""
-    leaks = [part for _, part in problem.parts.all(LineLeak)]
-    if not leaks:
+    if not problem.parts.all(LineLeak):
         return _NONE
+    lines, known = R[: R_DISCHARGE + PORT_STATE].tobytes(), problem.leaked
+    found = known.get(lines)
+    if found is None:
+        found = _leak(problem, R)
+        known.clear()
+        known[lines] = found
+    return found
+
+
+def _leak(problem: Problem, R: Array) -> Stream:
+    leaks = [part for _, part in problem.parts.all(LineLeak)]
     suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
     port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
     flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))

@@ -184,7 +184,7 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, J = pitch.slopes_at(pitch.slices.edges[:-1], before)
-    defect = f + np.einsum("j,kjn->kn", EMBEDDED, Y - before[:, None]) / widths[:, None]
+    defect = f + EMBEDDED @ (Y - before[:, None]) / widths[:, None]
     chambers = pitch.N // pitch.n
     own = J.reshape(-1, chambers, pitch.n, chambers, pitch.n)[:, range(chambers), :, range(chambers)].swapaxes(0, 1)
     matrix = (EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own

@@ -155,7 +155,7 @@ def _blocks(pitch: Pitch, Y: Array, slices: Array) -> Blocks:
 def residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:
     """Return what the stage equations leave open (slices, NODES, N)."""
     before = np.concatenate([start[None], Y[:-1, -1]])
-    return Y - before[:, None] - np.einsum("k,ij,kjn->kin", pitch.slices.widths, INTEGRALS, f)
+    return Y - before[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
 
 
 def size_of(open_: Array, Y: Array) -> float:

@@ -88,6 +88,12 @@ class Placed(Trajectory):
     def _there(self) -> Trajectory:
         return self.fill()
 
+    @once
+    def _worked(self) -> Trajectory:
+        there = self._there
+        there.module.trace__work_along(there.times, there.dense, there.quads, there.steps, there.context)
+        return there
+
     @property
     def times(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Edges of the steps [rad]."""
@@ -101,7 +107,7 @@ class Placed(Trajectory):
     @property
     def quads(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Nothing but the work, for traces."""
-        return self._there.quads
+        return self._worked.quads
 
     @property
     def steps(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]

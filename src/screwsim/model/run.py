@@ -313,7 +313,7 @@ class Machinery:
 
     def shift(self, y: Array) -> Array:
         """Return the states one pitch on: each chamber takes the next place, the last begins anew with what it kept."""
-        return np.roll(y.reshape(self.composition.chambers, self.n), 1, axis=0).ravel()
+        return np.concatenate([y[-self.n :], y[: -self.n]])
 
     def install_coupled(self) -> None:
         """Turn the last pitch of all chambers into the history of one chamber's life."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, fields
 from functools import cache
+from operator import attrgetter
 from typing import Any
 
 from screwsim.model.slots import FIRST_OWN
@@ -147,7 +148,10 @@ class Network:
 
     def key(self) -> tuple[Any, ...]:
         """Return all that the texts depend on; `Network(*key)` is an equal network."""
-        return tuple(_fixed(getattr(self, each.name)) for each in fields(self))
+        return tuple([_fixed(each) for each in _values(self)])
+
+
+_values = attrgetter(*(each.name for each in fields(Network)))
 
 
 def _fixed(value: Any) -> Any:
