@@ -119,7 +119,7 @@ def test_slices_that_stay_lend_their_factors_and_others_have_their_own(cycle, mo
     monkeypatch.setattr(Pitch, "by_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given))
     lent = kept.begun(finer, Y)
     assert asked == [[7, 8, 20]]
-    assert kept.of(finer) is lent and kept.mixed
+    assert kept.of(finer) is lent
     own = nearby.Kept().anew(finer, Y)
     assert (lent.pivots == own.pivots).all()
     assert np.abs(lent.factors - own.factors).max() < 1e-3 * np.abs(own.factors).max()

@@ -21,14 +21,13 @@ from screwsim.derivatives.slices import INTEGRALS, NODES
 
 Array = np.ndarray
 MOST = 12  # iterations
-KEPT = 0.5  # of the residual before, down to which slopes of the iteration before are good enough
+KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 CLOSINGS = 8  # iterations by which a cycle is closed so, while each leaves at most ...
 AGAIN = 4.0  # ... so many times what any before left open: what one leaves, others may bring back before it goes
 LONGEST = 0.3  # change of a state in one iteration, over itself
 SWING = 0.4  # of the change before, beyond which one that goes back is halved
 SMALL = 1e-3  # of a state, for relative residuals
-ALIKE = 1e-3  # change of a state, relative, up to which the slopes of its slice are lent to other slices beside it ...
-LENT = 0.2  # ... and of the residual before, down to which these are good enough
+ALIKE = 1e-3  # relative change of a state, up to which the slopes of its slice are good enough for the next round
 
 
 @dataclass
@@ -43,7 +42,6 @@ class Kept:
     edges: Array = field(default_factory=lambda: np.zeros(1))
     states: Array = field(default_factory=lambda: np.zeros(0))
     good: bool = True  # did states come nearer fast enough by them?
-    mixed: bool = False  # are some of them of other states?
 
     def of(self, pitch: Pitch) -> Blocks | None:
         """Return those that were kept, if they may be good for a pitch."""
@@ -59,13 +57,12 @@ class Kept:
         new = (before[at] != edges[:-1]) | (before[at + 1] != edges[1:]) | (apart > ALIKE)
         found, self.states = _blocks(pitch, Y, np.flatnonzero(new)), np.where(new[:, None, None], Y, self.states[at])
         self.blocks, self.edges = found.among(self.blocks, new, at[~new], pitch.N // pitch.n), edges
-        self.mixed = not new.all()
         return self.blocks
 
     def anew(self, pitch: Pitch, Y: Array) -> Blocks:
         """Return those of a pitch at states, which are kept."""
         self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.slices.edges
-        self.states, self.mixed = Y, False
+        self.states = Y
         return self.blocks
 
 
@@ -77,14 +74,14 @@ def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
         open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
         size = size_of(open_, Y)
         if size < bound:
-            kept.good = size < LENT * before
+            kept.good = size < KEPT * before
             pitch.install(start, Y)
             return start, Y
         if not np.isfinite(size):
             break
         if blocks is None:
             blocks = kept.begun(pitch, Y)
-        elif size > (LENT if kept.mixed else KEPT) * before:
+        elif size > KEPT * before:
             blocks = kept.anew(pitch, Y)
         before = size
         last = tamed(blocks.follow_one_by_one(-open_, nothing), last)
