@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks, follow_once
@@ -175,12 +176,13 @@ class Linear:
         self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
         felt = [Change(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
         self._known = N + len(felt)  # columns of what is followed before those of changes
-        right = zeros(*Y.shape, self._known + len(changes))
+        columns = self._known + len(changes)
+        right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers: what is left over takes as long as one
         of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # rates side by side cost less
         right[..., N : self._known] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
-        self._followed = follow_once(*self._equations, np.eye(N, right.shape[-1]), right)
-        self._sums = self._summed(self._followed)
+        followed = follow_once(*self._equations, np.eye(N, right.shape[-1]), right)
+        self._followed, self._sums = followed[..., :columns], self._summed(followed)[:, :columns]
         self._sums[:, N:] += of_rates
         self._around = self._closing(self._followed[-1, -1, :, : self._known])
         self.first = self._responded(self._followed, self._sums, injected)
