@@ -201,7 +201,7 @@ def _constants(network: Network, cell: Cell, layout: Layout) -> dict[str, Any]:
         "CHAMBERS": network.chambers,
     }
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
-    return constants | layout.constants(port_states.columns(network), cell.quadratures) | work_constants(network)
+    return constants | layout.constants(list(port_states.columns(network)), cell.quadratures) | work_constants(network)
 
 
 def _read_with(network: Network) -> tuple[Kernel, ...]:
