@@ -78,8 +78,10 @@ def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[s
         entry = _entry(pitch.machinery) if len(now) >= FEWEST else None
         if entry is not None:
             middles, y = np.repeat(slices.middles, NODES), Y.reshape(-1, pitch.N)
-            own = [slices if each.edges is None else slices._replace(edges=each.edges) for each in now]
-            nodes = [Nodes(each.angles.ravel(), middles, y) for each in own]
+            angles = slices.angles.ravel()
+            moved = [each.edges for each in now]
+            own = [angles if e is None else slices._replace(edges=e).angles.ravel() for e in moved]
+            nodes = [Nodes(each, middles, y) for each in own]
             rows = _in_lanes(pitch, nodes, [each.numbers for each in now], entry)
             found = [each.reshape(*shape, -1, LANES) for each in rows]
         else:
@@ -114,17 +116,22 @@ def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], 
     pitch.free()
     rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
     rows["port_states"][:], rows["work"][:] = port_states[:, None], work[:, None]
+    alike = all(each is numbers[0] for each in numbers)
     for name in ("P", "R"):
-        rows[name] = aligned(len(getattr(numbers[0], name)))
-        rows[name][:, : len(numbers)] = np.transpose([getattr(each, name) for each in numbers])
+        first = getattr(numbers[0], name)
+        rows[name] = aligned(len(first))
+        each_of = first[:, None] if alike else np.transpose([getattr(each, name) for each in numbers])
+        rows[name][:, : len(numbers)] = each_of
     by_lane = {name: [np.ascontiguousarray(getattr(each, name)) for each in nodes] for name in Nodes._fields}
     by_lane["TAB"] = [np.ascontiguousarray(each.TAB) for each in numbers]
     out = [aligned(len(nodes[0].y) * size, room=_room).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
     words: list[int] = [(1 << len(nodes)) - 1]
 
     def lanes(name: str) -> None:
-        addresses = [address(each) for each in by_lane[name]]
-        words.extend([*addresses, *[addresses[0]] * (LANES - len(addresses)), *by_lane[name][0].shape])
+        first, *others = by_lane[name]
+        at = address(first)
+        addresses = [at, *(at if each is first else address(each) for each in others)]
+        words.extend([*addresses, *[at] * (LANES - len(addresses)), *first.shape])
 
     for name in Nodes._fields:
         lanes(name)

@@ -91,10 +91,11 @@ def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
         else:  # those ahead of the last one are the discharge, whose port tells
             number, drops = 0, p[: c.chambers - path.offset] - p[path.offset :]
         passes = np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
+        if not len(passes[0]):
+            continue
         ends = (starts[passes[0], None] + angles[passes[1][:, None] + (0, 1)]).ravel()
         areas = np.zeros(ends.size)
-        if len(ends):
-            life.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
+        life.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
         is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
         for j, k in zip(*(each[is_open].tolist() for each in passes), strict=True):
             beyond = Side(None, number) if of_port else Side(float(starts[j + path.offset]))
