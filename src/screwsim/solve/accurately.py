@@ -25,7 +25,8 @@ from screwsim.model.slots import S_RHO, S_T
 from screwsim.numerics.compiling import clock
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
-from screwsim.solve.estimate import FINER, estimated_errors
+from screwsim.solve.estimate import estimated_errors
+from screwsim.solve.finer import FINER
 
 Array = np.ndarray
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
