@@ -10,10 +10,9 @@ from dataclasses import replace
 
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import begin, continued
-from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope, Led
+from screwsim.cycle.solution import CycleSolution, Led, Start
 from screwsim.cycle.wanted import Wanted
 from screwsim.cycle.ways import by_ways, way_of
 from screwsim.model.exchange import station
@@ -25,25 +24,18 @@ def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course
     guess = None if course is None else continued(problem, machinery, course)
     station()
     if guess is not None:
-        cycle = close_from(problem, machinery, wanted, guess.y, guess.hope, guess.tangents)
+        cycle = close_from(problem, machinery, wanted, guess.start)
         if cycle.status == "ok":
             return cycle
-    return close_from(problem, machinery, wanted, begin(problem, machinery))
+    return close_from(problem, machinery, wanted, Start(begin(problem, machinery)))
 
 
-def close_from(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    hope: Hope = NO_HOPE,
-    lent: Tangents | None = None,
-) -> CycleSolution:
-    """Close the cycle from a state at 0° and a guess that is installed as the last history.
+def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
+    """Close the cycle from a start.
 
     With a check the chambers are closed together under it, from where our own method closes.
     """
-    cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope, lent)
+    cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
     if wanted.check is None or cycle.status == "failed":
         return cycle
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))

@@ -15,12 +15,11 @@ from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals
 from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.mixing import finer
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.returning import NOTHING, returning
-from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
+from screwsim.cycle.solution import NO_HOPE, CycleSolution, Start
 from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.effects.base import FlowPath
 from screwsim.model.exchange import station
@@ -66,22 +65,14 @@ def dear(rtol: float) -> float:
     return DEAR * (DEAR_RTOL / rtol) ** 0.25
 
 
-def relax(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    last: bool,
-    hope: Hope = NO_HOPE,
-    lent: Tangents | None = None,
-) -> CycleSolution | None:
-    """Close by turns from y [in place] and the last history; None when they do not and there is another way.
+def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool) -> CycleSolution | None:
+    """Close by turns from a start; None when they do not and there is another way.
 
     They may cost as much as that other way does in the median (`last` is False): the two seldom cost more than twice
     the cheaper one. The first turns are integrated loosely: their error is that of the guess. A guess made from cycles
     of machines nearby may be so good that the first turn closes: it is as fine as is hoped of the guess.
     """
-    turns = _Turns(problem, machinery, wanted, y, hope, lent)
+    turns = _Turns(problem, machinery, wanted, start)
     station()
     most = np.inf if last else machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
     for _ in range(MAX_TURNS):
@@ -108,13 +99,11 @@ class _Turns:
     is what later ones yet would.
     """
 
-    def __init__(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope, lent: Tangents | None
-    ) -> None:
-        self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, y
-        c = machinery.composition
+    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> None:
+        self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, start.y.copy()
+        c, hope = machinery.composition, start.hope
         c.P[c.widths] = wanted.widths
-        self.corrections, self.accelerate = Corrections(problem, machinery, lent), Anderson(DEPTH)
+        self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each
         self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0

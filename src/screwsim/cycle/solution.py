@@ -72,3 +72,14 @@ class Led(NamedTuple):
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)
+
+
+class Start(NamedTuple):
+    """What closing begins with beside the guess that is installed as the last history: the state at 0°, and its hope.
+
+    `tangents` are those by which a cycle nearby was corrected.
+    """
+
+    y: Array
+    hope: Hope = NO_HOPE
+    tangents: Tangents | None = None
