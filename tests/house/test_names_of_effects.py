@@ -140,7 +140,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     "gas.model": set(),  # fluid.models
     "parameters.model": set(),  # of gaps: effects.gap_flow
     "numerics.error": set(),
-    "self.error": {"numerics/settings.py"},
+    "self.error": set(),  # numerics.estimates
     "output.keep": set(),
     "output.derivatives": set(),
     "supply.kind": set(),

@@ -25,7 +25,7 @@ def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course
     station()
     if guess is not None:
         cycle = close_from(problem, machinery, wanted, guess.start)
-        if cycle.status == "ok":
+        if cycle.closed:
             return cycle
     return close_from(problem, machinery, wanted, Start(begin(problem, machinery)))
 
@@ -36,7 +36,7 @@ def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, start: St
     With a check the chambers are closed together under it, from where our own method closes.
     """
     cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
-    if wanted.check is None or cycle.status == "failed":
+    if wanted.check is None or cycle.failed:
         return cycle
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
 
@@ -49,6 +49,6 @@ def again(
     Or the machinery stands where finer lives of a cycle closed by histories have led.
     """
     found = way_of(cycle).again(problem, machinery, wanted, cycle, led)
-    if found.status != "ok":
+    if not found.closed:
         return found
     return replace(found, needed=cycle.needed, growth=cycle.growth, first_gap=cycle.first_gap)

@@ -10,7 +10,7 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import PressureLosses, Turn
+from screwsim.effects.base import DISCHARGE, PressureLosses, Turn
 from screwsim.fluid.moist_air import passed_on
 from screwsim.model.port_states import SOME_OIL
 from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
@@ -107,7 +107,7 @@ def known_of(
         delivery_pressure=p_delivery,
         oil_source_pressure=p_source,
         drag_power=0.0 - pushed_of(problem.composition, q) * rate,
-        plenum_pressure=pressure_behind(problem, life, "discharge") or problem.lines.p_d,
+        plenum_pressure=pressure_behind(problem, life, DISCHARGE) or problem.lines.p_d,
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,

@@ -27,6 +27,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, R_TRAPPED
 from screwsim.numerics.closings import WAVEFORMS
 from screwsim.numerics.periodic import Anderson
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
 DEAR = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
@@ -78,17 +79,17 @@ def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, 
     for _ in range(MAX_TURNS):
         angle = turns.integrate()
         if angle is not None:
-            return turns.ended("failed", angle) if last else None
+            return turns.ended(FAILED, angle) if last else None
         if turns.closed():
-            return turns.ended("ok")
+            return turns.ended(OK)
         correction = turns.correction()
         if turns.closes(correction is not None):
-            return turns.ended("ok")
+            return turns.ended(OK)
         if machinery.evaluations_of(machinery.counts) > most:
             return None
         turns.refine(correction)
         turns.go_on(correction)
-    return turns.ended("not_closed") if last else None
+    return turns.ended(NOT_CLOSED) if last else None
 
 
 class _Turns:
@@ -310,13 +311,13 @@ class _Turns:
 
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
         """Return the cycle as the last turn left it."""
-        machinery, ok = self.machinery, status == "ok"
+        machinery, ok = self.machinery, status == OK
         station()
         return CycleSolution(
             *(status, machinery.trajectory.copy(), self.q, self.y, self.number, WAVEFORMS),
-            rtol=self.rtol if status == "failed" else self.finest,
+            rtol=self.rtol if status == FAILED else self.finest,
             angle=angle,
-            change=0.0 if status == "failed" else self.gap,
+            change=0.0 if status == FAILED else self.gap,
             first_gap=self.first_gap if ok else 1.0,
             residual=self.residual / self.wanted.bound if ok else 0.0,
             impacts=machinery.impacts,

@@ -28,6 +28,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.tangents import linearised
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.run import Machinery
+from screwsim.outputs.variables import NOT_CLOSED
 
 Array = np.ndarray
 SEARCH = "Newton's method from afar"
@@ -63,7 +64,7 @@ def sought_on(
     budget = int(machinery.counts[2]) + most
     while True:
         cycle = close_together(problem, machinery, wanted, y, rule, BETWEEN, PITCHES_BETWEEN)
-        if cycle.status != "not_closed" or machinery.counts[2] > budget:
+        if cycle.status != NOT_CLOSED or machinery.counts[2] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
         found = sought(problem, machinery, wanted, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH)
@@ -89,12 +90,12 @@ def sought(
         return None
     fine = replace(wanted, rtol=min(wanted.rtol, FINE))
     cycle = close_together(problem, machinery, fine, zero.y, most=MOST_TO_VERIFY)
-    return replace(cycle, needed=SEARCH, growth=zero.growth) if cycle.status == "ok" else None
+    return replace(cycle, needed=SEARCH, growth=zero.growth) if cycle.closed else None
 
 
 def judged(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
     """Return a cycle with its `growth`, where it closed and a search would be possible; the machinery stands on it."""
-    if cycle.status != "ok" or not possible(problem):
+    if not cycle.closed or not possible(problem):
         return cycle
     pitch = _Pitch(problem, machinery, wanted)
     here = pitch.first(cycle.y.copy())

@@ -21,6 +21,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_TRAPPED
 from screwsim.numerics.closings import TOGETHER
 from screwsim.numerics.rodas import dense_value
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
 STALL = 3  # pitches without progress of the states
@@ -61,9 +62,9 @@ def close_together(
     budget = int(machinery.counts[2]) + (OF_A_CHECK * most if wanted.check else most)
 
     def ended(status: str, y: Array, pitch: int, angle: float = 0.0) -> CycleSolution:
-        if status != "failed":
+        if status != FAILED:
             machinery.install_coupled()
-        life, turns, moved = machinery.trajectory.copy(), pitch / c.chambers, 0.0 if status == "failed" else gap
+        life, turns, moved = machinery.trajectory.copy(), pitch / c.chambers, 0.0 if status == FAILED else gap
         return CycleSolution(status, life, q, y, turns, TOGETHER, rtol, angle, moved, impacts=machinery.impacts)
 
     for pitch in range(1, pitches + 1):
@@ -73,7 +74,7 @@ def close_together(
         end, rtol = y.copy(), refining.rtol
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3, check=wanted.check)
         if status != 0:
-            return ended("failed", end, pitch, angle)
+            return ended(FAILED, end, pitch, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
         if c.pulsating:  # the image reads the flows of the pitch
             machinery.install_coupled()
@@ -91,7 +92,7 @@ def close_together(
         if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
             residual = residuals(problem, machinery.R, q).largest
             if residual <= ENOUGH * wanted.bound:
-                return ended("ok", y, pitch)
+                return ended(OK, y, pitch)
             refining.consider(gap, residual)
         corrected = rule is FULL and not c.pulsating  # states at a pitch's start kick what a line is given there
         if corrections.due(corrected and pitch > 1 and wanted.tolerance < gap < FARTHEST, gap):
@@ -114,7 +115,7 @@ def close_together(
             mixing.restart()
         y, met = states_of(mixed[:n], machinery.shift(end), c), entries.values(mixed[n:], made)
         set_unknowns(problem, machinery, met)
-    return ended("not_closed", y, pitch)
+    return ended(NOT_CLOSED, y, pitch)
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:

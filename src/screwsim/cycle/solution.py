@@ -9,6 +9,7 @@ from screwsim.cycle.linear_pitch import Tangents
 from screwsim.model.slots import R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
+from screwsim.outputs.variables import FAILED, OK
 
 if TYPE_CHECKING:
     from screwsim.cycle.balances import Residuals
@@ -22,7 +23,7 @@ class CycleSolution:
     `y` are the states from which it goes on: of the chamber at 0°, or of all chambers, as it was closed.
     """
 
-    status: str  # 'ok' | 'not_closed' | 'failed'
+    status: str  # one of outputs.variables.STATUSES
     trajectory: Trajectory
     q: Array
     y: Array
@@ -43,6 +44,16 @@ class CycleSolution:
     made: Array | None = None  # the same of what it made of the feedback unknowns
     left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
     missed: float = 1.0  # share of what corrections foretold by which the turn after them went elsewhere; 1: not known
+
+    @property
+    def closed(self) -> bool:
+        """Is the cycle closed?"""
+        return self.status == OK
+
+    @property
+    def failed(self) -> bool:
+        """Did an integration stop?"""
+        return self.status == FAILED
 
     @property
     def seen(self) -> tuple[float, float]:

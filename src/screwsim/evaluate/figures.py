@@ -12,7 +12,7 @@ from screwsim.cycle import powers, suction_line
 from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held, streams_of
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import Drawn, Plenum, Separator, Turn
+from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
 from screwsim.evaluate import expander, humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
@@ -190,7 +190,7 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
 
     A shut discharge line does so where what comes in can go nowhere else.
     """
-    lines = [part for part in problem.parts.pulsations if part.to == "suction" or not problem.parts.plenums]
+    lines = [part for part in problem.parts.pulsations if part.to == SUCTION or not problem.parts.plenums]
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
 

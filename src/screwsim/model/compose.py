@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
+from screwsim.effects.base import DISCHARGE, LINES, ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
 from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
@@ -31,16 +31,14 @@ from screwsim.numerics.kernel import Kernel
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 Named = Sequence[tuple[str, FlowPath]]
-LINES = ("suction", "discharge")
 
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
     geometry, port = parts.geometry, parts.oil_port
     named = parts.all(FlowPath)
-    plenum = [(name, path) for name, path in named if path.to != "neighbour"]
-    gaps = [(name, path) for name, path in named if path.to == "neighbour"]
-    _refuse_resistances(named)
+    plenum, gaps = parts.ports, parts.gaps
+    _refuse_resistances(plenum)
     network = _network(parts, plenum, gaps)
     stops = [part for _, part in parts.all(Stops)]
     _refuse(network, bool(stops) or any(path.opening is not None for _, path in plenum))
@@ -70,7 +68,7 @@ def compose(parts: Parts) -> Composition:
         states=network.states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),
-        ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
+        ends=(*(path.to for _, path in plenum), *(DISCHARGE for _ in gaps)),
         heats=tuple(name for name, _ in parts.all(HeatRate)),
         n_port_state=len(port_states.columns(network)),
         n_sums=len(cell.sums) * len(network.quantities),
@@ -202,7 +200,7 @@ def _refuse(network: Network, opened: bool) -> None:
         raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")
 
 
-def _refuse_resistances(named: Named) -> None:
+def _refuse_resistances(ports: Named) -> None:
     """Refuse resistances that no gap has."""
-    if any(path.resistance is not None and path.to != "neighbour" for _, path in named):
+    if any(path.resistance is not None for _, path in ports):
         raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")

@@ -16,16 +16,16 @@ from typing import Any
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
 from screwsim.model import pulsation
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import Heat, Law, Network, Stop, WallHeat, identifier
+from screwsim.model.network.network import PRESSURES, Heat, Law, Network, Stop, WallHeat, identifier, line_pressures
 from screwsim.model.numbers import Numbers
 from screwsim.model.parts import Parts
 from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics.kernel import Kernel
 
 # symbols that a kernel can ask for and that are not numbers of the scene
-STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
+STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", *PRESSURES)
 OPENING_SYMBOLS = ("drop", "width", "held")
-PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
+PUSH_SYMBOLS = ("p", *PRESSURES)
 GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # of a push on what moves, by the state of the gas
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
@@ -277,7 +277,7 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
     """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures and by the gas."""
-    lines = ", ".join(f"R[R_{cell} + PRESSURE]" for cell in writer.network.cells[:2])
+    lines = ", ".join(line_pressures(writer.network).values())
     arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
     for part in stops:
         call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]), of=part.position)

@@ -37,7 +37,7 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
     problem, figures = of.problem, of.figures
     y = begin(problem, machinery, DRY)
     other = relax(problem, machinery, accurate.wanted, Start(y), last=False)
-    if other is None or other.status != "ok":
+    if other is None or not other.closed:
         return
     found = evaluate(problem, other).figures
     errors = relative_errors(figures, found, *of.least)

@@ -23,7 +23,7 @@ def chambers_together(asked: Asked) -> Finer:
     problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
     wanted = replace(asked.wanted, rtol=FINER * cycle.rtol)
     finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
-    if finer.status == "ok":
+    if finer.closed:
         return Finer([evaluate(problem, finer).figures])
     machinery.put(cycle.trajectory)
     return NOTHING
@@ -41,6 +41,6 @@ def closed_again(asked: Asked) -> Finer:
         finer = again(problem, machinery, wanted, cycle)
     else:
         finer = way_of(cycle).finer(problem, machinery, wanted, cycle, MOST_OF_A_TRY)
-    if finer is None or finer.status != "ok":
+    if finer is None or not finer.closed:
         return NOTHING
     return Finer([evaluate(problem, finer).figures], cycle=finer if finer.needed == SEARCH else None)

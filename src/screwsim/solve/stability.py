@@ -41,12 +41,12 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
 
 def warnings(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> tuple[str, ...]:
     """Return a warning where the machine does not stay on its cycle."""
-    if cycle.status == "ok" and cycle.growth > GROWS:
+    if cycle.closed and cycle.growth > GROWS:
         return (
             f"the machine does not stay on this cycle: a small change grows to {cycle.growth:.3g} times itself over a "
             "pitch, so that its own course leads away (larger ports or smaller gaps let the gas out)",
         )
-    if cycle.status != "ok" or strayed(problem, machinery, cycle, rtol) <= STRAYED:
+    if not cycle.closed or strayed(problem, machinery, cycle, rtol) <= STRAYED:
         return ()
     return (
         "the machine does not stay on this cycle: its own turns stray from it, and there may be others (lighter reeds, "

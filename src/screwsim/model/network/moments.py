@@ -80,7 +80,7 @@ class Moments(Chamber):
     def _through_gap(self, to: Statements, gap: Gap, way: str) -> None:
         network, cell = self.network, self.layout.neighbour(gap.side, way)
         row, beyond = f"paths[PATH_{self.layout.label(gap)}, {{}}]", port_state_of(network, cell)
-        discharge = f"R[R_{network.cells[1]} + PRESSURE]"
+        discharge = f"R[R_{network.lines[1]} + PRESSURE]"
         area, port_state = self._side(gap, way)
         to.add(f"flow = flows[{self.layout.flow(gap, way)}]")
         if gap.film:
