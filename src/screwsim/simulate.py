@@ -24,6 +24,7 @@ from screwsim.model import compiled, leases
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.numerics import compiling, sources
+from screwsim.numerics.rodas import JACOBIANS, TAKEN
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
@@ -45,9 +46,9 @@ def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
         closing=cycle.how,
         rtol=cycle.rtol,
         turns=cycle.turns,
-        steps=int(counts[0]),
+        steps=int(counts[TAKEN]),
         rhs_evaluations=machinery.evaluations_of(counts),
-        jacobians=int(counts[3]),
+        jacobians=int(counts[JACOBIANS]),
         wall_time=accurate.closing_time,
         estimating_time=accurate.estimating_time,
     )

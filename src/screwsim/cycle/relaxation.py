@@ -24,7 +24,7 @@ from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.effects.base import FlowPath
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, R_TRAPPED
+from screwsim.model.slots import P_LIFE, Q_WORK, R_TRAPPED
 from screwsim.numerics.closings import WAVEFORMS
 from screwsim.numerics.periodic import Anderson
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
@@ -137,7 +137,7 @@ class _Turns:
         station()
         self.made = image_of(problem, machinery.trajectory, self.q)
         self.image = self.vector(self.made)
-        now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
+        now = (float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK]))
         self.least_work = LEAST_WORK * now[0] * problem.pv
         self.before = self.gap, self.moved
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
@@ -230,7 +230,7 @@ class _Turns:
             if found is not None and not begun:
                 self.accelerate.restart()
             if found is not None and found.share == 1.0:
-                work = abs(found.work) / max(abs(self.q[0]), self.least_work)
+                work = abs(found.work) / max(abs(self.q[Q_WORK]), self.least_work)
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
                 self.left = max(told, self.gap * self._missed())
             return found

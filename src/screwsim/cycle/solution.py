@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from screwsim.cycle.linear_pitch import Tangents
-from screwsim.model.slots import R_TRAPPED
+from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
 from screwsim.outputs.variables import FAILED, OK
@@ -58,7 +58,7 @@ class CycleSolution:
     @property
     def seen(self) -> tuple[float, float]:
         """Trapped mass [kg] and work [J]."""
-        return float(self.trajectory.R[R_TRAPPED]), float(self.q[0])
+        return float(self.trajectory.R[R_TRAPPED]), float(self.q[Q_WORK])
 
 
 class Hope(NamedTuple):

@@ -20,7 +20,7 @@ from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import Array, CycleSolution, Hope, Led, Start
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.run import Machinery
-from screwsim.model.slots import R_TRAPPED
+from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.numerics.closings import CLOSINGS, TOGETHER, WAVEFORMS
 
 
@@ -85,7 +85,7 @@ class Waveforms(Way):
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Relax from the machinery's last life; how long is bounded by itself."""
-        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
+        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
         return relax(problem, machinery, wanted, Start(cycle.y, hope), last=True)
 
     def share(self, cycle: CycleSolution, wanted: Wanted) -> float:

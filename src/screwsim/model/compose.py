@@ -6,7 +6,6 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,45 +29,42 @@ from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
-Named = Sequence[tuple[str, FlowPath]]
 
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    geometry, port = parts.geometry, parts.oil_port
-    named = parts.all(FlowPath)
-    plenum, gaps = parts.ports, parts.gaps
-    _refuse_resistances(plenum)
-    network = _network(parts, plenum, gaps)
-    stops = [part for _, part in parts.all(Stops)]
-    _refuse(network, bool(stops) or any(path.opening is not None for _, path in plenum))
-    stopped = tuple((network.states.index(part.position), network.states.index(part.speed)) for part in stops)
-    own_states = [part for _, part in parts.all(ChamberState)]
-    signed = {HELD_GAS, *(part.name for part in own_states if not part.positive)}
+    network = _network(parts)
+    _refuse(network, parts)
     writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
-    _write(writer, parts, plenum, gaps)
-    cell, layout, numbers, port_states_of_lines = (
-        Cell(network),
-        Layout(network),
-        writer.numbers,
-        len(parts.plenums) + FIRST_OWN,
-    )
+    _write(writer, parts)
+    return _composition(parts, writer)
+
+
+def _composition(parts: Parts, writer: Writer) -> Composition:
+    """Return texts, numbers and layout of a network that is written."""
+    network, numbers, port = writer.network, writer.numbers, parts.oil_port
+    cell, layout, geometry, own = Cell(network), Layout(network), parts.geometry, parts.all(ChamberState)
     constants, structure = _constants(network, parts)
     constants |= numbers.places | SHARED | {name: structure[name] for name in OIL_NUMBERS}
-    key, own, called = network.key(), tuple(writer.text), tuple(writer.kernels)
-    held = port_states_of_lines * PORT_STATE if parts.pulsations else 0
+    key, functions, called = network.key(), tuple(writer.text), tuple(writer.kernels)
     items = tuple(constants.items()), tuple(structure.items())
+    plenums = FIRST_OWN + len(parts.plenums)
+    held = plenums * PORT_STATE if parts.pulsations else 0
+    signed = {HELD_GAS, *(part.name for _, part in own if not part.positive)}
+    moved = [(part.position, part.speed) for _, part in parts.all(Stops)]
     return Composition(
-        text=module_text(key, own, called, *items, _read_with(network)),
-        together=lambda: module_text(key, own, called, *items, together=True),
-        along=lambda: module_text(key, own, called, *items, together=True, along=True),
+        text=module_text(key, functions, called, *items, _read_with(network)),
+        together=lambda: module_text(key, functions, called, *items, together=True),
+        along=lambda: module_text(key, functions, called, *items, together=True, along=True),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        breakpoints=breakpoints(parts, geometry.volume_law(), named, port.breakpoints if port is not None else ()),
+        breakpoints=breakpoints(
+            parts, geometry.volume_law(), parts.all(FlowPath), port.breakpoints if port is not None else ()
+        ),
         states=network.states,
-        plenum_paths=tuple(name for name, _ in plenum),
-        gap_paths=tuple((name, path.offset) for name, path in gaps),
-        ends=(*(path.to for _, path in plenum), *(DISCHARGE for _ in gaps)),
+        plenum_paths=tuple(name for name, _ in parts.ports),
+        gap_paths=tuple((name, path.offset) for name, path in parts.gaps),
+        ends=(*(path.to for _, path in parts.ports), *(DISCHARGE for _ in parts.gaps)),
         heats=tuple(name for name, _ in parts.all(HeatRate)),
         n_port_state=len(port_states.columns(network)),
         n_sums=len(cell.sums) * len(network.quantities),
@@ -78,17 +74,17 @@ def compose(parts: Parts) -> Composition:
         chambers=geometry.chambers,
         carried=network.carried,
         recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
-        n_widths=FIRST_OWN + len(parts.plenums),
-        n_R=port_states_of_lines * PORT_STATE if parts.plenums or parts.pulsations else R_SIZE,
+        n_widths=plenums,
+        n_R=plenums * PORT_STATE if parts.plenums or parts.pulsations else R_SIZE,
         ported=port is not None,
         oil_room=parts.oil_room,
         walls=tuple(name for name, _ in parts.walls),
-        made=tuple(numbers.place_of(cell) for cell in writer.made.values()),
+        made=tuple(numbers.place_of(place) for place in writer.made.values()),
         speed_curve=writer.speed_curve,
         own_states=network.own_states,
-        stops=stopped,
+        stops=tuple((network.states.index(position), network.states.index(speed)) for position, speed in moved),
         signed=tuple(i for i, name in enumerate(network.states) if name in signed),
-        starts=tuple(part.start for part in own_states),
+        starts=tuple(part.start for _, part in own),
         pulsating=network.pulsating,
         pushes=network.pushes,
         offsets=tuple(network.offsets),
@@ -96,7 +92,7 @@ def compose(parts: Parts) -> Composition:
     )
 
 
-def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
+def _network(parts: Parts) -> Network:
     """Return the cells and connections of a scene; what is called of them is written later."""
     oil, ported = parts.oil, parts.oil_port is not None
     heated = bool(parts.all(HeatRate)) or ported or parts.oil_room
@@ -112,29 +108,29 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
     network.varies, network.supplied, network.pumped = parts.gas.varies, oil is not None, parts.pumped
     network.positive = tuple(part.positive for part in own)
     network.cells = [*(f"{name}_line" for name in LINES), "", *(identifier(name) for name in parts.plenums)]
-    network.offsets = sorted({path.offset for _, path in gaps})
-    for i, (name, path) in enumerate(plenum):
+    network.offsets = sorted({path.offset for _, path in parts.gaps})
+    for i, (name, path) in enumerate(parts.ports):
         number = parts.number(path.to)
         cell = network.cells[number]
         port = Port(i, name, cell, number, f"P[P_WIDTH_{cell}]", one_way=path.one_way, narrow=path.narrow)
         network.ports.append(port)
-    network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
+    network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(parts.gaps)]
     # effects that open chambers beyond the injection angle to suction, or others to discharge
-    network.across = any(not path.port and path.to in LINES for _, path in plenum)
+    network.across = any(not path.port and path.to in LINES for _, path in parts.ports)
     network.chambers = parts.geometry.chambers
     return network
 
 
-def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
+def _write(writer: Writer, parts: Parts) -> None:
     """Write what the composition has of its own, and put the calls of its kernels into the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
-    ports, between_chambers = [path for _, path in plenum], [path for _, path in gaps]
+    ports, between_chambers = [path for _, path in parts.ports], [path for _, path in parts.gaps]
     writing.write_gas(writer, parts.gas)
     writing.write_volume(writer, geometry.volume_law())
     if parts.shaft is not None:
         writing.write_speed(writer, geometry.pitch)
     factors = scales(writer, parts)
-    writing.write_areas(writer, [*plenum, *gaps], factors)
+    writing.write_areas(writer, [*parts.ports, *parts.gaps], factors)
     writing.write_heat(writer, parts.all(HeatRate))
     writing.write_walls(writer, parts.walls)
     writing.write_pulsations(writer, parts)
@@ -146,7 +142,7 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         writing_oil.write_flash(writer, parts, oil, parts.oil_gas)
     writing.write_laws(writer, ports, network.ports)
     writing.write_laws(writer, between_chambers, network.gaps)
-    writing.write_resistances(writer, gaps, scales(writer, parts, clearances=True))
+    writing.write_resistances(writer, parts.gaps, scales(writer, parts, clearances=True))
     if network.own_states:
         writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):
@@ -190,17 +186,14 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
     return tuple(each for each, wanted in asked.items() if wanted)
 
 
-def _refuse(network: Network, opened: bool) -> None:
+def _refuse(network: Network, parts: Parts) -> None:
     """Raise TypeError for parts of effects that do not go together."""
     if len(set(network.states)) < len(network.states):
         raise TypeError(f"two states have one name: {', '.join(network.states)}")
     if taken := sorted(RESERVED & set(network.states)):
         raise TypeError(f"a state cannot be called {', '.join(taken)}: every chamber has a number of that name")
+    if any(path.resistance is not None for _, path in parts.ports):
+        raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")
+    opened = bool(parts.all(Stops)) or any(path.opening is not None for _, path in parts.ports)
     if opened and network.chambers > 1:
         raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")
-
-
-def _refuse_resistances(ports: Named) -> None:
-    """Refuse resistances that no gap has."""
-    if any(path.resistance is not None for _, path in ports):
-        raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")

@@ -22,7 +22,16 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.slices import INSIDE
-from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, P_INJECTION, P_PITCH, R_TRAPPED, SUCTION_OUT
+from screwsim.model.slots import (
+    DISCHARGE_IN,
+    DISCHARGE_OUT,
+    OF_GAS,
+    P_INJECTION,
+    P_PITCH,
+    Q_WORK,
+    R_TRAPPED,
+    SUCTION_OUT,
+)
 from screwsim.outputs import Figures
 from screwsim.solve.finer import FINER, NOTHING, Asked, Finer
 
@@ -176,7 +185,7 @@ class _Lives:
         y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
         machinery.inject(y)
         life = Evaluation(problem, machinery.trajectory, self.q + sums)
-        led = Led(self.y, (float(machinery.R[R_TRAPPED]), float(life.q[0])))
+        led = Led(self.y, (float(machinery.R[R_TRAPPED]), float(life.q[Q_WORK])))
         return self.read(Finer([*self.figures, life.figures], left=wrong, flow=max(abs(by.mass), passed), led=led))
 
     def repeated(self) -> float:

@@ -14,6 +14,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.model.run import Machinery
+from screwsim.model.slots import Q_WORK
 
 TURNS = 20
 STRAYED = 0.01  # change of the work of a turn, over that of the cycle
@@ -29,7 +30,7 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
     if not problem.composition.stops or (not way_of(cycle).whole and cycle.turns <= EASY):
         return 0.0
     machinery.put(cycle.trajectory)
-    y, worst, work = cycle.y.copy(), 0.0, float(cycle.q[0])
+    y, worst, work = cycle.y.copy(), 0.0, float(cycle.q[Q_WORK])
     least = evaluate(problem, cycle).least[1]
     for _ in range(TURNS):
         status, _, _, turn = machinery.turn(y, rtol, 1e-3)

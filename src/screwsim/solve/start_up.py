@@ -25,7 +25,7 @@ from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
 from screwsim.model import compiled, leases, speed
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_OMEGA, R_SUCTION
+from screwsim.model.slots import P_OMEGA, Q_WORK, R_SUCTION
 from screwsim.outputs import Figures
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 from screwsim.scene.types import Scene
@@ -192,8 +192,8 @@ class Run:
         of = Evaluation(problem, machinery.trajectory, q)
         torque = raw_torque(of.pitch)
         gas = np.append(torque, 2.0 * torque[-1] - torque[-2])
-        gas += (float(q[0]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
-        return gas, loss_torque(of, mean), float(q[0]), machinery.shift(y)
+        gas += (float(q[Q_WORK]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
+        return gas, loss_torque(of, mean), float(q[Q_WORK]), machinery.shift(y)
 
     # ---- all of it -------------------------------------------------------------------------------------------
 

@@ -36,6 +36,8 @@ from screwsim.model.slots import (
     R_INJECTED,
     R_OIL_BEFORE,
     R_RATIO,
+    S_RHO,
+    S_T_OIL,
 )
 from screwsim.model.trajectory import Array
 
@@ -208,7 +210,7 @@ def _injection(cycle: Cycle) -> float:
     before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
     times, dense, steps = cycle.life.rows
     i = int(np.searchsorted(times[: steps + 1], cycle.composition.P[P_INJECTION] + 1e-9)) - 1
-    T_before, T_after = float(dense[i - 1, 1, 2]), float(dense[i, 0, 2])
+    T_before, T_after = float(dense[i - 1, 1, S_T_OIL]), float(dense[i, 0, S_T_OIL])
     mixed = injected * log(T_after / oil.temperature)
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
@@ -223,9 +225,9 @@ def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     times, dense, steps = cycle.life.rows
     c = cycle.composition
     volume = float(cycle.life.module.volume_at(times[steps], c.P, c.TAB))
-    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, 1]) * volume
+    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, S_RHO]) * volume
     rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
-    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, 2])))
+    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, S_T_OIL])))
     entry -= _thermal(cycle, sums[kernels.MADE], sums[kernels.MADE_T], sums[kernels.MADE_LOG])
     entry += _thermal(cycle, *_mixed(out, out_T)) - rise
     entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])

@@ -29,6 +29,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.compiling import seconds_again
 from screwsim.numerics.integrators import DEFAULT, check_of
+from screwsim.numerics.rodas import TAKEN
 from screwsim.scene import Scene
 from screwsim.solve.accurately import Watch
 from screwsim.solve.circuit import steady
@@ -126,7 +127,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
     if lent:
         leases.give_back(machinery)
-    return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[0]))
+    return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[TAKEN]))
 
 
 def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
