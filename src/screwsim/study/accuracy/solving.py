@@ -120,7 +120,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
         warnings.simplefilter("ignore")  # explicit methods overflow on their way to a shorter step
         first = wanted if check is None else loose
         cycle = settled(problem, machinery, first, close(problem, machinery, first))
-        if check is not None and cycle.status != "failed":
+        if check is not None and not cycle.failed:
             cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
             cycle = settled(problem, machinery, wanted, cycle)
     watch.lap("closing")
