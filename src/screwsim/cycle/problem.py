@@ -185,6 +185,7 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
 
 @Remembered
 def _parted(geometry: MachineGeometry, effects: Effects) -> float | None:
+    """Return what `Problem.parted` is, once a machine."""
     at, opens = geometry.injection_angle, geometry.discharge_opens
     wide = [path for _, path in effects.all(FlowPath) if path.to == SUCTION and not path.narrow]
     closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)

@@ -236,6 +236,7 @@ class _Pitch:
         return float(np.abs(np.linalg.eigvals(J + np.eye(len(J)))).max()) if np.isfinite(J).all() else math.inf
 
     def _derivatives(self, here: Point) -> Array:
+        """Return those of what a pitch changes by the coordinates of states and unknowns."""
         problem, machinery = self.problem, self.machinery
         y, met = self.values(here.x, here.raw)
         tangents = linearised(problem, machinery, met, SLICES)
