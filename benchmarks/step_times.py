@@ -21,7 +21,7 @@ from screwsim.cycle.problem import problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.fluid import nozzle
 from screwsim.model.run import Machinery
-from screwsim.numerics.rodas import ANGLE_STEP
+from screwsim.numerics.rodas import ANGLE_STEP, JACOBIANS, REFUSED, TAKEN
 from screwsim.scene import Scene, load
 
 POINT = Path(__file__).resolve().parent.parent / "configs" / "paper" / "point.yaml"
@@ -133,9 +133,9 @@ def main() -> None:
     work = timers(machinery)
     before = machinery.counts.copy()
     turns(1)
-    counts = machinery.counts - before  # steps, rejected ones, evaluations, Jacobians
-    tries = int(counts[0] + counts[1])
-    step, jacobians = nanoseconds(turns, 20) / tries, counts[3] / tries
+    counts = machinery.counts - before
+    tries = int(counts[TAKEN] + counts[REFUSED])
+    step, jacobians = nanoseconds(turns, 20) / tries, counts[JACOBIANS] / tries
     _, through = machinery.trajectory.sample(np.linspace(0.0, float(machinery.composition.breakpoints[-1]), 1025))
     paths = float(np.count_nonzero(through, axis=1).mean())
     calls = {

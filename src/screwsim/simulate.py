@@ -24,8 +24,10 @@ from screwsim.model import compiled, leases
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.numerics import compiling, sources
+from screwsim.numerics.rodas import JACOBIANS, TAKEN
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 from screwsim.scene.given import scene_of
 from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.plausible import scene_warnings
@@ -44,9 +46,9 @@ def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
         closing=cycle.how,
         rtol=cycle.rtol,
         turns=cycle.turns,
-        steps=int(counts[0]),
+        steps=int(counts[TAKEN]),
         rhs_evaluations=machinery.evaluations_of(counts),
-        jacobians=int(counts[3]),
+        jacobians=int(counts[JACOBIANS]),
         wall_time=accurate.closing_time,
         estimating_time=accurate.estimating_time,
     )
@@ -100,7 +102,7 @@ def _told(scene: Scene, trace: Trace, series: Series | None) -> Result:
             series.course.forget()
         text = " ".join(f"{type(error).__name__}: {error}".split())
         what = "ends the program" if isinstance(error, SystemExit) else "fails"
-        return Result("failed", f"{own[name]}: {what} ({text}); mend that module", effects=tuple(scene.effects))
+        return Result(FAILED, f"{own[name]}: {what} ({text}); mend that module", effects=tuple(scene.effects))
 
 
 _tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects that were tried, the user's own as imported
@@ -140,8 +142,8 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
         if alone:
             leave(series)
     except Impossible as wrong:
-        result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
-    if course is not None and result.status != "ok":
+        result = Result(FAILED, str(wrong), scene_warnings(scene), tuple(scene.effects))
+    if course is not None and result.status != OK:
         course.forget()
         series.temperatures = series.losses = series.sought = None
         series.around = None, 1.0
@@ -159,7 +161,7 @@ def _solved(
     refused = _refused(problem, accurate)
     if refused:
         numerics, none = _numerics(machinery, accurate), Performance({}, problem.called)
-        return Result("failed", refused, scene_warnings(scene), effects, states, none, numerics=numerics)
+        return Result(FAILED, refused, scene_warnings(scene), effects, states, none, numerics=numerics)
     station()
     accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
     station()
@@ -171,10 +173,10 @@ def _solved(
     found, notes = of.read
     sound = book is None or book.finite
     finite = all(map(math.isfinite, [value for value in found.values() if value is not None]))
-    if not finite or (cycle.status == "ok" and not sound):
+    if not finite or (cycle.closed and not sound):
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         none = Performance({}, found.about)
-        return Result("failed", message, (), effects, states, none, numerics=numerics)
+        return Result(FAILED, message, (), effects, states, none, numerics=numerics)
     if not sound:  # of a cycle that is none, states between steps may be none of the gas
         book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = drive.judged(of)
@@ -182,7 +184,7 @@ def _solved(
     status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
     station()
     over_angle, kept = traces(of) if trace is True else {}, book.figures() if trace and book else Figures()
-    doubts, impossible = cautions.doubts(problem, found if status == "ok" else Figures(), errors)
+    doubts, impossible = cautions.doubts(problem, found if status == OK else Figures(), errors)
     station()
     warnings = (
         *doubts,
@@ -192,7 +194,7 @@ def _solved(
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
-        *(another.warnings(of, machinery, accurate) if status == "ok" else ()),
+        *(another.warnings(of, machinery, accurate) if status == OK else ()),
     )
     station()
     figures = (found, balance, errors, numerics, notes, over_angle, kept)
@@ -203,10 +205,10 @@ def _refused(problem: Problem, accurate: Accurate) -> str:
     """Return why a cycle has no figures; empty where it has."""
     cycle, life = accurate.cycle, accurate.evaluation.life
     found = own_effects.impossible(problem, cycle)
-    if not found and cycle.status == "failed":
+    if not found and cycle.failed:
         found = verdict.failure(problem, cycle)
     found = found or verdict.refused(problem, life) or feedback.at_its_end(problem, life)
-    if not found and cycle.status == "ok":
+    if not found and cycle.closed:
         found = feedback.line_left_open(problem, life, cycle.q)
     return found + "".join(f"; {words}" for words in plausible.shut_ways(problem.scene, problem.parts)) if found else ""
 
@@ -218,7 +220,7 @@ def _closed_in_entropy(
     balance, book = _balanced(accurate, trace)
     for _ in range(TRIES):
         closed = (balance["entropy"] or 0.0) <= balance["bound"]
-        if accurate.cycle.status != "ok" or closed or problem.scene.numerics.rtol is not None:
+        if not accurate.cycle.closed or closed or problem.scene.numerics.rtol is not None:
             break
         before, accurate = accurate, solve_tighter(machinery, accurate)
         if accurate.cycle is before.cycle:  # none closes: nor would it the next time
@@ -238,28 +240,28 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     package_open = verdict.of_package(of)
     forbidden = forbidden or none or (why if max(circuit_open, package_open) > bound else "")
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
-    if status == "not_closed" or max(residuals.values()) > bound:
-        status, left = "not_closed", f"{_shown(residuals)} against the bound {bound:.2g}"
+    if status == NOT_CLOSED or max(residuals.values()) > bound:
+        status, left = NOT_CLOSED, f"{_shown(residuals)} against the bound {bound:.2g}"
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     elif circuit_open > bound:
-        status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
+        status, left = NOT_CLOSED, f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
     elif circuit.sought_open(of) > bound:
-        status, left = "not_closed", f"what is found with the cycle leaves {circuit.sought_open(of):.2g} of a flow open"
+        status, left = NOT_CLOSED, f"what is found with the cycle leaves {circuit.sought_open(of):.2g} of a flow open"
         message = f"{left}, against the bound {bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
     elif package_open > bound:
-        status, left = "not_closed", f"the package's losses leave {package_open:.2g} of a pressure open"
+        status, left = NOT_CLOSED, f"the package's losses leave {package_open:.2g} of a pressure open"
         message = f"{left}, against the bound {bound:.2g}; try a tighter numerics.accuracy"
-    unsettled = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if status != "ok" else ""
-    unknown = verdict.open_question(of, status == "ok")
+    unsettled = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if status != OK else ""
+    unknown = verdict.open_question(of, status == OK)
     if unknown:
-        status, message = "failed", unknown + unsettled.format("their")
-    elif status != "ok":
+        status, message = FAILED, unknown + unsettled.format("their")
+    elif status != OK:
         swings = verdict.beyond_its_mean(of.problem, of.life)
         if swings:
-            status, message = "failed", swings + unsettled.format("its")
+            status, message = FAILED, swings + unsettled.format("its")
     if forbidden:
-        status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
+        status, message = FAILED, f"{forbidden}; the chambers' figures are those of the closed cycle"
     return status, message
 
 

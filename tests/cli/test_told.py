@@ -5,13 +5,13 @@ Others are read where their command is tested: `new` (tests/template), `find` an
 (test_impossible), pages and figures (tests/report).
 """
 
-import importlib.util
 from pathlib import Path
 
 import pytest
 
 from screwsim.cli import exit_code
 from screwsim.machine.rotors.export import profile_csv
+from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
 PLAIN = str(ROOT / "tests" / "plain" / "r134a.yaml")
@@ -103,9 +103,7 @@ def test_what_is_stated_twice_or_contradicts_is_refused_in_a_line_for_each(scene
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
     """Return a scene of rotors (b) at 100 mm as points with a micrometre of noise."""
-    spec = importlib.util.spec_from_file_location("measured_rotors", ROOT / "docs" / "tools" / "measured_rotors.py")
-    measured_rotors = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(measured_rotors)
+    measured_rotors = sibling(ROOT / "docs" / "tools" / "measured_rotors.py")
     folder = tmp_path_factory.mktemp("measured")
     (folder / "lobe.csv").write_text(profile_csv(*measured_rotors.measured(measured_rotors.exact("b"), 1)))
     none = ", ".join(f"{name}: null" for name in ("male_tip_radius", "female_tip_radius", "flank_radius"))

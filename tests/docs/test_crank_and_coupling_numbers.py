@@ -1,6 +1,5 @@
 """The numbers of docs/reference/slider-crank.md and docs/reference/coupling.md are those that the scripts print."""
 
-import importlib.util
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +10,7 @@ import pytest
 from screwsim.machine.slider_crank import rod as rods
 from screwsim.machine.slider_crank import rod_strength as strength
 from screwsim.machine.slider_crank import tolerance as law
+from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
 CRANK, COUPLING = (
@@ -20,10 +20,7 @@ CRANK, COUPLING = (
 
 
 def script(name: str):
-    spec = importlib.util.spec_from_file_location(name, ROOT / "scripts" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return sibling(ROOT / "scripts" / f"{name}.py")
 
 
 @pytest.fixture(scope="module")

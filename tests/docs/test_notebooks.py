@@ -1,16 +1,15 @@
 """The notebooks of docs/notebooks show what their cells give."""
 
-import importlib.util
 from pathlib import Path
 
 import nbformat
 import pytest
 
+from screwsim.study.validation import sibling
+
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("notebooks_script", ROOT / "docs" / "tools" / "notebooks.py")
-notebooks = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(notebooks)
+notebooks = sibling(ROOT / "docs" / "tools" / "notebooks.py")
 PAGES = sorted(notebooks.FOLDER.glob("*.ipynb"))
 
 

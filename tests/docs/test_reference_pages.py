@@ -1,16 +1,15 @@
 """The pages of all keys and all results are those that the code makes, and the index names every page."""
 
-import importlib.util
 import re
 import sys
 from pathlib import Path
 
 import pytest
 
+from screwsim.study.validation import sibling
+
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("reference_pages", ROOT / "docs" / "tools" / "reference_pages.py")
-made = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(made)
+made = sibling(ROOT / "docs" / "tools" / "reference_pages.py")
 equations = sys.modules["equations_page"]
 
 

@@ -3,19 +3,17 @@
 And that it is made without a warning, which a link to nowhere would be.
 """
 
-import importlib.util
 import re
 from pathlib import Path
 
 import pytest
 
 import screwsim
+from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("site_script", ROOT / "docs" / "tools" / "docs_site.py")
-site = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(site)
+site = sibling(ROOT / "docs" / "tools" / "docs_site.py")
 
 
 @pytest.fixture(scope="module")

@@ -170,9 +170,9 @@ def test_a_result_does_not_depend_on_what_was_run_before():
 
 
 def test_a_further_try_says_which_one_it_needed(monkeypatch):
-    def not_closed(problem, machinery, wanted, y, *_):
+    def not_closed(problem, machinery, wanted, start):
         done = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
-        return replace(done, status="not_closed", y=y)
+        return replace(done, status="not_closed", y=start.y)
 
     monkeypatch.setattr(close, "by_ways", not_closed)
     result = simulate(make({}))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -10,17 +9,14 @@ from types import ModuleType
 import pytest
 
 from screwsim.scene import loads
+from screwsim.study.validation import sibling
 
 SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "beside_pdsim.py"
 
 
 @pytest.fixture(scope="module")
 def beside() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("beside_pdsim", SCRIPT)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return sibling(SCRIPT)
 
 
 def test_without_pdsim_one_line_says_what_is_missing_and_what_to_do(beside):

@@ -140,9 +140,13 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     "gas.model": set(),  # fluid.models
     "parameters.model": set(),  # of gaps: effects.gap_flow
     "numerics.error": set(),
-    "self.error": {"numerics/settings.py"},
+    "self.error": set(),  # numerics.estimates
     "output.keep": set(),
     "output.derivatives": set(),
+    "cycle.status": {"cycle/search.py", "evaluate/verdict.py"},  # else `closed` or `failed`
+    "path.to": {"cycle/problem.py", "model/compose.py", "evaluate/traces.py", "explain/__init__.py"},  # a line's name
+    "profile.kind": set(),  # machine.rotors.rotors.CHAINS
+    "parameters.kind": set(),
     "supply.kind": set(),
     "supply.source": set(),
 }

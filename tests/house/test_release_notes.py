@@ -1,9 +1,10 @@
 """The body of a release is its section of the changelog."""
 
-import importlib.util
 from pathlib import Path
 
 import pytest
+
+from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
 CHANGELOG = """# Changelog
@@ -30,10 +31,7 @@ CHANGELOG = """# Changelog
 @pytest.fixture
 def notes(tmp_path, capsys):
     """Return a function that runs the script on a small changelog: (exit code, output, errors)."""
-    spec = importlib.util.spec_from_file_location("release_notes", ROOT / "scripts" / "release_notes.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = sibling(ROOT / "scripts" / "release_notes.py")
     file = tmp_path / "CHANGELOG.md"
     file.write_text(CHANGELOG)
 

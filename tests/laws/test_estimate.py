@@ -17,8 +17,9 @@ from screwsim.model import leases
 from screwsim.model.compose import compose
 from screwsim.scene import load
 from screwsim.simulate import simulate
-from screwsim.solve import accurately, estimate
-from screwsim.solve.estimate import NOTHING, estimated_errors
+from screwsim.solve import accurately, finer_lives
+from screwsim.solve.estimate import ESTIMATES, estimated_errors
+from screwsim.solve.finer import BARELY, NOTHING
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4  # the default
@@ -123,8 +124,8 @@ def test_what_a_correction_foretells_is_what_another_life_shows(of, monkeypatch)
     path, changes = FORETOLD[of]
     problem = problem_of(load(CONFIGS.parent / path, [*changes, "operation.speed=250 rpm"]))
     counts, errors = [], []
-    for faithful in (estimate.FAITHFUL, 0.0):
-        monkeypatch.setattr(estimate, "FAITHFUL", faithful)
+    for faithful in (finer_lives.FAITHFUL, 0.0):
+        monkeypatch.setattr(finer_lives, "FAITHFUL", faithful)
         machinery = leased(problem)
         cycle = close(problem, machinery, problem.wanted)
         before = machinery.counts.copy()
@@ -146,7 +147,7 @@ def test_next_to_no_delivery_is_estimated_by_all_chambers_together():
     scene = load(CONFIGS / "paper" / "point.yaml", [*asked, "operation.speed=410 rpm", "oil_supply.ratio=0.14"])
     finer = replace(scene.numerics, accuracy=scene.numerics.accuracy / 40.0, error="none")
     true = simulate(replace(scene, numerics=finer), trace=False).performance
-    assert 0.0 < true.volumetric_efficiency < estimate.BARELY
+    assert 0.0 < true.volumetric_efficiency < BARELY
     off = relative_errors(simulate(scene, trace=False).performance, true)
     assert worst(off)[1] < scene.numerics.accuracy  # it was 19 times
 
@@ -158,7 +159,8 @@ def test_no_estimate_is_made_where_none_is_wanted():
 
 
 def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
-    monkeypatch.setattr("screwsim.solve.estimate._finer", lambda of, machinery, wanted, cycle: NOTHING)
+    for name in ESTIMATES:
+        monkeypatch.setitem(ESTIMATES, name, lambda asked: NOTHING)
     result = simulate(make({}))
     assert all(size is None for size in result.error.values())
     assert any("could not be estimated" in warning for warning in result.warnings)

@@ -12,7 +12,7 @@ from screwsim.cycle.guess import begin, leased
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.relaxation import _Turns, relax
 from screwsim.cycle.returning import FARTHEST, MOST, NOTHING, returning
-from screwsim.cycle.solution import NO_HOPE
+from screwsim.cycle.solution import Start
 from screwsim.model import leases
 from screwsim.scene import load
 
@@ -95,12 +95,12 @@ def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
     """Of the first turn, whose oil comes back as cold as it was supplied: that is what is guessed."""
     problem = problem_of(load(PAPER, ["oil.transport=carried", f"operation.speed={rpm} rpm"]))
     machinery = leased(problem)
-    turns = _Turns(problem, machinery, problem.wanted, begin(problem, machinery), NO_HOPE, None)
+    turns = _Turns(problem, machinery, problem.wanted, Start(begin(problem, machinery)))
     assert turns.integrate() is None
     assert turns.correction() is None
     made, led = turns.made, turns.returning.led(turns.made)
     turns.go_on(None)
-    cycle = relax(problem, machinery, problem.wanted, turns.y, last=True)
+    cycle = relax(problem, machinery, problem.wanted, Start(turns.y), last=True)
     assert cycle.status == "ok"
     steady = unknowns(problem, machinery)
     leases.give_back(machinery)
@@ -111,6 +111,6 @@ def test_a_fast_machine_with_carried_oil_closes_in_three_turns():
     """Only the heat of the line comes back there, by a fifth a turn: it took five."""
     problem = problem_of(load(PAPER, ["oil.transport=carried", "operation.speed=6000 rpm"]))
     machinery = leased(problem)
-    cycle = relax(problem, machinery, problem.wanted, begin(problem, machinery), last=True)
+    cycle = relax(problem, machinery, problem.wanted, Start(begin(problem, machinery)), last=True)
     leases.give_back(machinery)
     assert cycle.status == "ok" and cycle.turns == 3

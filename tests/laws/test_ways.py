@@ -19,9 +19,9 @@ class HalfTogether(Together):
 
     instead = "numerics.closing: auto"
 
-    def close(self, problem, machinery, wanted, y, hope, lent, last):
+    def close(self, problem, machinery, wanted, start, last):
         """Close coarsely, then as is wanted."""
-        coarse = super().close(problem, machinery, wanted.tighter(10.0), y, hope, lent, last)
+        coarse = super().close(problem, machinery, wanted.tighter(10.0), start, last)
         if coarse.status != "ok":
             return replace(coarse, how=NAME)
         return replace(super().again(problem, machinery, wanted, coarse, None), how=NAME)

@@ -1,6 +1,5 @@
 """The true error against the wanted accuracy, over scenes drawn at random (tests/tools/accuracy_kept.py draws more)."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ from true_error import Kept, account, estimates_over_errors, shares_within_or_wa
 
 from screwsim.effects import catalogue
 from screwsim.outputs import Figures, Result
+from screwsim.study.validation import sibling
 
 SCRIPT = Path(__file__).parents[1] / "tools" / "accuracy_kept.py"
 SCENES, SEED, RADAU_EVERY = 28, 1, 9  # one of each structure is judged by Radau
@@ -18,12 +18,7 @@ FEW = "plenums", "displaced through a port", "tables", "drive", "reeds", "own ef
 
 @pytest.fixture(scope="module")
 def script():
-    spec = importlib.util.spec_from_file_location("accuracy_kept", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return sibling(SCRIPT)
 
 
 @pytest.fixture(scope="module")

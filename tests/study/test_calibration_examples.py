@@ -1,6 +1,5 @@
 """The worked examples of configs/calibration: a known machine is found again, and what cannot be found is said."""
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pytest
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.diagnosis import diagnose
 from screwsim.study.calibration.residuals import Objective
+from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
 
@@ -19,12 +19,7 @@ FOLDER = ROOT / "configs" / "calibration"
 
 def example():
     """Return docs/tools/calibration_example.py as a module."""
-    spec = importlib.util.spec_from_file_location(
-        "calibration_example", ROOT / "docs" / "tools" / "calibration_example.py"
-    )
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return sibling(ROOT / "docs" / "tools" / "calibration_example.py")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """Progress in a notebook: a bar that is drawn in one place, by itself, and says at its end what was done."""
 
-import importlib.util
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,6 +13,7 @@ from screwsim.study.each import each
 from screwsim.study.notebook import NotebookBar
 from screwsim.study.progress import Silent, Surviving, for_program
 from screwsim.study.seek.told import Told
+from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
@@ -161,12 +161,9 @@ def test_what_draws_no_more_is_left_alone(drawn, monkeypatch):
 
 @pytest.fixture
 def script(monkeypatch, tmp_path):
-    spec = importlib.util.spec_from_file_location("notebooks_script", ROOT / "docs" / "tools" / "notebooks.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
     monkeypatch.setenv("JUPYTER_RUNTIME_DIR", str(tmp_path / "runtime"))
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
-    return module
+    return sibling(ROOT / "docs" / "tools" / "notebooks.py")
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """`screwsim new` writes scenes that load, close, and do what machines of their size do; what cannot be is one line."""
 
 import csv
-import importlib.util
 from pathlib import Path
 
 import pytest
@@ -14,9 +13,7 @@ from screwsim.study.validation import sibling
 from screwsim.template import KINDS, asked_of, new_scene
 
 ROOT = Path(__file__).parents[2]
-SPEC = importlib.util.spec_from_file_location("templates", ROOT / "docs" / "tools" / "templates.py")
-templates = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(templates)
+templates = sibling(ROOT / "docs" / "tools" / "templates.py")
 comparison = sibling(ROOT / "validation" / "templates" / "compare.py")
 EVERY = ("fluid", "displacement", "vi", "speed", "oil", "condition")
 

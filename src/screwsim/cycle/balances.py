@@ -18,6 +18,7 @@ from screwsim.model.slots import (
     OF_OIL,
     Q_HEAT,
     Q_WALLS,
+    Q_WORK,
     R_INJECTED,
     R_PRESSURE,
     R_TRAPPED,
@@ -104,7 +105,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     """Return what a life leaves open, from its quadratures and the run-time cells that it left."""
     c, part, trapped = problem.composition, problem.parts.oil, float(R[R_TRAPPED])
     mass, heat, *of_oil = _columns(c, q)
-    work, h = float(q[0]), problem.inlet.enthalpy
+    work, h = float(q[Q_WORK]), problem.inlet.enthalpy
     enthalpy = [each - h * m for each, m in zip(heat, mass, strict=True)]
     energy = sum(enthalpy) + work - pushed_of(c, q)
     scale = sum(map(abs, enthalpy)) + abs(work)

@@ -10,10 +10,9 @@ from dataclasses import replace
 
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import begin, continued
-from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope, Led
+from screwsim.cycle.solution import CycleSolution, Led, Start
 from screwsim.cycle.wanted import Wanted
 from screwsim.cycle.ways import by_ways, way_of
 from screwsim.model.exchange import station
@@ -25,26 +24,19 @@ def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course
     guess = None if course is None else continued(problem, machinery, course)
     station()
     if guess is not None:
-        cycle = close_from(problem, machinery, wanted, guess.y, guess.hope, guess.tangents)
-        if cycle.status == "ok":
+        cycle = close_from(problem, machinery, wanted, guess.start)
+        if cycle.closed:
             return cycle
-    return close_from(problem, machinery, wanted, begin(problem, machinery))
+    return close_from(problem, machinery, wanted, Start(begin(problem, machinery)))
 
 
-def close_from(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    hope: Hope = NO_HOPE,
-    lent: Tangents | None = None,
-) -> CycleSolution:
-    """Close the cycle from a state at 0° and a guess that is installed as the last history.
+def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
+    """Close the cycle from a start.
 
     With a check the chambers are closed together under it, from where our own method closes.
     """
-    cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope, lent)
-    if wanted.check is None or cycle.status == "failed":
+    cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
+    if wanted.check is None or cycle.failed:
         return cycle
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
 
@@ -57,6 +49,6 @@ def again(
     Or the machinery stands where finer lives of a cycle closed by histories have led.
     """
     found = way_of(cycle).again(problem, machinery, wanted, cycle, led)
-    if found.status != "ok":
+    if not found.closed:
         return found
     return replace(found, needed=cycle.needed, growth=cycle.growth, first_gap=cycle.first_gap)

@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.linear_pitch import Tangents
-from screwsim.cycle.solution import CycleSolution, Hope
+from screwsim.cycle.solution import CycleSolution, Hope, Start
 from screwsim.model.composition import Composition
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
@@ -33,15 +32,10 @@ STEEP = 2.0  # change of a cycle over the largest relative change of its paramet
 
 
 class Guess(NamedTuple):
-    """What a turn begins with beside the history: the state at 0°, what the cycle makes, and what is hoped of them.
+    """What closing begins with, and what the cycle makes."""
 
-    `tangents` are those by which the last cycle was corrected.
-    """
-
-    y: Array
+    start: Start
     made: Array
-    hope: Hope
-    tangents: Tangents | None = None
 
 
 class _Cycle(NamedTuple):
@@ -124,7 +118,7 @@ class Course:
         hope = Hope((float(values[n]), float(values[n + 1])), gap, self._share, contraction)
         if tangents is not None:
             tangents = tangents._replace(elsewhere=True) if cycles[-1] is self._cycles[-1] else None
-        return Guess(values[:n], values[n + 2 :], hope, tangents)
+        return Guess(Start(values[:n], hope, tangents), values[n + 2 :])
 
 
 def _angles(c: Composition) -> tuple[float, ...]:

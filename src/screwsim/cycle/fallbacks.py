@@ -60,7 +60,7 @@ def fallbacks(
         y = chambers_at_pitches(machinery)
         easier = close_together(problem, machinery, wanted, y, FULL, MOST_OF_A_TRY, PITCHES_OF_A_TRY, patient)
         P[P_OMEGA] = omega
-        if easier.status == "failed":
+        if easier.failed:
             return easier
         cycle = close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY, patient=patient)
         return judged(problem, machinery, wanted, cycle)

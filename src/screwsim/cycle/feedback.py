@@ -34,6 +34,7 @@ from screwsim.model.slots import (
     PLENUM_ENTROPY,
     PORT_STATE,
     PRESSURE,
+    Q_WORK,
     R_DISCHARGE,
     R_SUCTION,
 )
@@ -41,6 +42,7 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
+UP_TO_OIL = OIL_TEMPERATURE + 1  # numbers of a port state: its gas, its oil per gas, the oil's temperature
 LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
@@ -89,7 +91,7 @@ def image(
 def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | None) -> float:
     """Return the heat [W] that the fresh gas takes up on its way to the suction line (M275)."""
     parts = problem.parts
-    if not parts.all(SuctionHeat) or not np.isfinite(q[0]):
+    if not parts.all(SuctionHeat) or not np.isfinite(q[Q_WORK]):
         return 0.0
     return suction_line.heat(problem, shaft_power(parts, known_of(problem, life, q, turn=turn)))
 
@@ -119,7 +121,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None
     )
     for name, part in parts.all(Made):
         found = part.image(turn)
-        if np.isfinite(q[0]):
+        if np.isfinite(q[Q_WORK]):
             own_number(name, f"what the cycle makes of {part.entry.name}", found)
         made[part.entry.name] = max(float(found), part.least)
     return turn
@@ -251,11 +253,11 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d:
             discharge = gas.port_state_of_enthalpy(p_d, h_d)
     if discharge is None:
         discharge = gas.port_state(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
-    R[R_SUCTION : R_SUCTION + 8] = *problem.suction.port_state(discharge[ENTHALPY]), 0.0, T_oil
-    R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + problem.pressed(p_d)
+    R[R_SUCTION : R_SUCTION + UP_TO_OIL] = *problem.suction.port_state(discharge[ENTHALPY]), 0.0, T_oil
+    R[R_DISCHARGE : R_DISCHARGE + UP_TO_OIL] = *discharge, d, T_oil + problem.pressed(p_d)
     R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
     if isinstance(parts.oil_content, OilSolution):
         R[R_DISCHARGE + DISSOLVED] = R[R_SUCTION + DISSOLVED] = parts.oil_content.supply
     for i, state in enumerate(parts.plenums.values(), FIRST_OWN):
-        R[i * PORT_STATE : i * PORT_STATE + 8] = *state.port_state, 0.0, T_oil
+        R[i * PORT_STATE : i * PORT_STATE + UP_TO_OIL] = *state.port_state, 0.0, T_oil
         R[i * PORT_STATE + PLENUM_ENTROPY] = state.s

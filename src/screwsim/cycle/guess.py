@@ -55,7 +55,7 @@ def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess |
     station()
     if guess is not None:
         made = len(problem.entries)
-        set_lines(problem, machinery, float(guess.y[S_T]), 0.0, float(guess.made[0]))
+        set_lines(problem, machinery, float(guess.start.y[S_T]), 0.0, float(guess.made[0]))
         set_unknowns(problem, machinery, guess.made[:made])
         speed.put_back(machinery.composition, guess.made[made:])
     return guess

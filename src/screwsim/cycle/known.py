@@ -10,10 +10,10 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import PressureLosses, Turn
+from screwsim.effects.base import DISCHARGE, PressureLosses, Turn
 from screwsim.fluid.moist_air import passed_on
 from screwsim.model.port_states import SOME_OIL
-from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, Q_WORK, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
 
@@ -60,7 +60,7 @@ def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
     """Return one pitch of all chambers of a life."""
     geometry, p_d = problem.parts.geometry, problem.lines.p_d
     suction = float(life.R[R_SUCTION + PRESSURE])
-    return pitch_of(life, geometry, min(suction, p_d), float(q[0]) / geometry.pitch, max(suction, p_d))
+    return pitch_of(life, geometry, min(suction, p_d), float(q[Q_WORK]) / geometry.pitch, max(suction, p_d))
 
 
 class LazyPitch:
@@ -99,7 +99,7 @@ def known_of(
     return CycleFigures(
         omega=parts.omega,
         tip_speed=parts.geometry.settings.surface_speed(parts.omega),
-        indicated_power=float(q[0]) * rate,
+        indicated_power=float(q[Q_WORK]) * rate,
         oil_mass_flow=oil_flow,
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
         oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
@@ -107,7 +107,7 @@ def known_of(
         delivery_pressure=p_delivery,
         oil_source_pressure=p_source,
         drag_power=0.0 - pushed_of(problem.composition, q) * rate,
-        plenum_pressure=pressure_behind(problem, life, "discharge") or problem.lines.p_d,
+        plenum_pressure=pressure_behind(problem, life, DISCHARGE) or problem.lines.p_d,
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,

@@ -15,7 +15,7 @@ from screwsim.build import Stock, Temperatures, completed, parts_of
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
-from screwsim.effects.base import FlowPath, Made, PressureLosses
+from screwsim.effects.base import SUCTION, FlowPath, Made, PressureLosses
 from screwsim.figures import called_for
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.composition import Composition
@@ -190,8 +190,9 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
 
 @Remembered
 def _parted(geometry: MachineGeometry, effects: Effects) -> float | None:
+    """Return what `Problem.parted` is, once a machine."""
     at, opens = geometry.injection_angle, geometry.discharge_opens
-    wide = [path for _, path in effects.all(FlowPath) if path.to == "suction" and not path.narrow]
+    wide = [path for _, path in effects.all(FlowPath) if path.to == SUCTION and not path.narrow]
     closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
     if closed <= at + NEARLY:
         return at

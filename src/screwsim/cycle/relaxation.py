@@ -15,19 +15,19 @@ from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals
 from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.mixing import finer
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.returning import NOTHING, returning
-from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
+from screwsim.cycle.solution import NO_HOPE, CycleSolution, Start
 from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.effects.base import FlowPath
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, R_TRAPPED
+from screwsim.model.slots import P_LIFE, Q_WORK, R_TRAPPED
 from screwsim.numerics.closings import WAVEFORMS
 from screwsim.numerics.periodic import Anderson
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
 DEAR = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
@@ -66,38 +66,30 @@ def dear(rtol: float) -> float:
     return DEAR * (DEAR_RTOL / rtol) ** 0.25
 
 
-def relax(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    last: bool,
-    hope: Hope = NO_HOPE,
-    lent: Tangents | None = None,
-) -> CycleSolution | None:
-    """Close by turns from y [in place] and the last history; None when they do not and there is another way.
+def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool) -> CycleSolution | None:
+    """Close by turns from a start; None when they do not and there is another way.
 
     They may cost as much as that other way does in the median (`last` is False): the two seldom cost more than twice
     the cheaper one. The first turns are integrated loosely: their error is that of the guess. A guess made from cycles
     of machines nearby may be so good that the first turn closes: it is as fine as is hoped of the guess.
     """
-    turns = _Turns(problem, machinery, wanted, y, hope, lent)
+    turns = _Turns(problem, machinery, wanted, start)
     station()
     most = np.inf if last else machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
     for _ in range(MAX_TURNS):
         angle = turns.integrate()
         if angle is not None:
-            return turns.ended("failed", angle) if last else None
+            return turns.ended(FAILED, angle) if last else None
         if turns.closed():
-            return turns.ended("ok")
+            return turns.ended(OK)
         correction = turns.correction()
         if turns.closes(correction is not None):
-            return turns.ended("ok")
+            return turns.ended(OK)
         if machinery.evaluations_of(machinery.counts) > most:
             return None
         turns.refine(correction)
         turns.go_on(correction)
-    return turns.ended("not_closed") if last else None
+    return turns.ended(NOT_CLOSED) if last else None
 
 
 class _Turns:
@@ -108,13 +100,11 @@ class _Turns:
     is what later ones yet would.
     """
 
-    def __init__(
-        self, problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope, lent: Tangents | None
-    ) -> None:
-        self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, y
-        c = machinery.composition
+    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> None:
+        self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, start.y.copy()
+        c, hope = machinery.composition, start.hope
         c.P[c.widths] = wanted.widths
-        self.corrections, self.accelerate = Corrections(problem, machinery, lent), Anderson(DEPTH)
+        self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each
         self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
@@ -147,7 +137,7 @@ class _Turns:
         station()
         self.made = image_of(problem, machinery.trajectory, self.q)
         self.image = self.vector(self.made)
-        now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
+        now = (float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK]))
         self.least_work = LEAST_WORK * now[0] * problem.pv
         self.before = self.gap, self.moved
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
@@ -240,7 +230,7 @@ class _Turns:
             if found is not None and not begun:
                 self.accelerate.restart()
             if found is not None and found.share == 1.0:
-                work = abs(found.work) / max(abs(self.q[0]), self.least_work)
+                work = abs(found.work) / max(abs(self.q[Q_WORK]), self.least_work)
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
                 self.left = max(told, self.gap * self._missed())
             return found
@@ -321,13 +311,13 @@ class _Turns:
 
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
         """Return the cycle as the last turn left it."""
-        machinery, ok = self.machinery, status == "ok"
+        machinery, ok = self.machinery, status == OK
         station()
         return CycleSolution(
             *(status, machinery.trajectory.copy(), self.q, self.y, self.number, WAVEFORMS),
-            rtol=self.rtol if status == "failed" else self.finest,
+            rtol=self.rtol if status == FAILED else self.finest,
             angle=angle,
-            change=0.0 if status == "failed" else self.gap,
+            change=0.0 if status == FAILED else self.gap,
             first_gap=self.first_gap if ok else 1.0,
             residual=self.residual / self.wanted.bound if ok else 0.0,
             impacts=machinery.impacts,

@@ -28,6 +28,8 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.tangents import linearised
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.run import Machinery
+from screwsim.numerics.rodas import EVALUATED
+from screwsim.outputs.variables import NOT_CLOSED
 
 Array = np.ndarray
 SEARCH = "Newton's method from afar"
@@ -60,10 +62,10 @@ def sought_on(
     `needed` is set where a search found it; where damped pitches closed it, it is empty. Where none closes, the cycle
     is the last one that damped pitches left, with its unknowns.
     """
-    budget = int(machinery.counts[2]) + most
+    budget = int(machinery.counts[EVALUATED]) + most
     while True:
         cycle = close_together(problem, machinery, wanted, y, rule, BETWEEN, PITCHES_BETWEEN)
-        if cycle.status != "not_closed" or machinery.counts[2] > budget:
+        if cycle.status != NOT_CLOSED or machinery.counts[EVALUATED] > budget:
             return cycle
         y, met = cycle.y, unknowns(problem, machinery)
         found = sought(problem, machinery, wanted, y.copy(), MOST_OF_AN_EARLY_ONE if early else MOST_OF_A_SEARCH)
@@ -89,12 +91,12 @@ def sought(
         return None
     fine = replace(wanted, rtol=min(wanted.rtol, FINE))
     cycle = close_together(problem, machinery, fine, zero.y, most=MOST_TO_VERIFY)
-    return replace(cycle, needed=SEARCH, growth=zero.growth) if cycle.status == "ok" else None
+    return replace(cycle, needed=SEARCH, growth=zero.growth) if cycle.closed else None
 
 
 def judged(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
     """Return a cycle with its `growth`, where it closed and a search would be possible; the machinery stands on it."""
-    if cycle.status != "ok" or not possible(problem):
+    if not cycle.closed or not possible(problem):
         return cycle
     pitch = _Pitch(problem, machinery, wanted)
     here = pitch.first(cycle.y.copy())
@@ -124,11 +126,11 @@ def searched(
 ) -> Zero | None:
     """Return the zero that Newton's method finds from the states y, the unknowns set to its own; or None."""
     pitch = _Pitch(problem, machinery, wanted)
-    budget = int(machinery.counts[2]) + most
+    budget = int(machinery.counts[EVALUATED]) + most
     here, share = pitch.first(y), 1.0
     before: tuple[Array, Array] | None = None  # the last step, and the one that was to follow it
     for _ in range(MOST_STEPS + 1):
-        if here is None or machinery.counts[2] >= budget:
+        if here is None or machinery.counts[EVALUATED] >= budget:
             return None
         if float(np.abs(here.changed).max()) <= FOUND * wanted.tolerance:
             growth = pitch.growth(here) if judged else 0.0
@@ -155,7 +157,7 @@ def _gone(
     The share is lessened as far as it takes.
     """
     rest, length, least = step, _length(step), min(LEAST_SHARE, share)
-    while share >= least and pitch.machinery.counts[2] < budget:
+    while share >= least and pitch.machinery.counts[EVALUATED] < budget:
         there = pitch.at(here.x + share * step, here.raw)
         if there is None:
             share *= 0.5
@@ -234,6 +236,7 @@ class _Pitch:
         return float(np.abs(np.linalg.eigvals(J + np.eye(len(J)))).max()) if np.isfinite(J).all() else math.inf
 
     def _derivatives(self, here: Point) -> Array:
+        """Return those of what a pitch changes by the coordinates of states and unknowns."""
         problem, machinery = self.problem, self.machinery
         y, met = self.values(here.x, here.raw)
         tangents = linearised(problem, machinery, met, SLICES)

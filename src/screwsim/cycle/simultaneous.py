@@ -18,9 +18,10 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import ENOUGH, Wanted
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_PITCH, R_TRAPPED
+from screwsim.model.slots import P_PITCH, Q_WORK, R_TRAPPED
 from screwsim.numerics.closings import TOGETHER
-from screwsim.numerics.rodas import dense_value
+from screwsim.numerics.rodas import EVALUATED, dense_value
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
 STALL = 3  # pitches without progress of the states
@@ -48,73 +49,114 @@ def close_together(
 
     Pitches that lead nowhere end, unless it is `patient`.
     """
-    c, entries = machinery.composition, problem.entries
-    c.P[c.widths] = wanted.widths
-    corrections = Corrections(problem, machinery)
-    mixing, refining = Mixing(rule), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
-    met = unknowns(problem, machinery)
-    astray: tuple[Array, Array] | None = None  # states and unknowns before the first correction
-    seen: list[tuple[float, float]] = []
-    gaps: list[float] = []
-    n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
-    rtol = wanted.rtol
-    budget = int(machinery.counts[2]) + (OF_A_CHECK * most if wanted.check else most)
-
-    def ended(status: str, y: Array, pitch: int, angle: float = 0.0) -> CycleSolution:
-        if status != "failed":
-            machinery.install_coupled()
-        life, turns, moved = machinery.trajectory.copy(), pitch / c.chambers, 0.0 if status == "failed" else gap
-        return CycleSolution(status, life, q, y, turns, TOGETHER, rtol, angle, moved, impacts=machinery.impacts)
-
-    for pitch in range(1, pitches + 1):
-        if machinery.counts[2] > budget:
+    run = _Pitches(problem, machinery, wanted, y, rule)
+    budget = int(machinery.counts[EVALUATED]) + (OF_A_CHECK * most if wanted.check else most)
+    for run.number in range(1, pitches + 1):
+        if machinery.counts[EVALUATED] > budget:
             break
-        point = np.concatenate([logarithms(y, c), entries.coordinates(met)])
-        end, rtol = y.copy(), refining.rtol
-        status, angle, _, q = machinery.pitch(end, rtol, 1e-3, check=wanted.check)
+        angle = run.integrate()
+        if angle is not None:
+            return run.ended(FAILED, angle)
+        if not patient and run.in_vain():
+            break
+        if run.closed():
+            return run.ended(OK)
+        run.go_on()
+    return run.ended(NOT_CLOSED)
+
+
+class _Pitches:
+    """Pitches of all chambers, each begun from the last: (states, feedback unknowns) are mapped to the next.
+
+    Newton's method corrects the images of slow ones; Anderson's mixes those of the others. `gap` is what a pitch
+    changed of states and unknowns. `astray` are those before the first correction.
+    """
+
+    def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, rule: MixingRule) -> None:
+        self.problem, self.machinery, self.wanted, self.rule, self.y = problem, machinery, wanted, rule, y
+        self.c, self.entries = machinery.composition, problem.entries
+        self.c.P[self.c.widths] = wanted.widths
+        self.corrections = Corrections(problem, machinery)
+        self.mixing, self.refining = Mixing(rule), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
+        self.met, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), wanted.rtol
+        self.astray: tuple[Array, Array] | None = None
+        self.seen: list[tuple[float, float]] = []  # trapped mass and work of each
+        self.gaps: list[float] = []
+        self.number, self.gap = 0, 1.0
+
+    def integrate(self) -> float | None:
+        """Integrate a pitch and measure what it changed; return where it stopped, None where it came to its end."""
+        problem, machinery, c, entries = self.problem, self.machinery, self.c, self.entries
+        self.point = np.concatenate([logarithms(self.y, c), entries.coordinates(self.met)])
+        end, self.rtol = self.y.copy(), self.refining.rtol
+        status, angle, _, self.q = machinery.pitch(end, self.rtol, 1e-3, check=self.wanted.check)
         if status != 0:
-            return ended("failed", end, pitch, angle)
-        seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
+            self.y = end
+            return angle
+        self.seen.append((float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK])))
         if c.pulsating:  # the image reads the flows of the pitch
             machinery.install_coupled()
-        made = image_of(problem, machinery.trajectory, q)
-        image = np.concatenate([logarithms(machinery.shift(end), c), entries.coordinates(made)])
-        gap = float(np.max(np.abs(image - point)))
-        gaps.append(gap)
-        if (
-            not patient
-            and c.chambers > 1
-            and rule.damping == 1.0
-            and _lead_nowhere(gaps, IN_VAIN if rule.depth else IN_VAIN_PLAIN)
-        ):
-            break
-        if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
-            residual = residuals(problem, machinery.R, q).largest
-            if residual <= ENOUGH * wanted.bound:
-                return ended("ok", y, pitch)
-            refining.consider(gap, residual)
-        corrected = rule is FULL and not c.pulsating  # states at a pitch's start kick what a line is given there
-        if corrections.due(corrected and pitch > 1 and wanted.tolerance < gap < FARTHEST, gap):
-            begun = corrections.begun
+        self.made = image_of(problem, machinery.trajectory, self.q)
+        self.next_states = machinery.shift(end)
+        self.image = np.concatenate([logarithms(self.next_states, c), entries.coordinates(self.made)])
+        self.gap = float(np.max(np.abs(self.image - self.point)))
+        self.gaps.append(self.gap)
+        return None
+
+    def in_vain(self) -> bool:
+        """Tell whether undamped pitches of several chambers lead nowhere."""
+        count = IN_VAIN if self.rule.depth else IN_VAIN_PLAIN
+        return self.c.chambers > 1 and self.rule.damping == 1.0 and _lead_nowhere(self.gaps, count)
+
+    def closed(self) -> bool:
+        """Tell whether pitches settled and their balances close; what these leave decides on the next tolerance."""
+        problem, wanted = self.problem, self.wanted
+        least = LEAST_WORK * self.seen[-1][0] * problem.pv
+        if not (_settled(self.seen, wanted.tolerance, least) and _stands(self.gaps, wanted.tolerance)):
+            return False
+        residual = residuals(problem, self.machinery.R, self.q).largest
+        if residual <= ENOUGH * wanted.bound:
+            return True
+        self.refining.consider(self.gap, residual)
+        return False
+
+    def go_on(self) -> None:
+        """Begin the next pitch at the image, corrected or mixed with those before."""
+        plain = self.rule is FULL and not self.c.pulsating  # states at a pitch's start kick what a line is given there
+        near = self.wanted.tolerance < self.gap < FARTHEST
+        if self.corrections.due(plain and self.number > 1 and near, self.gap):
+            self._correct()
+        if self.astray is not None and not self.corrections.able:  # on without them, from where they began
+            (self.y, self.met), self.astray = self.astray, None
+            self.mixing.restart()
+        else:
+            n, mixed = len(self.y), self.mixing.next(self.point, self.image, self.gap)
+            if self.refining.rtol < self.rtol:
+                self.mixing.restart()
+            self.met = self.entries.values(mixed[n:], self.made)
+            self.y = states_of(mixed[:n], self.next_states, self.c)
+        set_unknowns(self.problem, self.machinery, self.met)
+
+    def _correct(self) -> None:
+        """Move the image to where Newton's method leads, if that has tangents."""
+        begun, n = self.corrections.begun, len(self.y)
+        if not begun:
+            self.machinery.install_coupled()
+            self.astray = self.astray or (self.y.copy(), self.met)
+        found = self.corrections.of_pitch(self.image[:n] - self.point[:n], self.q, self.met, self.made)
+        if found is not None:
             if not begun:
-                machinery.install_coupled()
-                astray = astray or (y.copy(), met)
-            found = corrections.of_pitch(image[:n] - point[:n], q, met, made)
-            if found is not None:
-                if not begun:
-                    mixing.restart()
-                image = np.concatenate([point[:n] + found.start, entries.coordinates(made) + found.unknowns])
-        if astray is not None and not corrections.able:  # on without them, from where they began
-            (y, met), astray = astray, None
-            set_unknowns(problem, machinery, met)
-            mixing.restart()
-            continue
-        mixed = mixing.next(point, image, gap)
-        if refining.rtol < rtol:
-            mixing.restart()
-        y, met = states_of(mixed[:n], machinery.shift(end), c), entries.values(mixed[n:], made)
-        set_unknowns(problem, machinery, met)
-    return ended("not_closed", y, pitch)
+                self.mixing.restart()
+            unknowns_led = self.entries.coordinates(self.made) + found.unknowns
+            self.image = np.concatenate([self.point[:n] + found.start, unknowns_led])
+
+    def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
+        """Return the outcome; its states are those with which the last pitch began, or where it stopped."""
+        machinery, moved = self.machinery, 0.0 if status == FAILED else self.gap
+        if status != FAILED:
+            machinery.install_coupled()
+        life, turns, impacts = machinery.trajectory.copy(), self.number / self.c.chambers, machinery.impacts
+        return CycleSolution(status, life, self.q, self.y, turns, TOGETHER, self.rtol, angle, moved, impacts=impacts)
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from screwsim.cycle.linear_pitch import Tangents
-from screwsim.model.slots import R_TRAPPED
+from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
+from screwsim.outputs.variables import FAILED, OK
 
 if TYPE_CHECKING:
     from screwsim.cycle.balances import Residuals
@@ -22,7 +23,7 @@ class CycleSolution:
     `y` are the states from which it goes on: of the chamber at 0°, or of all chambers, as it was closed.
     """
 
-    status: str  # 'ok' | 'not_closed' | 'failed'
+    status: str  # one of outputs.variables.STATUSES
     trajectory: Trajectory
     q: Array
     y: Array
@@ -45,9 +46,19 @@ class CycleSolution:
     missed: float = 1.0  # share of what corrections foretold by which the turn after them went elsewhere; 1: not known
 
     @property
+    def closed(self) -> bool:
+        """Is the cycle closed?"""
+        return self.status == OK
+
+    @property
+    def failed(self) -> bool:
+        """Did an integration stop?"""
+        return self.status == FAILED
+
+    @property
     def seen(self) -> tuple[float, float]:
         """Trapped mass [kg] and work [J]."""
-        return float(self.trajectory.R[R_TRAPPED]), float(self.q[0])
+        return float(self.trajectory.R[R_TRAPPED]), float(self.q[Q_WORK])
 
 
 class Hope(NamedTuple):
@@ -72,3 +83,14 @@ class Led(NamedTuple):
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)
+
+
+class Start(NamedTuple):
+    """What closing begins with beside the guess that is installed as the last history: the state at 0°, and its hope.
+
+    `tangents` are those by which a cycle nearby was corrected.
+    """
+
+    y: Array
+    hope: Hope = NO_HOPE
+    tangents: Tangents | None = None

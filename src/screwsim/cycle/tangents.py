@@ -25,6 +25,7 @@ from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slices import INSIDE
 from screwsim.model.slots import P_INJECTION, P_PITCH
+from screwsim.numerics.rodas import EVALUATED
 
 Array = np.ndarray
 SLICES = 12  # of a pitch
@@ -112,7 +113,7 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
             module.slices__derivatives_all(*given)
         y[:] = at_first
     asked = module.slices__derivatives_all(*given)
-    machinery.counts[2:] += c.chambers * len(phi) * u, c.chambers * asked
+    machinery.counts[EVALUATED:] += c.chambers * len(phi) * u, c.chambers * asked
     scale = np.where(logarithmic > 0.0, np.maximum(np.abs(y), 1e-300), 1.0)
     return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
 

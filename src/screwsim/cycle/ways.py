@@ -13,15 +13,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.search import SEARCH, sought
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import Array, CycleSolution, Hope, Led
+from screwsim.cycle.solution import Array, CycleSolution, Hope, Led, Start
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.run import Machinery
-from screwsim.model.slots import R_TRAPPED
+from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.numerics.closings import CLOSINGS, TOGETHER, WAVEFORMS
 
 
@@ -37,16 +36,9 @@ class Way(ABC):
 
     @abstractmethod
     def close(
-        self,
-        problem: Problem,
-        machinery: Machinery,
-        wanted: Wanted,
-        y: Array,
-        hope: Hope,
-        lent: Tangents | None,
-        last: bool,
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
-        """Close the cycle from a state at 0° and an installed guess; None where another way, if not `last`, is due."""
+        """Close the cycle from a start; None where another way, if not `last`, is due."""
 
     @abstractmethod
     def again(
@@ -76,17 +68,10 @@ class Waveforms(Way):
     instead = "numerics.closing: coupled"
 
     def close(
-        self,
-        problem: Problem,
-        machinery: Machinery,
-        wanted: Wanted,
-        y: Array,
-        hope: Hope,
-        lent: Tangents | None,
-        last: bool,
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
         """Relax; None once that has cost as much as all chambers together would."""
-        return relax(problem, machinery, wanted, y.copy(), last, hope, lent)
+        return relax(problem, machinery, wanted, start, last)
 
     def again(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
@@ -94,14 +79,14 @@ class Waveforms(Way):
         """Relax from the cycle, or from where its finer lives have led."""
         y, seen = led or (cycle.y, cycle.seen)
         hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
-        return by_ways(problem, machinery, wanted, y, hope, cycle.tangents)
+        return by_ways(problem, machinery, wanted, Start(y, hope, cycle.tangents))
 
     def finer(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
         """Relax from the machinery's last life; how long is bounded by itself."""
-        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
-        return relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
+        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
+        return relax(problem, machinery, wanted, Start(cycle.y, hope), last=True)
 
     def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
         """Return that of the steps of waveforms."""
@@ -118,14 +103,7 @@ class Together(Way):
     whole = True
 
     def close(
-        self,
-        problem: Problem,
-        machinery: Machinery,
-        wanted: Wanted,
-        y: Array,
-        hope: Hope,
-        lent: Tangents | None,
-        last: bool,
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
         """Close from where the chambers stand in the installed life."""
         return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
@@ -163,15 +141,13 @@ def way_of(cycle: CycleSolution) -> Way:
     return WAYS[cycle.how]
 
 
-def by_ways(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope, lent: Tangents | None
-) -> CycleSolution:
+def by_ways(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
     """Close the cycle by the ways that are wanted, one after the other."""
     *first, last = (WAYS[name] for name in CLOSINGS[wanted.closing].ways)
     for way in first:
-        found = way.close(problem, machinery, wanted, y, hope, lent, last=False)
+        found = way.close(problem, machinery, wanted, start, last=False)
         if found is not None:
             return found
-    found = last.close(problem, machinery, wanted, y, hope, lent, last=True)
+    found = last.close(problem, machinery, wanted, start, last=True)
     assert found is not None
     return found

@@ -82,7 +82,7 @@ def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     p = life.states_at((starts[:, None] + angles).ravel())[:, -1].reshape(c.chambers, -1)
     for path in (path for _, path in parts.all(FlowPath)):
-        of_port = path.to != "neighbour"
+        of_port = not path.between
         index = ports if of_port else len(c.plenum_paths) + gaps
         ports, gaps = ports + of_port, gaps + (not of_port)
         if of_port:

@@ -52,7 +52,7 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Fou
         return Found({}, {}, why)
     machinery = leased(problem)
     accurate = solved(problem, machinery, None, search)
-    if accurate.cycle.status != "ok":
+    if not accurate.cycle.closed:
         return Found({}, {}, "the cycle does not close")
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
     slopes, refused = derivatives(cycle, values, (series.stock, series.composer))

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from screwsim.effects.parts.flows import FlowPath, Resistance, Scaled
+from screwsim.effects.parts.flows import DISCHARGE, LINES, NEIGHBOUR, SUCTION, FlowPath, Resistance, Scaled
 from screwsim.effects.parts.lines import (
     CoolsOil,
     InSeparator,
@@ -38,6 +38,10 @@ from screwsim.machine.protocol import MachineKind
 from screwsim.outputs import Figure, Trace
 
 __all__ = [  # all that an effect's file imports
+    "DISCHARGE",
+    "LINES",
+    "NEIGHBOUR",
+    "SUCTION",
     "Around",
     "ChamberState",
     "CoolsOil",

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.effects.base import Effect, Faults, FlowPath, SuctionChange
+from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath, SuctionChange
 from screwsim.effects.gap import flow_coefficient, ramp
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import choice, number, quantity
@@ -54,7 +54,7 @@ def window(size: float, opens: float, closes: float, flow_coefficient: float) ->
     """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
     angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
     values, breakpoints = {"size": size, **angles}, tuple(angles.values())
-    return FlowPath("suction", area, values, breakpoints, flow_coefficient=flow_coefficient, beside=True)
+    return FlowPath(SUCTION, area, values, breakpoints, flow_coefficient=flow_coefficient, beside=True)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | SuctionChange]:

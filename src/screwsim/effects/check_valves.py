@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, Faults, FlowPath, Reading
+from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath, Reading
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
 from screwsim.effects.parts.usual import Sized
@@ -50,7 +50,7 @@ def opening(held, drop, width, sign):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
-    areas = {"suction": parameters.suction_area, "discharge": parameters.discharge_area}
+    areas = {SUCTION: parameters.suction_area, DISCHARGE: parameters.discharge_area}
     of_both = {"flow_coefficient": parameters.flow_coefficient, "opening": opening}
     paths = [
         FlowPath(side, port_area, {"area": areas[side], "sign": sign}, one_way=round(sign), **of_both)

@@ -10,7 +10,7 @@ Parameters: flow_coefficient.
 
 from __future__ import annotations
 
-from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath
 from screwsim.effects.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_OUT
 from screwsim.machine.protocol import PORTS
@@ -19,7 +19,7 @@ NAME = "discharge_port"
 
 
 def build(parameters: PortParameters, machine) -> list[FlowPath]:
-    return [port_path(parameters, machine.discharge_law(), "discharge")]
+    return [port_path(parameters, machine.discharge_law(), DISCHARGE)]
 
 
 def check(parameters: PortParameters, facts) -> Faults:

@@ -25,10 +25,11 @@ from screwsim.machine.protocol import DIAMETER, LOBE, OIL, ROTORS
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import HEATED, Figure
 
+STATED, MERRINGTON, VARDE = "fixed", "merrington_richardson", "varde"  # what `size` says
 _OF_SIZE = {
-    "fixed": ("diameter",),
-    "merrington_richardson": ("orifice_diameter", "jet_pressure"),
-    "varde": ("orifice_diameter", "jet_pressure", "surface_tension"),
+    STATED: ("diameter",),
+    MERRINGTON: ("orifice_diameter", "jet_pressure"),
+    VARDE: ("orifice_diameter", "jet_pressure", "surface_tension"),
 }
 _EXAMPLES = {"diameter": "50 um", "orifice_diameter": "3 mm", "jet_pressure": "5 bar", "surface_tension": "30 mN/m"}
 
@@ -38,7 +39,7 @@ class Parameters:
     """Size of the droplets, their slip, and the gas around them."""
 
     size: str = choice(
-        "fixed: diameter is stated; else the Sauter diameter of a jet by that correlation", tuple(_OF_SIZE), "fixed"
+        "fixed: diameter is stated; else the Sauter diameter of a jet by that correlation", tuple(_OF_SIZE), STATED
     )
     diameter: float | None = quantity(
         "length", "d: Sauter diameter of the droplets (size: fixed)", None, gt=0.0, hardly=(1e-7, 1e-2)
@@ -64,6 +65,11 @@ class Parameters:
         "viscosity", "mu of the gas, stated", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
     )
     prandtl: float | None = number("Pr of the gas, stated", None, gt=0.0, le=1e3, hardly=(0.1, 10.0))
+
+    @property
+    def jets(self) -> bool:
+        """Do droplets come from a jet, whose size depends on the oil's viscosity?"""
+        return self.size != STATED
 
 
 @kernel
@@ -93,11 +99,11 @@ def varde(bore: float, density: float, viscosity: float, surface_tension: float,
 
 def sauter_diameter(parameters: Parameters, density: float, viscosity: float | None) -> float:
     """Return d [m] for oil of a density [kg/m³] and a viscosity [Pa s]."""
-    if parameters.size == "fixed":
+    if not parameters.jets:
         return parameters.diameter or 0.0
     bore, mu = parameters.orifice_diameter or 0.0, viscosity or 0.0
     speed = math.sqrt(2.0 * (parameters.jet_pressure or 0.0) / density)
-    if parameters.size == "merrington_richardson":
+    if parameters.size == MERRINGTON:
         return merrington_richardson(bore, mu / density, speed)
     return varde(bore, density, mu, parameters.surface_tension or 0.0, speed)
 
@@ -128,7 +134,7 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"{path}.{name}", f"is missing (size: {parameters.size} needs it, e.g. {example})")
         elif given and name not in needed:
             yield Fault(f"{path}.{name}", f"has no meaning with size: {parameters.size} (remove it)")
-    if parameters.size != "fixed" and facts.oil is not None and not facts.oil.knows_viscosity:
+    if parameters.jets and facts.oil is not None and not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)")
     yield from gas_faults(path, parameters, facts.gas.name)
 

@@ -31,6 +31,7 @@ from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale
 
 NAME = "economizer"
+HEAT_EXCHANGER, FLASH_TANK = "heat_exchanger", "flash_tank"
 GAIN = "economizer_capacity_gain"
 DRAW = "economizer_draw_ratio"
 DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
@@ -70,8 +71,8 @@ class Parameters(WindowParameters, Sought):
     )
     kind: str = choice(
         "heat_exchanger: the liquid is subcooled at its pressure; flash_tank: it boils down to the economizer's",
-        ("heat_exchanger", "flash_tank"),
-        "heat_exchanger",
+        (HEAT_EXCHANGER, FLASH_TANK),
+        HEAT_EXCHANGER,
     )
     approach: float = quantity(
         "temperature_difference", "of the subcooled liquid over temperature (heat_exchanger)", 5.0, ge=0.0
@@ -82,6 +83,16 @@ class Parameters(WindowParameters, Sought):
         if isinstance(self.pressure, Found) and self.temperature is None:
             object.__setattr__(self, "temperature", Found(self.pressure))
             object.__setattr__(self, "pressure", None)
+
+    @property
+    def boils(self) -> bool:
+        """Does the liquid boil down to the economizer's pressure?"""
+        return self.kind == FLASH_TANK
+
+    @property
+    def nearest(self) -> float:
+        """How near to the saturation temperature the liquid can be cooled [K]."""
+        return 0.0 if self.boils else self.approach
 
     # ---- a temperature that is found (M371) ----------------------------------------------------------------------
 
@@ -108,8 +119,7 @@ class Parameters(WindowParameters, Sought):
         else:
             liquid = constants.condensed(fluid, T_c or 0.0) - (operation.subcooling or 0.0)
             warmest = T_c or liquid
-        approach = self.approach if self.kind == "heat_exchanger" else 0.0
-        return Span(low + APART, max(min(liquid - approach, warmest) - APART, low + APART))
+        return Span(low + APART, max(min(liquid - self.nearest, warmest) - APART, low + APART))
 
     def first(self, span: Span) -> float:
         """Return a first guess of the temperature [K]."""
@@ -193,7 +203,7 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
 def _cold_liquid(parameters: Parameters, site: Site) -> float:
     """Return the enthalpy [J/kg] of the liquid as cold as the economizer can make it."""
     T = saturation(parameters, site.fluid)
-    if parameters.kind == "flash_tank":
+    if parameters.boils:
         return constants.saturated_liquid_enthalpy(site.fluid, T)
     return constants.liquid_enthalpy(site.fluid, site.p_d, T + parameters.approach)
 
@@ -210,9 +220,8 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"effects.{NAME}.temperature", "is given beside pressure (remove one of the two)")
     elif limits is None:
         return
-    elif parameters.kind == "flash_tank" and is_blend(fluid):
-        what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
-        yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: heat_exchanger, or name a pure fluid)")
+    elif parameters.boils and is_blend(fluid):
+        yield _of_blend(fluid)
     elif p is not None and not limits.p_triple <= p < limits.p_critical:
         low, high = limits.p_triple / 1e5, limits.p_critical / 1e5
         what = f"{p / 1e5:.6g} bar: {fluid} saturates between {low:.4g} bar and {high:.4g} bar"
@@ -226,21 +235,26 @@ def check(parameters: Parameters, facts) -> Faults:
         yield from _warm_enough(parameters, T, facts, stated)
 
 
+def _of_blend(fluid: str) -> Fault:
+    """Return that a blend cannot boil in a flash tank."""
+    what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
+    return Fault(f"effects.{NAME}.kind", f"{what} (write kind: {HEAT_EXCHANGER}, or name a pure fluid)")
+
+
 def _found(parameters: Parameters, facts) -> Faults:
     """Yield what forbids a temperature that is found: no liquid is known, or it is too cold for any."""
     path, operation, fluid = f"effects.{NAME}.temperature", facts.operation, facts.gas.name
     low, high = operation.evaporating_temperature, operation.condensing_temperature
     if parameters.pressure is not None:
         yield Fault(path, "is given beside pressure (remove one of the two)")
-    elif parameters.kind == "flash_tank" and is_blend(fluid):
-        what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
-        yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: heat_exchanger, or name a pure fluid)")
+    elif parameters.boils and is_blend(fluid):
+        yield _of_blend(fluid)
     elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.expands:
         what = "auto needs the liquid of a condenser or gas cooler (state a compressor's lines by temperatures)"
         yield Fault(path, f"{what}, or write a temperature")
     elif operation.gas_cooler is None and low < high:
         liquid = constants.condensed(fluid, high or 0.0) - (operation.subcooling or 0.0)
-        coldest = low + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
+        coldest = low + parameters.nearest
         if liquid <= coldest + 1.0:
             what = f"the liquid, {liquid:.6g} K, is not warmer than the {coldest:.6g} K to which it could be cooled"
             yield Fault(f"effects.{NAME}", f"{what} (less subcooling, or a smaller approach)")
@@ -252,7 +266,7 @@ def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults
     T_c = None if T_c is None else constants.condensed(facts.gas.name, T_c)
     if facts.operation.gas_cooler is not None:
         T_c = facts.operation.gas_cooler.outlet_temperature
-    coldest = T + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
+    coldest = T + parameters.nearest
     if T_c is not None and T_c - subcooling <= coldest:
         what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be"
         remedy = f"choose a lower {stated}, a smaller approach or less subcooling"

@@ -12,7 +12,7 @@ from math import pi
 from typing import Any
 
 from screwsim.effects import gap_flow
-from screwsim.effects.base import Faults, FlowPath
+from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath
 from screwsim.inputs.declare import AREA, choice, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
@@ -123,7 +123,7 @@ def _between(parameters, area, values, slides, **others) -> FlowPath:
     """Return a path between chambers with the gap's flow coefficient and flow model."""
     held = gap_flow.resistance(parameters, slides) if isinstance(parameters, ClearanceParameters) else None
     coefficient = parameters.flow_coefficient
-    return FlowPath("neighbour", area, values, flow_coefficient=coefficient, resistance=held, **others)
+    return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, resistance=held, **others)
 
 
 def profile_paths(parameters, interfaces, gap=None, factor=1.0, slides=None) -> list[FlowPath]:

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects import line_valve
-from screwsim.effects.base import Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
+from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
 from screwsim.effects.line_valve import Valve
 from screwsim.inputs.declare import count, number, quantity
 from screwsim.inputs.faults import Fault
@@ -34,7 +34,6 @@ from screwsim.outputs import Figure, Trace, names_of, over
 
 Array = np.ndarray
 NAME = "plenums"
-LINES = ("suction", "discharge")
 TRACE = 360  # points of a pitch
 LOWEST = -0.9  # offset of the mean at which nothing passes any more
 EMPTY = -0.999  # the same behind a check valve, which may hold the line's pressure off a plenum near that of suction
@@ -166,7 +165,7 @@ class Behind:
         self.volume = float(getattr(parameters, f"{to}_volume") or 0.0)
         self.area, self.loss = getattr(parameters, f"{to}_area"), getattr(parameters, f"{to}_loss")
         self.valve: Valve | None = getattr(parameters, f"{to}_valve")
-        self.along = 1.0 if to == "discharge" else -1.0
+        self.along = 1.0 if to == DISCHARGE else -1.0
         self.downstream: Behind | None = None  # of a suction valve: the plenum of the other check valve
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
         self._last: tuple[Any, Mean | None, list[float]] = None, None, []
@@ -217,7 +216,7 @@ class Behind:
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
-        to = "suction" if self.to == "discharge" else "discharge"
+        (to,) = {*LINES} - {self.to}
         return turn.line(to).p * (1.0 + turn.held.get(f"{to}_offset", 0.0))
 
     def coefficient(self, i: int, turn: Turn) -> float:
@@ -267,7 +266,7 @@ class Behind:
         pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, len(WHICH) + 1)]
         found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
         found[f"{self.to}_plenum_pressure"] = p * (1.0 + turn.made[f"{self.to}_offset"])
-        if self.to == "discharge":
+        if self.to == DISCHARGE:
             line = turn.line(self.to)
             wave = 0.0 if self.area is None else self.area / line.sound * p * float((pressure - pressure.mean()).min())
             mean = self._found(turn)[0]

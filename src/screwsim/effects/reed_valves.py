@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.effects.base import ChamberState, Effect, Faults, FlowPath, Reading, Stops
+from screwsim.effects.base import DISCHARGE, SUCTION, ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
 from screwsim.effects.parts.usual import Sized
@@ -160,8 +160,8 @@ def discharge_opening(discharge_valve_lift, curtain):
 
 RESTLESS = "a smaller effects.reed_valves.seat_restitution or stop_restitution"
 KERNELS = {
-    "suction": (suction_lift_rate, suction_speed_rate, suction_opening, suction_push),
-    "discharge": (discharge_lift_rate, discharge_speed_rate, discharge_opening, discharge_push),
+    SUCTION: (suction_lift_rate, suction_speed_rate, suction_opening, suction_push),
+    DISCHARGE: (discharge_lift_rate, discharge_speed_rate, discharge_opening, discharge_push),
 }
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.effects.valves import port_area
@@ -33,7 +33,7 @@ class Parameters:
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     around = math.pi * machine.settings.bore * (parameters.gap or 0.0)
     area, coefficient = around if parameters.area is None else parameters.area, parameters.flow_coefficient
-    return [FlowPath("suction", port_area, {"area": area}, flow_coefficient=coefficient, narrow=True)]
+    return [FlowPath(SUCTION, port_area, {"area": area}, flow_coefficient=coefficient, narrow=True)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.gap import flow_coefficient, table_area
 from screwsim.effects.parts.usual import Sized
@@ -60,7 +60,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
     """Return the slot to suction of an area by angle."""
     coefficient, tables = parameters.flow_coefficient, {"curve": curve}
-    return FlowPath("suction", table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
+    return FlowPath(SUCTION, table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
 
 
 def _stated(parameters: Parameters, machine) -> list[FlowPath]:
@@ -74,7 +74,7 @@ def _stated(parameters: Parameters, machine) -> list[FlowPath]:
         angles = {"opens": opens, "full": opens + 2.0 * RAMP, "falls": machine.life - RAMP, "closes": machine.life}
         sized, coefficient = {"size": parameters.radial_area, **angles}, parameters.flow_coefficient
         found.append(
-            FlowPath("discharge", area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
+            FlowPath(DISCHARGE, area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
         )
     return found
 

@@ -9,7 +9,7 @@ Parameters: flow_coefficient.
 
 from __future__ import annotations
 
-from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_IN
 from screwsim.machine.protocol import PORTS
@@ -18,7 +18,7 @@ NAME = "suction_port"
 
 
 def build(parameters: PortParameters, machine) -> list[FlowPath]:
-    return [port_path(parameters, machine.suction_law(), "suction")]
+    return [port_path(parameters, machine.suction_law(), SUCTION)]
 
 
 def check(parameters: PortParameters, facts) -> Faults:

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from screwsim.effects.base import Reading
+from screwsim.effects.base import DISCHARGE, SUCTION, Reading
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import names_of, power_figure
 
-SIDES = {"suction": 1.0, "discharge": -1.0}  # sign of the pressure difference into the chamber that opens a valve
+SIDES = {SUCTION: 1.0, DISCHARGE: -1.0}  # sign of the pressure difference into the chamber that opens a valve
 VALVE_LOSSES = (
     power_figure("suction_valve_power", "power that cylinder pressure below the suction line costs"),
     power_figure("discharge_valve_power", "power that cylinder pressure above the discharge line costs"),

@@ -17,7 +17,7 @@ from screwsim.evaluate.package import Package, package_off
 from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.model.exchange import station
-from screwsim.model.slots import R_INJECTED, R_TRAPPED
+from screwsim.model.slots import Q_HEAT, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
 from screwsim.numerics.once import once
@@ -124,7 +124,7 @@ def balance(of: Evaluation) -> Figures:
     T_out = None if c.carried else of.known.oil_discharge_temperature
     if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
-        residual = float(-of.q[1] - carried) * problem.rate
+        residual = float(-of.q[Q_HEAT] - carried) * problem.rate
     oil_mass, bound = left.oil if c.carried else None, problem.wanted.bound
     return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residual, bound=bound)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,14 +13,14 @@ from screwsim.cycle import powers, suction_line
 from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held, streams_of
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import Drawn, Plenum, Separator, Turn
+from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
 from screwsim.evaluate import expander, humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
 from screwsim.model.exchange import station
-from screwsim.model.slots import ENTHALPY, OF_GAS, Q_WALLS, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED, S_X_OIL
+from screwsim.model.slots import ENTHALPY, OF_GAS, Q_WALLS, Q_WORK, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED, S_X_OIL
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
 
@@ -28,6 +29,12 @@ Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
 PARTED = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 PARTED = (*PARTED, "oil_circuit_residual", "oil_flow_volume")
 NO_REASON = "this cycle has none"
+WHY_NONE = {
+    "discharge_temperature": "nothing flows out to the discharge line",
+    "built_in_volume_ratio": "the machine has no discharge port whose opening ends it",
+    "oil_flow_ratio": "no net gas is delivered",
+    "oil_discharge_temperature": "next to no oil flows out to the discharge line",
+}
 
 
 def figures_of(
@@ -40,8 +47,7 @@ def figures_of(
 ) -> Read:
     """Return the performance figures of a life of these quadratures, and why some are None."""
     about: dict[str, Figure] = dict(problem.called)  # to which go those that effects give by others' names
-    parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
-    streams = streams_of(problem.composition, q)
+    parts, rate, streams = problem.parts, problem.rate, streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
     sucked = suction_line.fresh(problem, life.R, streams) + crossed(problem, life)
     flow = delivered * (sucked * rate) + 0.0  # nothing has no sign
@@ -49,19 +55,54 @@ def figures_of(
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     station()
     drawn = performance.drawn(parts, streams, rate)
-    etas, notes = performance.efficiencies(parts.gas, lines, problem.inlet, flow, shaft, drawn)
+    found, notes = performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn)
+    found = {**found, **losses, **_of_machine(problem, life, q, streams, flow)}
+    found |= {"indicated_power": known.indicated_power, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
+    notes |= WHY_NONE
+
+    def take(own: Mapping[str, Any], reasons: Mapping[str, str]) -> None:
+        found.update(own)
+        notes.update(reasons)
+
+    station()
+    if parts.oil is not None:
+        found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
+    if circuit is not None and parts.all(Separator):
+        take(*_of_circuit(problem, circuit))
+    if parts.dissolves:
+        found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
+    take(*_of_plenums(problem, sucked, streams, about))
+    station()
+    take(*humidity.figures(problem, life, streams, found, circuit))
+    take(*performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
+    if "intake_pressure" in problem.called:
+        found["intake_pressure"] = problem.suction.pressure
+        found["intake_temperature"] = _intake_temperature(problem, life)
+    if parts.suction_line:
+        found |= _of_suction_line(problem, life, streams, suction_line.heat(problem, shaft))
+    if parts.geometry.expands:
+        changed, reasons = _of_expander(problem, life, found)
+        for name in changed:
+            notes.pop(name, None)
+        take(changed, reasons)
+    if parts.walls:
+        found["wall_heat"] = float(q[Q_WALLS : Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
+    take(*performance.readings(parts, known, found))
+    values = dict(zip(about, map(found.get, about), strict=True))
+    none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
+    return Performance(values, about), none
+
+
+def _of_machine(problem: Problem, life: Trajectory, q: Array, streams: Array, flow: float) -> dict[str, float | None]:
+    """Return the figures that every machine has, of a net gas flow [kg/s], beside its powers and efficiencies."""
+    parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
     mean = discharge_enthalpy(streams)
-    found: dict[str, Any] = {
-        **etas,
-        **losses,
+    return {
         "volumetric_efficiency": flow / (problem.inlet.density * geometry.swept_volume * rate),
         "gas_mass_flow": flow,
-        "indicated_power": known.indicated_power,
-        "shaft_power": shaft,
-        "shaft_torque": shaft / parts.omega,
         "discharge_temperature": None if mean is None else parts.gas.temperature(lines.p_d, mean[0]),
         "peak_pressure": life.peak_pressure(geometry.life if geometry.expands else geometry.widest_discharge()),
-        "work_per_cycle": float(q[0]),
+        "work_per_cycle": float(q[Q_WORK]),
         "trapped_mass": float(life.R[R_TRAPPED]),
         "suction_pressure": lines.p_s,
         "suction_temperature": lines.T_s,
@@ -71,52 +112,23 @@ def figures_of(
         "displacement_flow": geometry.swept_volume * rate,
         "built_in_volume_ratio": _built_in(problem, life),
     }
-    notes["discharge_temperature"] = "nothing flows out to the discharge line"
-    notes["built_in_volume_ratio"] = "the machine has no discharge port whose opening ends it"
-    station()
-    if parts.oil is not None:
-        found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
-        notes["oil_flow_ratio"] = "no net gas is delivered"
-        notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
-    if circuit is not None and parts.all(Separator):
-        own, reasons = _of_circuit(problem, circuit)
-        found |= own
-        notes |= reasons
-    if parts.dissolves:
-        found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
-    own, reasons = _of_plenums(problem, sucked, streams, about)
-    found |= own
-    notes |= reasons
-    station()
-    own, reasons = humidity.figures(problem, life, streams, found, circuit)
-    found |= own
-    notes |= reasons
-    gain = sum(found.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
+
+
+def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float | None:
+    """Return the enthalpy [J/kg] that a kilogram sucked takes up in the evaporator, with what plenums add to it."""
+    gain = sum(found.get(part.gain) or 0.0 for _, part in problem.parts.all(Plenum))
     effect = problem.refrigerating_effect
-    effect = None if effect is None else effect * (1.0 + gain)
-    cooling, reasons = performance.refrigeration(found, problem.inlet.density, effect)
-    found |= cooling
-    notes |= reasons
-    if "intake_pressure" in problem.called:
-        found["intake_pressure"] = problem.suction.pressure
-        found["intake_temperature"] = _intake_temperature(problem, life)
-    if parts.suction_line:
-        found |= _of_suction_line(problem, life, streams, suction_line.heat(problem, shaft))
-    if geometry.expands:
-        work, closes = problem.h_isentropic - problem.inlet.enthalpy, geometry.inlet_closes
-        filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
-        filled = None if filled is None else filled * parts.omega / geometry.pitch
-        changed, reasons = expander.figures(found, work, filled)
-        found |= changed
-        notes = {name: why for name, why in notes.items() if name not in changed} | reasons
-    if parts.walls:
-        found["wall_heat"] = float(q[Q_WALLS : Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
-    read, reasons = performance.readings(parts, known, found)
-    found |= read
-    notes |= reasons
-    values = dict(zip(about, map(found.get, about), strict=True))
-    none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
-    return Performance(values, about), none
+    return None if effect is None else effect * (1.0 + gain)
+
+
+def _of_expander(
+    problem: Problem, life: Trajectory, found: dict[str, Any]
+) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return the figures that an expander has in place of a compressor's, and why some are None."""
+    geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
+    filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
+    filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
+    return expander.figures(found, problem.h_isentropic - problem.inlet.enthalpy, filled)
 
 
 _ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and what is built in
@@ -190,7 +202,7 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
 
     A shut discharge line does so where what comes in can go nowhere else.
     """
-    lines = [part for part in problem.parts.pulsations if part.to == "suction" or not problem.parts.plenums]
+    lines = [part for part in problem.parts.pulsations if part.to == SUCTION or not problem.parts.plenums]
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
 

@@ -17,16 +17,14 @@ import numpy as np
 
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Stops
+from screwsim.effects.base import LINES, ChamberState, FlowPath, HeatRate, OilPort, Stops
 from screwsim.model.parts import Parts
 from screwsim.model.slots import (
     LOOSE,
     P_PORT_WIDTH,
     PORT_STATE,
     PRESSURE,
-    R_DISCHARGE,
     R_RATIO,
-    R_SUCTION,
     S_RHO,
     S_T,
     S_T_OIL,
@@ -76,12 +74,12 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
     wrong = next(_declared(parts, own), "")
     if wrong:
         return wrong
-    phi, rows = _along(life) if cycle.status != "failed" else (np.empty(0), np.empty((0, 1)))
+    phi, rows = _along(life) if not cycle.failed else (np.empty(0), np.empty((0, 1)))
     degrees = np.radians(np.arange(0.0, math.degrees(parts.geometry.life), 1.0))
     wrong = next(_areas(parts, life, own, np.union1d(phi, degrees)), "")
     if wrong:
         return wrong
-    stopped = cycle.status == "failed"  # what is no number does not close: of a cycle only signs and shares are asked
+    stopped = cycle.failed  # what is no number does not close: of a cycle only signs and shares are asked
     rates = [asked for asked in _rates(parts, life) if asked.effect in own and (stopped or asked.least > -math.inf)]
     if not rates:
         return ""
@@ -164,27 +162,25 @@ def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None
 
 def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:
     """Yield the areas of paths, of the angle [rad] alone, that cannot be: of each path the first."""
-    c, paths, found = life.composition, parts.all(FlowPath), np.empty(len(angles))
-    for gaps in (False, True):
-        some = [(name, path) for name, path in paths if (path.to == "neighbour") == gaps]
-        for i, (name, path) in enumerate(some, len(c.plenum_paths) if gaps else 0):
-            if name not in own:
-                continue
-            life.module.trace__areas_along(angles, i, c.P, c.TAB, found)
-            areas = found / (path.flow_coefficient or 1.0)
-            finite = np.isfinite(areas)
-            slack = ROUNDING * float(np.max(np.abs(areas), initial=0.0, where=finite))
-            wrong = np.flatnonzero(~(finite & (areas >= -slack)))
-            if len(wrong):
-                where = Point(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
-                yield _told(name, "area", "m^2", where, float(areas[wrong[0]]))
+    c, found = life.composition, np.empty(len(angles))
+    for i, (name, path) in enumerate([*parts.ports, *parts.gaps]):
+        if name not in own:
+            continue
+        life.module.trace__areas_along(angles, i, c.P, c.TAB, found)
+        areas = found / (path.flow_coefficient or 1.0)
+        finite = np.isfinite(areas)
+        slack = ROUNDING * float(np.max(np.abs(areas), initial=0.0, where=finite))
+        wrong = np.flatnonzero(~(finite & (areas >= -slack)))
+        if len(wrong):
+            where = Point(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
+            yield _told(name, "area", "m^2", where, float(areas[wrong[0]]))
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
     """Yield what effects return of the state of a chamber."""
     c, R, module = life.composition, life.R, life.module
     P, TAB = c.P, c.TAB
-    lines = float(R[R_SUCTION + PRESSURE]), float(R[R_DISCHARGE + PRESSURE])
+    lines = [float(R[parts.number(line) * PORT_STATE + PRESSURE]) for line in LINES]
 
     def oil_of(point: Point) -> float:
         """Return oil per gas of a chamber."""
@@ -229,8 +225,7 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
 def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) -> Iterator[Asked]:
     """Yield the shares of valves and gaps, and the films of gaps."""
     module, R, P = life.module, life.R, life.composition.P
-    named = parts.all(FlowPath)
-    for i, (name, path) in enumerate(each for each in named if each[1].to != "neighbour"):
+    for i, (name, path) in enumerate(parts.ports):
         if path.opening is None:
             continue
         number = parts.number(path.to)
@@ -240,7 +235,7 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
             return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
 
         yield Asked(name, "opening", "", opening, 0.0, 1.0)
-    for i, (name, path) in enumerate(each for each in named if each[1].to == "neighbour"):
+    for i, (name, path) in enumerate(parts.gaps):
         if path.resistance is None:
             continue
 

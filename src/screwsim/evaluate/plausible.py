@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, Plenum, Wall
+from screwsim.effects.base import LINES, FlowPath, HeatRate, Plenum, Wall
 from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
 from screwsim.machine.kinds import kind_of
-from screwsim.model.compose import LINES
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
 from screwsim.scene.lines import Lines

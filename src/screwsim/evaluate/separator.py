@@ -31,6 +31,7 @@ from screwsim.model.slots import (
     OF_OIL_HEAT,
     PORT_OIL,
     Q_HEAT,
+    Q_WORK,
     R_DISCHARGE,
     R_INJECTED,
     R_PRESSURE,
@@ -80,7 +81,7 @@ def circuit_of(
         return f"gas and oil do not part in the separator: {error}"
     used = asking[0].separator_temperature if asking and separator_open else None
     change = 0.0 if used is None else parted.T_separator - used
-    power = abs(problem.rate * float(q[0]) + lift + sum(losses.values()))
+    power = abs(problem.rate * float(q[Q_WORK]) + lift + sum(losses.values()))
     left = parted.open, outflow.oil_capacity * change, _unexplained(outflow, parted)
     shares = [abs(each) / max(power, 1e-300) for each in left]
     return Circuit(outflow, parted, parted.supply, change, max(shares[:2]), max(shares))
@@ -109,7 +110,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     sent_back = returned * (float(life.R[R_DISCHARGE + ENTHALPY]) - h_ref)
     flashing = {parts.number(parts.oil_gas.plenum)} if parts.oil_gas is not None else set()
     own = range(FIRST_OWN, FIRST_OWN + len(parts.plenums))
-    supplied = beyond[SUCTION_IN] + beyond[SUCTION_OUT] - sent_back + rate * float(q[0])
+    supplied = beyond[SUCTION_IN] + beyond[SUCTION_OUT] - sent_back + rate * float(q[Q_WORK])
     supplied += sum(beyond[2 * i] + beyond[2 * i + 1] for i in own if i not in flashing)
     supplied += rate * float(walls_of(c, q)[:, 0].sum())
     absorbed = sum(float(streams[2 * i, OF_GAS] + streams[2 * i + 1, OF_GAS]) for i in flashing)

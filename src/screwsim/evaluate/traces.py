@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, Reading
+from screwsim.effects.base import LINES, Reading
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.model.slots import FIRST_OWN, R_RATIO
+from screwsim.model.slots import R_RATIO
 from screwsim.model.speed import slowness
 from screwsim.model.trace import SAMPLED
 
@@ -34,8 +34,7 @@ def traces(of: Evaluation) -> dict[str, np.ndarray]:
     if parts.dissolves:
         found["dissolved_gas_ratio"] = states["w_gas"]
     found |= {name: states[name] for name in c.own_states}
-    plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
-    to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN and not path.narrow]
+    to_lines = [i for i, (_, path) in enumerate(parts.ports) if path.to in LINES and not path.narrow]
     _smooth_plenum_flows(flows, to_lines, parts.omega * seen["mass_rate"])
     films = life.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
     if c.speed_curve is not None:  # the model's flows are those over the mean speed

@@ -20,6 +20,7 @@ from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, S_RHO, S_T, S_X_OIL
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
+from screwsim.outputs.variables import NOT_CLOSED
 
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
 REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equation of state
@@ -107,7 +108,7 @@ def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
     for part in problem.parts.pulsations:
         if part.shut is not None and part.shut(of.turn):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
-    if check_of(numerics.integrator) or not problem.wanted.fallbacks or cycle.status != "not_closed":
+    if check_of(numerics.integrator) or not problem.wanted.fallbacks or cycle.status != NOT_CLOSED:
         instead = way_of(cycle).instead
         return f"try {f'{instead}, or ' if instead else ''}a tighter numerics.accuracy"
     if cycle.change < UNSETTLED:

@@ -14,6 +14,7 @@ from screwsim.build import build_parts, faults_of_own, regularisation
 from screwsim.cycle.wanted import wanted_of
 from screwsim.effects import catalogue
 from screwsim.effects.base import (
+    LINES,
     ChamberState,
     FlowPath,
     HeatRate,
@@ -285,11 +286,10 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
 
 
 def _paths(parts: Parts) -> Iterator[str]:
-    lines = {"suction": "suction line", "discharge": "discharge line"}
     for name, built in parts.effects.items():
         for path in (part for part in built if isinstance(part, FlowPath)):
-            if path.to in lines:
-                ends = f"chamber - {lines[path.to]}"
+            if path.to in LINES:
+                ends = f"chamber - {path.to} line"
             elif path.to in parts.plenums:
                 held = parts.plenums[path.to]
                 state = f"{held.p / 1e5:.6g} bar, {held.T:.6g} K, {held.rho:.6g} kg/m^3, {held.h / 1e3:.6g} kJ/kg"

@@ -26,7 +26,6 @@ from screwsim.export.unit import BASE, DISPLAYS, exponents, plain
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import replacing
 
-VERSIONS = ("2", "3")
 ERROR, VALID = "error_estimate", "valid"
 _ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where nothing is known"
 _VALID_MEANS = "inside the ranges, among points whose cycles closed"

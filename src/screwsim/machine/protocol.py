@@ -112,11 +112,6 @@ class MachineSettings(Protocol):
     counts_otherwise = False
 
     @property
-    def stated_life(self) -> float | None:
-        """Angle of a chamber's life [rad]; None where these settings alone do not tell it."""
-        return None
-
-    @property
     def expands(self) -> bool:
         """Tell whether it runs backwards, as an expander (M150)."""
         return self.mode == EXPANDER

@@ -143,11 +143,6 @@ class TwinScrew(MachineSettings):
         return 0.5 * self.rotor_diameter * omega
 
     @property
-    def stated_life(self) -> float | None:
-        """Angle of a chamber's life [rad]; None where the rotors tell it."""
-        return None if self.volume.from_rotors else self.volume.life or LIFE
-
-    @property
     def finds_gaps(self) -> str:
         """What finds lengths and neighbours of the gaps; empty where formulas of the effects do."""
         return "machine.volume.law: profile" if self.volume.from_rotors else ""

@@ -6,13 +6,12 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
+from screwsim.effects.base import DISCHARGE, LINES, ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
 from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
@@ -32,29 +31,22 @@ from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
-Named = Sequence[tuple[str, FlowPath]]
-LINES = ("suction", "discharge")
 NO_NUMBERS = np.zeros(0)
 
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    named = parts.all(FlowPath)
-    plenum = [(name, path) for name, path in named if path.to != "neighbour"]
-    gaps = [(name, path) for name, path in named if path.to == "neighbour"]
-    _refuse_resistances(named)
-    network = _network(parts, plenum, gaps)
-    stopped = [part for _, part in parts.all(Stops)]
-    _refuse(network, bool(stopped) or any(path.opening is not None for _, path in plenum))
+    network = _network(parts)
+    _refuse(network, parts)
     writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
-    _write(writer, parts, plenum, gaps)
+    _write(writer, parts)
     numbers, port = writer.numbers, parts.oil_port
     found = structured(
         network.key(),
         tuple(writer.text),
         tuple(writer.kernels),
         tuple(numbers.places.items()),
-        (*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
+        (*(path.to for _, path in parts.ports), *(DISCHARGE for _ in parts.gaps)),
         tuple(numbers.place_of(cell) for cell in writer.made.values()),
         writer.speed_curve,
         tuple(oil_places(parts).items()),
@@ -63,7 +55,9 @@ def compose(parts: Parts) -> Composition:
         found,
         np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        breakpoints=breakpoints(parts, parts.geometry.volume_law(), named, () if port is None else port.breakpoints),
+        breakpoints=breakpoints(
+            parts, parts.geometry.volume_law(), parts.all(FlowPath), () if port is None else port.breakpoints
+        ),
         recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )
@@ -129,7 +123,7 @@ def structured(
     )
 
 
-def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
+def _network(parts: Parts) -> Network:
     """Return the cells and connections of a scene; what is called of them is written later."""
     oil, ported = parts.oil, parts.oil_port is not None
     heated = bool(parts.all(HeatRate)) or ported or parts.oil_room
@@ -145,29 +139,29 @@ def _network(parts: Parts, plenum: Named, gaps: Named) -> Network:
     network.varies, network.supplied, network.pumped = parts.gas.varies, oil is not None, parts.pumped
     network.positive = tuple(part.positive for part in own)
     network.cells = [*(f"{name}_line" for name in LINES), "", *(identifier(name) for name in parts.plenums)]
-    network.offsets = sorted({path.offset for _, path in gaps})
-    for i, (name, path) in enumerate(plenum):
+    network.offsets = sorted({path.offset for _, path in parts.gaps})
+    for i, (name, path) in enumerate(parts.ports):
         number = parts.number(path.to)
         cell = network.cells[number]
         port = Port(i, name, cell, number, f"P[P_WIDTH_{cell}]", one_way=path.one_way, narrow=path.narrow)
         network.ports.append(port)
-    network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
+    network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(parts.gaps)]
     # effects that open chambers beyond the injection angle to suction, or others to discharge
-    network.across = any(not path.port and path.to in LINES for _, path in plenum)
+    network.across = any(not path.port and path.to in LINES for _, path in parts.ports)
     network.chambers = parts.geometry.chambers
     return network
 
 
-def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
+def _write(writer: Writer, parts: Parts) -> None:
     """Write what the composition has of its own, and put the calls of its kernels into the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
-    ports, between_chambers = [path for _, path in plenum], [path for _, path in gaps]
+    ports, between_chambers = [path for _, path in parts.ports], [path for _, path in parts.gaps]
     writing.write_gas(writer, parts.gas)
     writing.write_volume(writer, geometry.volume_law())
     if parts.shaft is not None:
         writing.write_speed(writer, geometry.pitch)
     factors = scales(writer, parts)
-    writing.write_areas(writer, [*plenum, *gaps], factors)
+    writing.write_areas(writer, [*parts.ports, *parts.gaps], factors)
     writing.write_heat(writer, parts.all(HeatRate))
     writing.write_walls(writer, parts.walls)
     writing.write_pulsations(writer, parts)
@@ -179,7 +173,7 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         writing_oil.write_flash(writer, parts, oil, parts.oil_gas)
     writing.write_laws(writer, ports, network.ports)
     writing.write_laws(writer, between_chambers, network.gaps)
-    writing.write_resistances(writer, gaps, scales(writer, parts, clearances=True))
+    writing.write_resistances(writer, parts.gaps, scales(writer, parts, clearances=True))
     if network.own_states:
         writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):
@@ -219,17 +213,14 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
     return tuple(each for each, wanted in asked.items() if wanted)
 
 
-def _refuse(network: Network, opened: bool) -> None:
+def _refuse(network: Network, parts: Parts) -> None:
     """Raise TypeError for parts of effects that do not go together."""
     if len(set(network.states)) < len(network.states):
         raise TypeError(f"two states have one name: {', '.join(network.states)}")
     if taken := sorted(RESERVED & set(network.states)):
         raise TypeError(f"a state cannot be called {', '.join(taken)}: every chamber has a number of that name")
+    if any(path.resistance is not None for _, path in parts.ports):
+        raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")
+    opened = bool(parts.all(Stops)) or any(path.opening is not None for _, path in parts.ports)
     if opened and network.chambers > 1:
         raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")
-
-
-def _refuse_resistances(named: Named) -> None:
-    """Refuse resistances that no gap has."""
-    if any(path.resistance is not None and path.to != "neighbour" for _, path in named):
-        raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")

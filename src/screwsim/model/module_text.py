@@ -92,6 +92,7 @@ def _written(
     together: bool,
     along: bool,
 ) -> str:
+    """Return the text of a module: constants, kernels, the composition's own functions, drivers, each once."""
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
     blocks = flatten(kernels, own, numbers=numbers)

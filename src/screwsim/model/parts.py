@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from screwsim.effects.base import (
+    DISCHARGE,
+    LINES,
     FlowPath,
     OilContent,
     OilGas,
@@ -102,10 +104,22 @@ class Parts:
 
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""
-        numbers = {"suction": 0, "discharge": 1} | {name: FIRST_OWN + i for i, name in enumerate(self.plenums)}
+        numbers = {line: i for i, line in enumerate(LINES)} | {
+            name: i for i, name in enumerate(self.plenums, FIRST_OWN)
+        }
         if to not in numbers:
             raise TypeError(f"a flow path leads to {to!r}, which no effect declares; known: {', '.join(numbers)}")
         return numbers[to]
+
+    @once
+    def ports(self) -> list[tuple[str, FlowPath]]:
+        """The openings to lines and plenums, with the effects that declare them."""
+        return [(name, path) for name, path in self.all(FlowPath) if not path.between]
+
+    @once
+    def gaps(self) -> list[tuple[str, FlowPath]]:
+        """The gaps between chambers, likewise."""
+        return [(name, path) for name, path in self.all(FlowPath) if path.between]
 
     @once
     def oil_port(self) -> OilPort | None:
@@ -139,7 +153,7 @@ class Parts:
     def held_back(self) -> bool:
         """Does a check valve let nothing of the discharge line back, at once or because it could go nowhere else?"""
         valved = [part.to for part in self.pulsations if part.shut is not None]
-        return "discharge" in valved or bool(valved and not self.plenums)
+        return DISCHARGE in valved or bool(valved and not self.plenums)
 
     @once
     def suction_line(self) -> bool:
@@ -154,8 +168,7 @@ class Parts:
     @once
     def films(self) -> list[bool]:
         """Of each gap between chambers: does oil leak through it as a film?"""
-        gaps = [path for _, path in self.all(FlowPath) if path.to == "neighbour"]
-        held = [path.resistance for path in gaps]
+        held = [path.resistance for _, path in self.gaps]
         return [each is not None and (each.film or each.drag) is not None for each in held]
 
     @once

@@ -23,6 +23,7 @@ from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PO
 from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.compiling import clock
 from screwsim.numerics.integrators import Check
+from screwsim.numerics.rodas import EVALUATED, JACOBIANS
 from screwsim.numerics.room import room
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -138,7 +139,7 @@ class Machinery:
 
     def evaluations_of(self, counts: Sequence[int] | Array) -> int:
         """Return the evaluations of the right-hand side of one chamber in counts, those for Jacobians included."""
-        return int(counts[2] + counts[3] * self.n)
+        return int(counts[EVALUATED] + counts[JACOBIANS] * self.n)
 
     @property
     def impacts(self) -> int:

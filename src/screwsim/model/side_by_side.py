@@ -102,6 +102,7 @@ class Lanes:
             return self._turns(asked)
 
     def _turns(self, asked: Sequence[Asked]) -> list[Answer]:
+        """Return the answers of as many turns as there are lanes, or fewer: their numbers go there and come back."""
         named = [arrays_of(each) for each in asked]
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
@@ -116,6 +117,7 @@ class Lanes:
         return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(asked))]
 
     def _words(self, asked: Sequence[Asked], named: Sequence[dict[str, Array]]) -> Array:
+        """Return the arguments of the call in words of 64 bits; lanes that are idle have those of the first."""
         words: list[float | int] = [(1 << len(asked)) - 1]
         idle = LANES - len(asked)
 

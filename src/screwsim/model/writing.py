@@ -16,16 +16,16 @@ from typing import Any
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
 from screwsim.model import pulsation
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import Heat, Law, Network, Stop, WallHeat, identifier
+from screwsim.model.network.network import PRESSURES, Heat, Law, Network, Stop, WallHeat, identifier, line_pressures
 from screwsim.model.numbers import Numbers
 from screwsim.model.parts import Parts
 from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics.kernel import Kernel
 
 # symbols that a kernel can ask for and that are not numbers of the scene
-STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
+STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", *PRESSURES)
 OPENING_SYMBOLS = ("drop", "width", "held")
-PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
+PUSH_SYMBOLS = ("p", *PRESSURES)
 GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # of a push on what moves, by the state of the gas
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
@@ -84,20 +84,24 @@ class Writer:
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
         return f"{kernel.flat_name}({', '.join(arguments)})"
 
+    def in_time(self, rate: str) -> str:
+        """Return the text of a rate at the mean speed as one at the speed here, by `slow` (M217)."""
+        return f"slow * {rate}" if self.slow else rate
+
     def function(self, head: str, body: Sequence[str]) -> None:
+        """Write a function of the composition's own."""
         self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
 
-    def chosen(self, head: str, calls: Sequence[str], otherwise: str) -> None:
+    def chosen(self, head: str, calls: Sequence[str], otherwise: str, before: Sequence[str] = ()) -> None:
         """Write a function by which calls are asked one by one, by index, from Python."""
         body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
-        self.function(head, [*body, f"return {otherwise}"])
+        self.function(head, [*before, *body, f"return {otherwise}"])
 
     def asked(self, name: str, arguments: Sequence[str], calls: Sequence[str], before: Sequence[str] = ()) -> None:
-        """Write a function by which calls are asked one by one, by index, from Python (`evaluate.own_effects`)."""
+        """Write the same of rates of one chamber, where there are any (`evaluate.own_effects`)."""
         slow = [f"slow = {self.slow}"] if any(call.startswith("slow *") for call in calls) else []
-        body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
         if calls:
-            self.function(f"{name}(i, {', '.join(arguments)}, P)", [*before, *slow, *body, "return 0.0"])
+            self.chosen(f"{name}(i, {', '.join(arguments)}, P)", calls, "0.0", [*before, *slow])
 
 
 def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]) -> None:
@@ -130,24 +134,25 @@ def _at(slow: str, path: FlowPath) -> str:
 
 
 def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
-    slow = "slow * " if writer.slow else ""
+    """Put the heat [W] from the oil to the gas into the network."""
     for effect, part in heats:
-        call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS, of=identifier(effect))
+        call = writer.in_time(writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS, of=identifier(effect)))
         writer.network.heats.append(Heat(effect, call, "d * " if part.oil_factor == "printed" else ""))
     writer.asked("heat_part", HEAT_SYMBOLS, [each.call for each in writer.network.heats])
 
 
 def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
-    slow = "slow * " if writer.slow else ""
+    """Put each wall's conductance [W/K] and temperature [K] into the network (M170)."""
     for effect, wall in walls:
         held = wall.temperature
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
-        call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS, of=identifier(effect))
+        call = writer.in_time(writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS, of=identifier(effect)))
         writer.network.walls.append(WallHeat(effect, call, temperature))
     writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
 
 
 def write_pulsations(writer: Writer, parts: Parts) -> None:
+    """Write of each line that pulsates the offset of its mean pressure and its harmonics, over itself (M185)."""
     if not parts.pulsations:
         return
     writer.kernels.append(pulsation.harmonics)
@@ -181,6 +186,7 @@ def scales(writer: Writer, parts: Parts, clearances: bool = False) -> dict[str, 
 
 
 def write_gas(writer: Writer, gas: Any) -> None:
+    """Write the gas's phase, state and specific entropy at a temperature and density (`fluid.gas.Gas`)."""
     free = ("phase", "T", "rho")
     if gas.phased_state is None:
         phase, state = "0", writer.call(gas.state, gas.values, {}, free)
@@ -254,15 +260,17 @@ def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> lis
 
 
 def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
+    """Put the rates [1/s] of the effects' own states into the network."""
     for part in own:
         call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states), of=part.name)
-        writer.network.rates.append(f"slow * {call}" if writer.slow else call)
+        writer.network.rates.append(writer.in_time(call))
     asked = {name for part in own for name in part.rate.arguments}
     before = named_states([], states, asked)
     writer.asked("state_rate", (*STATE_SYMBOLS, "y", "at"), writer.network.rates, before)
 
 
 def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
+    """Write the open share of each port's area where that depends on the chamber's state, a valve's."""
     layout, calls = Layout(writer.network), [""] * len(paths)
     for index, path in enumerate(paths):
         if path.opening is not None:
@@ -277,7 +285,7 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
     """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures and by the gas."""
-    lines = ", ".join(f"R[R_{cell} + PRESSURE]" for cell in writer.network.cells[:2])
+    lines = ", ".join(line_pressures(writer.network).values())
     arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
     for part in stops:
         call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]), of=part.position)

@@ -19,6 +19,7 @@ from screwsim.numerics.spline import table_value
 
 
 def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
+    """Write the oil [kg] that is injected at one angle, by a ratio to the gas or through an orifice for a pitch."""
     if oil is None:
         body = ["return 0.0"]
     elif "ratio" in oil.supply:
@@ -38,23 +39,21 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
 
 
 def write_ports(writer: Writer, parts: Parts, port: OilPort) -> None:
+    """Write the oil [kg/s] that flows in through a port, by its pressures or as a pump doses it."""
     if parts.pumped:
         assert port.pumped is not None and parts.oil is not None
         ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
-        call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
-        slow = f"{writer.slow} * " if writer.slow else ""
-        inflow = f"P[P_TRAPPED] * {ratio} * {call}"
-        writer.network.inflow = f"slow * {inflow}" if slow else inflow
-        inflow = slow + inflow
-        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
-        return
-    call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), "width = P[P_DISCHARGE_WIDTH]"
-    slow = f"{writer.slow} * " if writer.slow else ""
-    writer.network.inflow = f"slow * {call}" if slow else call
-    writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
+        flow, before = f"P[P_TRAPPED] * {ratio} * {writer.call(port.pumped, port.values, {}, ('phi', 'TAB'))}", []
+    else:
+        flow, before = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), ["width = P[P_DISCHARGE_WIDTH]"]
+    inflow = writer.network.inflow = writer.in_time(flow)
+    if writer.slow:
+        before = [*before, f"slow = {writer.slow}"]
+    writer.function("oil_inflow(phi, p, P, TAB)", [*before, f"return {inflow}"])
 
 
 def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
+    """Write what flashes out of oil that enters, at once or, where the oil dissolves it, over time."""
     content, state = parts.oil_content, parts.plenums[part.plenum]
     assert content is not None
     writer.network.gas_cell = identifier(part.plenum)

@@ -90,6 +90,7 @@ BETA = quadrature_weights(GAMMA, A, C)
 BETA_D = float(BETA @ D)
 POWER = -1.0 / ORDER  # of the error, by which the next step is scaled
 
+TAKEN, REFUSED, EVALUATED, JACOBIANS = range(4)  # what is counted: steps, refused ones, calls of `rates`, Jacobians
 OK = 0
 STEP_TOO_SMALL = 1
 TOO_MANY_STEPS = 2
@@ -175,7 +176,7 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
     """Integrate y and the quadratures q (both in place) over the breakpoints; return (status, φ reached, next step).
 
     Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_port_states`), kept[0] = steps so far (readable
-    by the slots while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
+    by the slots while integrating); adds to counts (TAKEN …).
     """
     n = STATES
     nq = QUADRATURES
@@ -221,21 +222,21 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
                 delta = min(ANGLE_STEP, 0.1 * trial)
                 surroundings(phi + delta, middle, context, E_next)
                 jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)
-                counts[3] += 1
+                counts[JACOBIANS] += 1
                 fresh = False
             if landing and not lands(trial, J, E, E_end, context):
                 landing = False
                 trial *= 0.5
             attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)
-            counts[2] += STAGES - 1
+            counts[EVALUATED] += STAGES - 1
             error = error_size(y, y1, u[LAST], context) / rtol
             if not (error <= 1.0):
-                counts[1] += 1
+                counts[REFUSED] += 1
                 h = trial * (max(0.15, 0.85 * error**POWER) if error < 1e12 else 0.15)  # NaN, too
                 continue
             share = share_in_phase(y, y1, u, rtol, context)
             if share < 1.0:
-                counts[1] += 1
+                counts[REFUSED] += 1
                 longest = share * trial
                 continue
             longest = math.inf
@@ -248,7 +249,7 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
             keep_port_states(step, dense, context)
             step += 1
             kept[0] = step
-            counts[0] += 1
+            counts[TAKEN] += 1
             factor = min(GROWTH, 0.85 * max(error, 1e-8) ** POWER)
             h = min(LONGEST, max(h, trial * factor) if factor >= GROWTH else trial * factor)
             for i in range(n):

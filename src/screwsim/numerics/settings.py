@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from screwsim.inputs.declare import choice, number
 from screwsim.numerics.closings import AUTO, CLOSINGS
+from screwsim.numerics.estimates import ERRORS, ESTIMATE
 from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
-
-ESTIMATE = "estimate"  # what `numerics.error` says
 
 
 @dataclass(frozen=True)
@@ -25,13 +24,9 @@ class NumericsSettings:
         AUTO,
     )
     rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
-    error: str = choice(
-        "estimate: the numerical error of each figure, and closing again until it is within the accuracy; none: faster",
-        (ESTIMATE, "none"),
-        ESTIMATE,
-    )
+    error: str = choice("; ".join(f"{name}: {each.text}" for name, each in ERRORS.items()), tuple(ERRORS), ESTIMATE)
 
     @property
     def estimates(self) -> bool:
         """Tell whether the error of each figure is estimated."""
-        return self.error == ESTIMATE
+        return bool(ERRORS[self.error].by)

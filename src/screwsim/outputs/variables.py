@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.outputs.declared import Variable
 
-STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index
+STATUSES = OK, NOT_CLOSED, FAILED = "ok", "not_closed", "failed"  # HDF5 stores the index
 
 BALANCE = {
     "mass": Variable("1", "relative residual of the gas mass balance"),

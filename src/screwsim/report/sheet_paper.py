@@ -15,7 +15,7 @@ WIDE, HIGH = 210.0, 297.0  # [mm] of a page
 EDGE = 12.0  # [mm] left free around
 POINT = 1.0 / (72.0 * MM)  # [mm]
 LEAST = 6.5  # [pt] the smallest type
-LINE, RISE, FALL = 1.28, 0.78, 0.25  # of the size: from line to line, and what letters take above and below theirs
+LINE, FALL = 1.28, 0.25  # of the size: from line to line, and what letters take below theirs
 _UNIT = re.compile(r"(?<=\d) (?=[^\s\d])")
 _FIXED = "\u00a0"  # a space at which no line ends
 

@@ -25,7 +25,8 @@ from screwsim.model.slots import S_RHO, S_T
 from screwsim.numerics.compiling import clock
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
-from screwsim.solve.estimate import FINER, estimated_errors
+from screwsim.solve.estimate import estimated_errors
+from screwsim.solve.finer import FINER
 
 Array = np.ndarray
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
@@ -76,7 +77,7 @@ def solve(
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
-        if cycle.status != "ok" or wanted.check or not numerics.estimates:
+        if not cycle.closed or wanted.check or not numerics.estimates:
             break
         errors, on = estimated_errors(of, machinery, wanted, cycle)
         largest = worst(errors)[1]
@@ -89,7 +90,7 @@ def solve(
         led = on if isinstance(on, Led) else None
         tighter = finer or _tighter(problem, machinery, wanted, cycle, led=led)  # a search is dear: its cycle is taken
         watch.lap("closing")
-        if tighter.status != "ok":
+        if not tighter.closed:
             break
         cycle, of = tighter, evaluate(problem, tighter)
     if largest < EASY * numerics.accuracy:
@@ -120,7 +121,7 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     watch.lap("closing")
     counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
     accurate = accurate._replace(counts=counts, closing_time=spent)
-    if cycle.status != "ok":
+    if not cycle.closed:
         return accurate
     return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), wanted=wanted)
 
@@ -150,11 +151,11 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
     A gas outside its equation stays there, whatever is tried. What nothing closes is left as the first way left it.
     """
     cycle = close(problem, machinery, wanted, course)
-    if cycle.status == "ok" or wanted.check or not wanted.fallbacks or _outside(problem, cycle):
+    if cycle.closed or wanted.check or not wanted.fallbacks or _outside(problem, cycle):
         return cycle
     for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
         better = attempt()
-        if better.status == "ok":
+        if better.closed:
             return better if better.needed else replace(better, needed=name)
     return cycle
 
@@ -165,7 +166,7 @@ def _outside(problem: Problem, cycle: CycleSolution) -> bool:
     That of any chamber where all stopped in their first pitch, with which every further try begins as well.
     """
     gas, c = problem.parts.gas, problem.composition
-    if cycle.status == "failed":
+    if cycle.failed:
         stopped = way_of(cycle).stopped(cycle, len(c.states), c.chambers)
         return any(gas.why_outside(float(y[S_T]), float(y[S_RHO])) is not None for y in stopped)
     return gas.first_outside(*cycle.trajectory.ends) is not None

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from screwsim.cycle.guess import begin
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
+from screwsim.cycle.solution import Start
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.run import Machinery
@@ -35,8 +36,8 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
         return
     problem, figures = of.problem, of.figures
     y = begin(problem, machinery, DRY)
-    other = relax(problem, machinery, accurate.wanted, y, last=False)
-    if other is None or other.status != "ok":
+    other = relax(problem, machinery, accurate.wanted, Start(y), last=False)
+    if other is None or not other.closed:
         return
     found = evaluate(problem, other).figures
     errors = relative_errors(figures, found, *of.least)

@@ -119,7 +119,7 @@ class Search:
         self.time += watch.times["closing"]
         leases.give_back(machinery)
         of = evaluate(problem, cycle)
-        if cycle.status != "ok":
+        if not cycle.closed:
             return None
         self.cycle = cycle if wanted is asked else None
         note(self.course, of, cycle, wanted, self.course.tightness)
@@ -296,7 +296,7 @@ def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[boo
     """Tell whether a cycle needs no other unknowns; return the largest error over the wanted accuracy."""
     accuracy = accurate.evaluation.problem.scene.numerics.accuracy
     size = worst(errors)[1] / accuracy
-    if asked is None or accurate.cycle.status != "ok":
+    if asked is None or not accurate.cycle.closed:
         return True, size
     fixed = accurate.evaluation.problem.scene.numerics.rtol is not None
     return asked.open <= OPEN * accuracy and (size <= 1.0 or fixed), max(size, AIM)

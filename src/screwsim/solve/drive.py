@@ -20,6 +20,7 @@ from screwsim.machine.drive.collocation import differentiation, resampled
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.model import leases, speed
 from screwsim.model.run import Machinery
+from screwsim.outputs.variables import NOT_CLOSED
 
 MOST_TURNS = 20  # of chambers and drive by turns
 MOST_SPEEDS = 20  # tried for a mean speed that follows from the motor's line
@@ -31,21 +32,21 @@ def settled(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: Cycle
     `not_closed` where the turns do not settle, or the drive has no steady motion: the cycle is that of the last speed.
     """
     part, change = problem.parts.shaft, 0.0
-    if part is None or cycle.status != "ok":
+    if part is None or not cycle.closed:
         return cycle
     for _ in range(MOST_TURNS):
         try:
             motion = part.respond(evaluate(problem, cycle).complete)
         except NoMotion:
-            return replace(cycle, status="not_closed", change=change)
+            return replace(cycle, status=NOT_CLOSED, change=change)
         change, curve = set_course(problem, machinery, motion, wanted.tolerance)
         curve = cycle.speed_curve if curve is None else curve
         if change <= wanted.tolerance:
             return replace(cycle, speed_curve=curve)
         cycle = replace(again(problem, machinery, wanted, cycle), speed_curve=curve)
-        if cycle.status != "ok":
+        if not cycle.closed:
             return cycle
-    return replace(cycle, status="not_closed", change=change)
+    return replace(cycle, status=NOT_CLOSED, change=change)
 
 
 def set_course(
@@ -84,7 +85,7 @@ def at_its_speed(problem: Problem, series: Series) -> Problem:
         machinery = leased(problem)
         cycle = settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted, series.course))
         leases.give_back(machinery)
-        if cycle.status != "ok":
+        if not cycle.closed:
             return problem
         try:
             found = part.respond(evaluate(problem, cycle).complete).mean_speed

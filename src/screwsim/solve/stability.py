@@ -14,6 +14,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.model.run import Machinery
+from screwsim.model.slots import Q_WORK
 
 TURNS = 20
 STRAYED = 0.01  # change of the work of a turn, over that of the cycle
@@ -29,7 +30,7 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
     if not problem.composition.stops or (not way_of(cycle).whole and cycle.turns <= EASY):
         return 0.0
     machinery.put(cycle.trajectory)
-    y, worst, work = cycle.y.copy(), 0.0, float(cycle.q[0])
+    y, worst, work = cycle.y.copy(), 0.0, float(cycle.q[Q_WORK])
     least = evaluate(problem, cycle).least[1]
     for _ in range(TURNS):
         status, _, _, turn = machinery.turn(y, rtol, 1e-3)
@@ -41,12 +42,12 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
 
 def warnings(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> tuple[str, ...]:
     """Return a warning where the machine does not stay on its cycle."""
-    if cycle.status == "ok" and cycle.growth > GROWS:
+    if cycle.closed and cycle.growth > GROWS:
         return (
             f"the machine does not stay on this cycle: a small change grows to {cycle.growth:.3g} times itself over a "
             "pitch, so that its own course leads away (larger ports or smaller gaps let the gas out)",
         )
-    if cycle.status != "ok" or strayed(problem, machinery, cycle, rtol) <= STRAYED:
+    if not cycle.closed or strayed(problem, machinery, cycle, rtol) <= STRAYED:
         return ()
     return (
         "the machine does not stay on this cycle: its own turns stray from it, and there may be others (lighter reeds, "

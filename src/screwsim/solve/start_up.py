@@ -25,8 +25,9 @@ from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
 from screwsim.model import compiled, leases, speed
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_OMEGA, R_SUCTION
+from screwsim.model.slots import P_OMEGA, Q_WORK, R_SUCTION
 from screwsim.outputs import Figures
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
 
@@ -78,14 +79,14 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
     machinery, part = leased(problem), problem.parts.shaft
     assert part is not None  # `steadily`
     cycle = drive.settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
-    if cycle.status == "failed":
-        return StartUp("failed", UNCLOSED)
+    if cycle.failed:
+        return StartUp(FAILED, UNCLOSED)
     of = evaluate(problem, cycle)
     try:
         steady = part.respond(of.complete)
     except NoMotion as reason:
-        return StartUp("failed", f"there is no steady speed to start to: {reason}")
-    if cycle.status != "ok":
+        return StartUp(FAILED, f"there is no steady speed to start to: {reason}")
+    if not cycle.closed:
         return StartUp(cycle.status, UNCLOSED)
     if creep >= steady.mean_speed:
         target = _rpm(steady.mean_speed)
@@ -191,8 +192,8 @@ class Run:
         of = Evaluation(problem, machinery.trajectory, q)
         torque = raw_torque(of.pitch)
         gas = np.append(torque, 2.0 * torque[-1] - torque[-2])
-        gas += (float(q[0]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
-        return gas, loss_torque(of, mean), float(q[0]), machinery.shift(y)
+        gas += (float(q[Q_WORK]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
+        return gas, loss_torque(of, mean), float(q[Q_WORK]), machinery.shift(y)
 
     # ---- all of it -------------------------------------------------------------------------------------------
 
@@ -204,26 +205,26 @@ class Run:
             try:
                 step = self.advance()
             except UsageError as reason:
-                return self._ended("failed", str(reason))
+                return self._ended(FAILED, str(reason))
             if isinstance(step, str):
-                return self._ended("failed", f"at {self.drive[3]:.4g} s {step}")
+                return self._ended(FAILED, f"at {self.drive[3]:.4g} s {step}")
             self.pitches.append(step)
             broken = self._broken(step.motion)
             if broken:
-                return self._ended("failed", broken)
+                return self._ended(FAILED, broken)
             if step.motion.stalled:
-                return self._ended("failed", self._stalled(step))
+                return self._ended(FAILED, self._stalled(step))
             unsettled += not step.settled
             self.go_on(step)
             m, mean = step.motion, _mean(step.motion, self.train.pitch)
             stays = stays + 1 if abs(mean / target - 1.0) <= ARRIVED else 0
             if stays >= STAYS:
-                status = "ok" if unsettled == 0 else "not_closed"
+                status = OK if unsettled == 0 else NOT_CLOSED
                 return self._ended(status, "" if unsettled == 0 else f"{unsettled} pitches did not settle")
             if m.time[-1] > self.longest:
                 text = f"after {m.time[-1]:.4g} s the speed is {_rpm(mean)}, and {_rpm(target)} would be steady"
-                return self._ended("failed", f"{text} (a larger motor, a smaller load, or a longer time: --longest)")
-        return self._ended("failed", f"the speed is not steady after {MOST_PITCHES} lobe pitches")
+                return self._ended(FAILED, f"{text} (a larger motor, a smaller load, or a longer time: --longest)")
+        return self._ended(FAILED, f"the speed is not steady after {MOST_PITCHES} lobe pitches")
 
     def _broken(self, motion: Motion) -> str:
         i = int(np.argmax(np.abs(motion.twist)))

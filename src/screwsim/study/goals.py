@@ -15,7 +15,6 @@ from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
 from screwsim.study.figures import figure_of
 
 MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}}
-SIGNS = ("=", "<", ">")
 
 
 class Goal(NamedTuple):

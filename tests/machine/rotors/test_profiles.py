@@ -1,6 +1,5 @@
 """Profiles from points, and the refusals: each in one line with its remedy."""
 
-import importlib.util
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -18,12 +17,9 @@ from screwsim.machine.rotors.pair import Chain, Pair
 from screwsim.machine.rotors.rotors import make_rotors
 from screwsim.machine.rotors.sections import sections
 from screwsim.machine.rotors.settings import Profile
+from screwsim.study.validation import sibling
 
-SPEC = importlib.util.spec_from_file_location(
-    "measured_rotors", Path(__file__).parents[3] / "docs" / "tools" / "measured_rotors.py"
-)
-measured_rotors = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(measured_rotors)
+measured_rotors = sibling(Path(__file__).parents[3] / "docs" / "tools" / "measured_rotors.py")
 
 MM, DEG = 1e-3, math.pi / 180.0
 PAIR = Pair(4, 6, 80 * MM, 50 * MM, 50 * MM)

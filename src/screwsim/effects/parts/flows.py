@@ -8,6 +8,9 @@ from typing import Any
 
 from screwsim.numerics.kernel import Kernel
 
+LINES = SUCTION, DISCHARGE = "suction", "discharge"  # between which a machine works, in the order of their numbers
+NEIGHBOUR = "neighbour"  # to which a gap leads: another chamber
+
 
 @dataclass(frozen=True)
 class Resistance:
@@ -86,10 +89,15 @@ class FlowPath:
     port: bool = False
     law: Kernel | None = None
 
+    @property
+    def between(self) -> bool:
+        """Does it join two chambers?"""
+        return self.to == NEIGHBOUR
+
     def mirrored(self, life: float, pitch: float) -> FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
         mirror = life - self.offset * pitch
-        to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
+        to = {SUCTION: DISCHARGE, DISCHARGE: SUCTION}.get(self.to, self.to)
         names = "breakpoints", "own_breakpoints", "corners"
         turned = {name: tuple(mirror - at for at in getattr(self, name)) for name in names}
         return replace(self, to=to, mirror=mirror, **turned)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from screwsim.cycle.known import pressure_behind
+from screwsim.effects.base import DISCHARGE, SUCTION
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
@@ -30,6 +31,19 @@ class State(NamedTuple):
     def generated(self, mass: float, enthalpy: float, entropy: float) -> float:
         """Return the entropy [J/K] generated where gas with these sums comes to this state, at its pressure (M52)."""
         return (enthalpy - mass * self.h) / self.T - (entropy - mass * self.s)
+
+
+class End(NamedTuple):
+    """A line or plenum to which gas and oil leave the chambers.
+
+    Gas that comes there comes to `state`; `entry` holds what the end takes. `kept`: what comes stays there, and mixes
+    to the mean of what comes; else the end stays as it is, and what is brought beyond that is lost.
+    """
+
+    name: str
+    state: State
+    entry: str
+    kept: bool
 
 
 @dataclass
@@ -116,8 +130,18 @@ class Cycle:
 
     def pressure(self, end: str) -> float:
         """Return the pressure [Pa] of a line or plenum."""
-        pressures = {"suction": self.suction.pressure, "discharge": self.lines.p_d}
+        pressures = {SUCTION: self.suction.pressure, DISCHARGE: self.lines.p_d}
         return pressures[end] if end in pressures else self.parts.plenums[end].p
+
+    def ends(self, back: State, discharge: State) -> list[End]:
+        """Return the end of each path; what flows back to suction comes to the state `back`."""
+        found = {
+            SUCTION: End(SUCTION, back, SUCTION_LINE, kept=self.parts.suction_line),
+            DISCHARGE: End(DISCHARGE, discharge, DISCHARGE_LINE, kept=True),
+        }
+        for name, own in self.parts.plenums.items():
+            found[name] = End(name, State(own.T, own.rho, own.h, own.s), f"{name}_plenum", kept=False)
+        return [found[end] for end in self.composition.ends]
 
     def drawn(self) -> Iterator[tuple[float, Reservoir]]:
         """Yield the net flow [kg/s] from each own plenum, and its state."""

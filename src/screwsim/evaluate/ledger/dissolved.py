@@ -5,11 +5,11 @@ Source: docs/model.md M233, M234. For the ledger, where what the oil holds is a 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from screwsim.cycle.suction_line import Stream
-from screwsim.effects.base import OilSolution
-from screwsim.evaluate.ledger.book import Cycle, State
+from screwsim.effects.base import DISCHARGE, OilSolution
+from screwsim.evaluate.ledger.book import Cycle, End, State
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, DISSOLVED, OF_HELD, OF_OIL, PORT_OIL, R_DISCHARGE
@@ -55,17 +55,21 @@ class Held:
         """Return the exergy [W] of gas [kg/s] of a state."""
         return gas * (state.h - self.suction.h - self.cycle.T_0 * (state.s - self.suction.s))
 
-    def at_lines(self, ends: dict[str, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
-        """Enter the mixing of what leaves in the discharge line, by path, and what other lines take (M234).
+    def at_lines(self, ends: Mapping[End, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
+        """Enter the mixing of what leaves in the discharge line, by path, and what ends that keep nothing take (M234).
 
-        `ends` holds, for each line's entry, '' for the discharge line, the paths that lead to it with their sums.
+        `ends` holds the paths that lead to each, with their sums.
         """
         out, held = self.flow_out()
-        self.mix(ends.pop("", []), Stream(oil=out, held=held), add)
-        for entry, paths in ends.items():
-            for _, row in paths:
+        self.mix(
+            [each for end, some in ends.items() if end.name == DISCHARGE for each in some],
+            Stream(oil=out, held=held),
+            add,
+        )
+        for end, paths in ends.items():
+            for _, row in paths if not end.kept else ():
                 if row[kernels.OUT_OIL] > 0.0:
-                    add(entry, exergy=self.exergy(row[kernels.OUT_HELD], row[kernels.OUT_HELD_ENTROPY]))
+                    add(end.entry, exergy=self.exergy(row[kernels.OUT_HELD], row[kernels.OUT_HELD_ENTROPY]))
 
     def flow_out(self) -> tuple[float, float]:
         """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] that it holds."""

@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import log
+from typing import NamedTuple
 
 from screwsim.cycle import suction_line
 from screwsim.effects.base import Pulsation, SuctionChange
-from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
+from screwsim.evaluate.ledger.book import DISCHARGE_LINE, Book, Cycle, End, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DENSITY, DISCHARGE_IN, DISCHARGE_OUT, ENTHALPY, OF_ENERGY, OF_GAS, R_DISCHARGE
 from screwsim.model.trajectory import Array
 
 
-def enter_paths(book: Book, cycle: Cycle, paths: Rows, suction: State, discharge: State, back: State) -> None:
-    """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52).
-
-    `back` is the state to which what flows back to suction comes: the suction line's, or its own mean.
-    """
-    states = {"suction": suction, "discharge": discharge} | {
-        name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
-    }
-    for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
-        target = back if end == "suction" else states[end]
+def enter_paths(book: Book, cycle: Cycle, paths: Rows, ends: Sequence[End], suction: State) -> None:
+    """Enter every flow path: what its gas generates where it arrives, in a chamber or at its end (M50–M52)."""
+    for name, end, row in zip(cycle.paths, ends, paths, strict=True):
+        target = end.state
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
         moved = row[kernels.MOVED]
         energy = row[kernels.CARRIES] - moved * suction.h
         book.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
-        kept = end == "discharge" or (end == "suction" and cycle.parts.suction_line)
-        if not kept and row[kernels.OUT_MASS] > 0.0:
+        if not end.kept and row[kernels.OUT_MASS] > 0.0:
             # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
             heat = row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h
-            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
-            book.add(entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
+            book.add(end.entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
 
 
 def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: State) -> float:
@@ -49,19 +43,21 @@ def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: S
     )
 
 
-def enter_pulsations(
-    book: Book, cycle: Cycle, suction: tuple[State, State], discharge: tuple[State, State], line: State
-) -> None:
-    """Enter what lines that pulsate cost (M187): throttling, and what gas that comes in takes of the pulsation.
+class Throttled(NamedTuple):
+    """The states before and after a line's plenum, and that of the line, from which gas comes into the chambers."""
 
-    The gas is throttled from the first to the second of two states.
-    """
+    before: State
+    after: State
+    line: State
+
+
+def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]) -> None:
+    """Enter what lines that pulsate cost (M187): throttling, and what gas that comes in takes of the pulsation."""
     for name, part in cycle.parts.all(Pulsation):
         row = 2 * cycle.parts.number(part.to)
-        before, after = suction if part.to == "suction" else discharge
+        before, after, line = of_lines[part.to]
         sums = cycle.rate * cycle.streams[row : row + 2]
-        h = before.h if part.to == "suction" else line.h
-        pulsation = float(sums[0, OF_ENERGY] - sums[0, OF_GAS] * h)
+        pulsation = float(sums[0, OF_ENERGY] - sums[0, OF_GAS] * line.h)
         passed = abs(float(sums[:, OF_GAS].sum()))
         throttled = passed * (after.s - before.s)
         book.add(name, gas=passed, energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import log
 
 import numpy as np
 
 from screwsim.cycle.powers import oil_lift
-from screwsim.effects.base import LineLeak, OilGas, OilSolution, PowerLoss, Pulsation
+from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, PowerLoss, Pulsation
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
     OIL_INJECTION,
@@ -15,6 +16,7 @@ from screwsim.evaluate.ledger.book import (
     SUCTION_LINE,
     Book,
     Cycle,
+    End,
     Rows,
     State,
 )
@@ -34,6 +36,8 @@ from screwsim.model.slots import (
     R_INJECTED,
     R_OIL_BEFORE,
     R_RATIO,
+    S_RHO,
+    S_T_OIL,
 )
 from screwsim.model.trajectory import Array
 
@@ -47,7 +51,14 @@ def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
 
 
 def oil_rise(
-    book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array, sums: Array, met: Streams | None
+    book: Book,
+    cycle: Cycle,
+    ends: Sequence[End],
+    suction: State,
+    paths: Rows,
+    heats: Array,
+    sums: Array,
+    met: Streams | None,
 ) -> float:
     """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved.
 
@@ -59,45 +70,48 @@ def oil_rise(
     lift = oil_lift(cycle.parts, known)
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     for name, part in cycle.parts.all(Pulsation):
-        if part.to == "discharge" and not cycle.parts.oil_room:  # what the oil loses on its way to the line (M187)
+        if part.to == DISCHARGE and not cycle.parts.oil_room:  # what the oil loses on its way to the line (M187)
             through = known.oil_volume_flow + known.leaked_oil_flow
             book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
     station()
-    dissolved = _flash(book, cycle, suction, paths, sums, met)
+    dissolved = _flash(book, cycle, ends, suction, paths, sums, met)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
-        return dissolved + mechanical + _carried(book, cycle, paths, met)
+        return dissolved + mechanical + _carried(book, cycle, ends, paths, met)
     if c.heats:
         return mechanical + _not_carried(book, cycle, paths, sums)
     return mechanical
 
 
-def _flash(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None) -> float:
+def _flash(
+    book: Book, cycle: Cycle, ends: Sequence[End], suction: State, paths: Rows, sums: Array, met: Streams | None
+) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
     if isinstance(content, OilSolution):
-        return _released(book, cycle, suction, paths, sums, met)
+        return _released(book, cycle, ends, suction, paths, sums, met)
     for name, _ in cycle.parts.all(OilGas):
         generated = float(sums[kernels.FLASH_GENERATED])
         book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.oil.temperature)
 
 
-def _released(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None) -> float:
+def _released(
+    book: Book, cycle: Cycle, ends: Sequence[End], suction: State, paths: Rows, sums: Array, met: Streams | None
+) -> float:
     """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
-    held, ends = Held(cycle, suction), {}
-    for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
-        entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
-        ends.setdefault(entry, []).append((name, row))
-    of_suction = ends.pop(SUCTION_LINE, []) if met is not None else []
-    held.at_lines(ends, book.add)
+    held, coming = Held(cycle, suction), {end: [] for end in ends}
+    for name, end, row in zip(cycle.paths, ends, paths, strict=True):
+        coming[end].append((name, row))
+    held.at_lines(coming, book.add)
     gas, energy = float(sums[kernels.FLASH_MASS]), float(sums[kernels.RELEASED])
     rise = held.rise()
     if met is not None:
+        of_suction = [each for end, some in coming.items() if end.name == SUCTION for each in some]
         held.mix(of_suction, met.back, book.add)
         leaked = held.of_stream(met.leak)
         book.add(SUCTION_LINE, exergy=held.of_stream(met.back) + leaked - held.of_stream(met.sucked))
@@ -136,7 +150,7 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
     return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
 
 
-def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = "discharge") -> None:
+def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = DISCHARGE) -> None:
     """Enter the mixing of the oil that leaves to a line to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
@@ -145,7 +159,7 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = "d
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
-def _carried(book: Book, cycle: Cycle, paths: Rows, met: Streams | None) -> float:
+def _carried(book: Book, cycle: Cycle, ends: Sequence[End], paths: Rows, met: Streams | None) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil = cycle.oil
     out, out_T = (-float(cycle.streams[DISCHARGE_OUT, i]) * cycle.rate for i in (OF_OIL, OF_OIL_HEAT))
@@ -154,19 +168,17 @@ def _carried(book: Book, cycle: Cycle, paths: Rows, met: Streams | None) -> floa
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0
-    columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.composition.ends
-    kept = ("discharge",) if met is None else ("discharge", "suction")
-    for end in dict.fromkeys(end for end in ends if end not in kept):
-        rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other == end]
+    columns = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1)
+    for end in dict.fromkeys(end for end in ends if not end.kept):
+        rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other is end]
         taken = [sum(column) for column in zip(*rows, strict=True)]
         rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
         lost += rise
         if taken[0] > 0.0:
-            p = cycle.pressure(end) if cycle.parts.oil_room else cycle.lines.p_d
+            p = cycle.pressure(end.name) if cycle.parts.oil_room else cycle.lines.p_d
             pressure = taken[0] / oil.density * (p - cycle.known.oil_source_pressure)
             energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
-            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
-            book.add(entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
+            book.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
     if not cycle.composition.ported:
         book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
     T_line = float(cycle.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.problem.pressed(cycle.lines.p_d)
@@ -182,7 +194,7 @@ def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) ->
     oil, room = cycle.oil, cycle.parts.oil_room
     p_i, p_d, source = cycle.suction.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
     if met.back.oil > 0.0:
-        _mixing(book, cycle, paths, met.T_back, "suction")
+        _mixing(book, cycle, paths, met.T_back, SUCTION)
     leaked, before = (_thermal(cycle, *_mixed(met.leak.oil, met.leak.oil * T)) for T in (met.T_leak, T_line))
     mixed = _thermal(cycle, *_mixed(met.back.oil, met.back.oil * met.T_back)) + leaked
     mixed -= _thermal(cycle, *_mixed(met.sucked.oil, met.sucked.oil * met.T_sucked))
@@ -198,7 +210,7 @@ def _injection(cycle: Cycle) -> float:
     before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
     times, dense, steps = cycle.life.rows
     i = int(np.searchsorted(times[: steps + 1], cycle.composition.P[P_INJECTION] + 1e-9)) - 1
-    T_before, T_after = float(dense[i - 1, 1, 2]), float(dense[i, 0, 2])
+    T_before, T_after = float(dense[i - 1, 1, S_T_OIL]), float(dense[i, 0, S_T_OIL])
     mixed = injected * log(T_after / oil.temperature)
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
@@ -213,9 +225,9 @@ def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     times, dense, steps = cycle.life.rows
     c = cycle.composition
     volume = float(cycle.life.module.volume_at(times[steps], c.P, c.TAB))
-    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, 1]) * volume
+    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, S_RHO]) * volume
     rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
-    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, 2])))
+    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, S_T_OIL])))
     entry -= _thermal(cycle, sums[kernels.MADE], sums[kernels.MADE_T], sums[kernels.MADE_LOG])
     entry += _thermal(cycle, *_mixed(out, out_T)) - rise
     entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.suction_line import Stream
-from screwsim.effects.base import LineLeak, SuctionHeat
+from screwsim.effects.base import SUCTION, LineLeak, SuctionHeat
 from screwsim.evaluate.ledger.book import SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import ENTHALPY, OIL_TEMPERATURE, R_DISCHARGE, R_SUCTION, SUCTION_IN
@@ -40,7 +40,7 @@ class Streams:
 def line_streams(cycle: Cycle, paths: Rows) -> Streams:
     """Return what meets in the suction line; what comes back is that of the ledger's own sums."""
     problem, R, rate = cycle.problem, cycle.R, cycle.rate
-    rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == "suction"]
+    rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == SUCTION]
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
     leak = suction_line.leak(problem, R).times(rate)
@@ -57,7 +57,7 @@ def mean_back(cycle: Cycle, met: Streams, sucked: State) -> State:
     """Return the mean state of the gas that flows back, at the pressure that it comes to; else that which is sucked."""
     if not met.back.gas > 0.0:
         return sucked
-    return cycle.at(cycle.pressure_behind("suction") or cycle.suction.pressure, met.back.enthalpy / met.back.gas)
+    return cycle.at(cycle.pressure_behind(SUCTION) or cycle.suction.pressure, met.back.enthalpy / met.back.gas)
 
 
 def enter_line(

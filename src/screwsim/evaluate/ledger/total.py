@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from screwsim.cycle.balances import discharge_enthalpy
-from screwsim.effects.base import PowerLoss, Reading
+from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
 from screwsim.evaluate.ledger.circuit import through_circuit
-from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
+from screwsim.evaluate.ledger.gas import Throttled, enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
 from screwsim.evaluate.ledger.suction import enter_line, line_streams, mean_back
 from screwsim.inputs.faults import own_number
@@ -89,9 +89,9 @@ def ledger(of: Evaluation) -> Ledger:
     line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean[0])
-    sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
+    sucked, given = cycle.behind(SUCTION, suction), cycle.behind(DISCHARGE, discharge)
     station()
-    moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s))
+    moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind(DISCHARGE, line).s))
     station()
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
@@ -99,8 +99,10 @@ def ledger(of: Evaluation) -> Ledger:
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
     met = line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else mean_back(cycle, met, sucked)
-    enter_paths(book, cycle, paths, sucked, given, back)
-    enter_pulsations(book, cycle, (suction, sucked), (given, discharge), line)
+    ends = cycle.ends(back, given)
+    enter_paths(book, cycle, paths, ends, sucked)
+    throttled = {SUCTION: Throttled(suction, sucked, suction), DISCHARGE: Throttled(given, discharge, line)}
+    enter_pulsations(book, cycle, throttled)
     of_gas = gas_rise(book, cycle, suction, line, discharge)
     if met is not None:
         of_gas = enter_line(book, cycle, of_gas, met, (suction, sucked, back), discharge)
@@ -111,7 +113,7 @@ def ledger(of: Evaluation) -> Ledger:
     of_oil = None
     station()
     if cycle.parts.oil is not None:
-        of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil, met)
+        of_oil = oil_rise(book, cycle, ends, suction, paths, heats[:warmed], oil, met)
         of_gas, of_oil = through_circuit(book, cycle, of, of_gas, of_oil)
     _losses(book, cycle)
     return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)

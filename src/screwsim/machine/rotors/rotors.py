@@ -21,7 +21,7 @@ from screwsim.machine.rotors.blow_hole import Opening, mirrored, opening
 from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
-from screwsim.machine.rotors.settings import Profile, check_settings
+from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
 
 KEPT = 64  # rotors that a process keeps, with their curves: a study of profiles makes others again and again
 
@@ -134,18 +134,30 @@ class Rotors:
 
 def make_chain(pair: Pair, profile: Profile) -> Chain:
     """Return the contact points of a profile."""
-    if profile.kind == "points":
-        x, y = imported.read_profile(str(profile.file))
-        make = imported.from_male if profile.curve == "male" else imported.from_rack
-        if not profile.tolerance > 0.0:
-            return make(pair, x, y, profile.smoothing)
-        curve = measured.faired(x, y, profile.tolerance, pair.r1)
-        return replace(make(pair, curve.x, curve.y, profile.smoothing), faired=curve.words(len(x)))
+    return CHAINS[profile.kind](pair, profile)
+
+
+def _of_points(pair: Pair, profile: Profile) -> Chain:
+    """Return those of points of a file, faired within the tolerance that is stated."""
+    x, y = imported.read_profile(str(profile.file))
+    make = imported.from_male if profile.curve == "male" else imported.from_rack
+    if not profile.tolerance > 0.0:
+        return make(pair, x, y, profile.smoothing)
+    curve = measured.faired(x, y, profile.tolerance, pair.r1)
+    return replace(make(pair, curve.x, curve.y, profile.smoothing), faired=curve.words(len(x)))
+
+
+def _circular(pair: Pair, profile: Profile) -> Chain:
+    return closed_form.circular(pair, profile.female_tip_radius or 0.0)
+
+
+def _rack(pair: Pair, profile: Profile) -> Chain:
     r3, r4 = profile.male_tip_radius or 0.0, profile.female_tip_radius or 0.0
-    if profile.kind == "circular":
-        return closed_form.circular(pair, r4)
     rho, alpha, r5 = profile.flank_radius or 0.0, profile.pressure_angle or 0.0, profile.root_radius or 0.0
     return closed_form.rack(pair, r3, r4, rho, alpha, r5)
+
+
+CHAINS = {POINTS: _of_points, CIRCULAR: _circular, RACK: _rack}
 
 
 def make_rotors(
@@ -158,7 +170,7 @@ def make_rotors(
         _refuse([Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would meet themselves (choose less)")])
     chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
     rotors = _rotors(pair, chain, length, profile.wrap_angle)
-    if check and profile.kind == "points":
+    if check and profile.measured:
         _refuse(check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)))
     return rotors
 
@@ -174,9 +186,8 @@ def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Cha
     """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
     chain = make_chain(pair, profile)
     if check:
-        _refuse(check_size(pair, chain) if profile.kind == "points" else [])
-        points = profile.kind == "points"
-        _refuse(check_profile(pair, chain, points, profile.tolerance if points else None))
+        _refuse(check_size(pair, chain) if profile.measured else [])
+        _refuse(check_profile(pair, chain, profile.measured, profile.tolerance if profile.measured else None))
     return chain
 
 

@@ -9,12 +9,13 @@ from screwsim.inputs.declare import DerivedWord, choice, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.rotors.families import FAMILIES
 
+CIRCULAR, RACK, POINTS = "circular", "rack", "points"  # kinds of profiles
 _NEEDS = {
-    "circular": ("female_tip_radius",),
-    "rack": ("male_tip_radius", "female_tip_radius", "flank_radius", "pressure_angle", "root_radius"),
-    "points": ("file",),
+    CIRCULAR: ("female_tip_radius",),
+    RACK: ("male_tip_radius", "female_tip_radius", "flank_radius", "pressure_angle", "root_radius"),
+    POINTS: ("file",),
 }
-_READS = {**_NEEDS, "points": ("file", "curve", "tolerance", "smoothing")}
+_READS = {**_NEEDS, POINTS: ("file", "curve", "tolerance", "smoothing")}
 
 
 @dataclass(frozen=True)
@@ -28,8 +29,8 @@ class Profile:
     )
     kind: str = choice(
         "circular: symmetric, arcs about the pitch point; rack: asymmetric, leading flank from a rack; points: a file",
-        ("circular", "rack", "points"),
-        DerivedWord("rack"),
+        (CIRCULAR, RACK, POINTS),
+        DerivedWord(RACK),
     )
     centre_distance: float = quantity("length", "distance of the rotors' axes", None, gt=0.0, otherwise=("family",))
     female_diameter: float = quantity(
@@ -55,6 +56,11 @@ class Profile:
         "length", "how far the fairest curve may pass by measured points (3 to 5 times their noise)", 0.0, ge=0.0
     )
     smoothing: float = quantity("length", "length over which the tangent of the points is averaged", 0.0, ge=0.0)
+
+    @property
+    def measured(self) -> bool:
+        """Is it given as points of a file?"""
+        return self.kind == POINTS
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import Network
+from screwsim.model.network.network import Network, line_pressures
 from screwsim.model.network.statements import Statements
 from screwsim.model.oil_displacement import gas_mass
 from screwsim.numerics.kernel import Kernel
@@ -117,7 +117,7 @@ def rates(to: Statements, network: Network) -> None:
         )
         to.add(f"q_wall_{label} = heat / omega", f"q_conductance_{label} = conductance / omega")
     if network.own_states:
-        to.add("p_suction = R[R_SUCTION + PRESSURE]", "p_discharge = R[R_DISCHARGE + PRESSURE]")
+        to.add(*(f"{name} = {value}" for name, value in line_pressures(network).items()))
         to.add("# states of effects")
     for name, rate in zip(network.own_states, network.rates, strict=True):
         to.add(f"f_{name} = {rate} / omega")

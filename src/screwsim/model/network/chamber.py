@@ -65,7 +65,7 @@ class Chamber(Cell):
 
     def _streams(self, to: Statements, slopes: bool) -> None:
         """Add the streams of all connections to the sums of their cells; with what derivatives by the angle need."""
-        network, discharge = self.network, self.network.cells[1]
+        network, discharge = self.network, self.network.lines[1]
         met = [self.layout.neighbour(side, "ahead") for side in range(len(network.offsets))]
         ahead = [f"{there}_{way}" for there in met for way in ("in", "out")]
         to.add("# streams: mass, enthalpy, oil, in and out of what lies around the chamber (M10–M13)")

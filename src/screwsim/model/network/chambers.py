@@ -214,7 +214,7 @@ class Chambers(Cell):
         to.add(*(["pushed = pushed_between"] if network.pushes else []))
         for port in network.ports:
             self.port(to, port, slopes)
-        discharge = network.cells[1]
+        discharge = network.lines[1]
         for gap in network.gaps:
             with to.within(f"if j + {network.offsets[gap.side]} >= CHAMBERS"):  # beyond lies the discharge line
                 at = f"{self.e}{self.layout.area(gap)}"

@@ -19,7 +19,7 @@ NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its
 
 def line_flow_texts(network: Network) -> list[str]:
     """Return the functions of flows to lines that a network calls for."""
-    texts = [_balanced(network)]
+    texts = [_told(network), _balanced(network)]
     if network.pulsating:
         texts += [_faces_line(network), _balanced_alone(network), _add_to_lines(network)]
     if network.heated and not network.carried:
@@ -30,6 +30,18 @@ def line_flow_texts(network: Network) -> list[str]:
 def _to_lines(network: Network) -> list[Port]:
     """Return the ports to the suction and the discharge line."""
     return [port for port in network.ports if port.number < FIRST_OWN]
+
+
+def _told(network: Network) -> str:
+    """Return the text that lets the balance tell the flow through a port."""
+    to = Statements()
+    to.add("flows[port] = 0.0", "others = 0.0", *(f"others += flows[{flow}]" for flow in Layout(network).flows))
+    to.add("flows[port] = mass_rate - others")
+    return function(
+        "chamber__told(flows, port, mass_rate)",
+        ['"""Let the mass balance tell the flow [kg/s] through a port (M3)."""'],
+        to.lines,
+    )
 
 
 def _balanced(network: Network) -> str:
@@ -46,8 +58,7 @@ def _balanced(network: Network) -> str:
                 to.add("widest = area", f"port = {layout.flow(port)}", f"width = {port.width}")
                 to.add(f"drop = {array}[{at} + PRESSURE] - own[PRESSURE]")
         with to.within(f"if widest > 0.0 and abs(drop) < {NEAR!r} * width"):
-            to.add("total = 0.0", *(f"total += flows[{flow}]" for flow in layout.flows))
-            to.add("flows[port] += mass_rate - total")
+            to.add("chamber__told(flows, port, mass_rate)")
     return function(
         "chamber__balanced(flows, mass_rate, E, own, R, P)",
         ['"""Let the mass balance tell the flow [kg/s] through the widest port, at nearly equal pressures (M3)."""'],
@@ -62,10 +73,8 @@ def _balanced_alone(network: Network) -> str:
     for port in ports:
         with to.within(f"if flows[{layout.flow(port)}] != 0.0"):
             to.add("opened += 1", f"port = {layout.flow(port)}")
-    lines = {layout.flow(port) for port in ports}
     with to.within("if opened == 1"):
-        to.add("others = 0.0", *(f"others += flows[{flow}]" for flow in layout.flows if flow not in lines))
-        to.add("flows[port] = mass_rate - others")
+        to.add("chamber__told(flows, port, mass_rate)")
     return function(
         "chamber__balanced_alone(flows, mass_rate)",
         ['"""Let the mass balance tell the flow [kg/s] of a port, where no other is open to a line (M3)."""'],
@@ -95,7 +104,7 @@ def _faces_line(network: Network) -> str:
 def _add_to_lines(network: Network) -> str:
     """Return the text that adds a chamber's flows to those into both lines, and its volume to what is open to them."""
     to, layout = Statements(), Layout(network)
-    for number, line in enumerate(network.cells[:2]):
+    for number, line in enumerate(network.lines):
         ports = [port for port in network.ports if port.number == number]
         flows = [f"flows[{layout.flow(port)}]" for port in ports]
         to.add(*(f"into[LINE_{line}, k] -= {flow}" for flow in flows))
@@ -104,7 +113,7 @@ def _add_to_lines(network: Network) -> str:
                 to.add(f"volume[LINE_{line}] += V / points")
     for gap in network.gaps:
         with to.within(f"if {_beyond(network.offsets[gap.side])}"):
-            to.add(f"into[LINE_{network.cells[1]}, k] -= flows[{layout.flow(gap, 'ahead')}]")
+            to.add(f"into[LINE_{network.lines[1]}, k] -= flows[{layout.flow(gap, 'ahead')}]")
     return function(
         "chamber__add_to_lines(flows, phi, V, k, points, P, into, volume)",
         ['"""Add the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""'],
@@ -116,7 +125,7 @@ def _add_outflow(network: Network) -> str:
     """Return the text that adds what leaves a chamber to the discharge line, and its oil's temperature."""
     to, layout = Statements(), Layout(network)
     for port in network.ports:
-        if port.cell == network.cells[1]:
+        if port.cell == network.lines[1]:
             _leaving(to, f"flows[{layout.flow(port)}]", f"if flows[{layout.flow(port)}] < 0.0")
     for gap, way in layout.sides:
         flow, port_state = f"flows[{layout.flow(gap, way)}]", f"E[E_{layout.neighbour(gap.side, way)} + BEYOND]"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
+from screwsim.effects.base import LINES
 from screwsim.model.network import balances
 from screwsim.model.network.chamber import Chamber
 from screwsim.model.network.flows import PortState, port_state_of, read_port_state
@@ -16,6 +17,8 @@ from screwsim.model.network.layout import WAYS
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.network.steps import CONTEXT
+
+ENTROPIES = tuple(f"s_{line}" for line in LINES)  # of the lines, as arguments [J/(kg K)]
 
 
 @lru_cache(maxsize=64)
@@ -52,7 +55,9 @@ class Moments(Chamber):
         if any(gap.film or gap.drag for gap in network.gaps):
             films = [f"{each} = np.empty(N_FILMS)" for each in ("films", "drags")]
             films += ["chamber__film_flows(y, E, context, films, drags)"]
-        head = "ledger__add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)"
+        head = (
+            f"ledger__add_moment(phi, y, mass_rate, E, context, flows, {', '.join(ENTROPIES)}, dt, paths, heats, oil)"
+        )
         text = '"""Add a moment of the cycle, which stands for the time dt [s], to the sums of the ledger."""'
         states = [line for line in self.states() if not line.startswith("phi =")]
         return function(head, [text, CONTEXT], [*states, *films, *to.lines])
@@ -60,27 +65,26 @@ class Moments(Chamber):
     # ---- streams -----------------------------------------------------------------------------------------------
 
     def _through_port(self, to: Statements, port: Port) -> None:
-        network, row, beyond = (
-            self.network,
-            f"paths[PATH_{self.layout.label(port)}, {{}}]",
-            port_state_of(self.network, port.cell),
-        )
-        s = {0: "s_suction", 1: "s_discharge"}.get(port.number, f"R[R_{port.cell} + PLENUM_ENTROPY]")
+        """Enter the flow through a port: what arrives in the chamber, or leaves to the line or plenum."""
+        network, row = self.network, f"paths[PATH_{self.layout.label(port)}, {{}}]"
+        beyond, own = port_state_of(network, port.cell), f"R[R_{port.cell} + PLENUM_ENTROPY]"
+        s = dict(zip(network.lines, ENTROPIES, strict=True)).get(port.cell, own)
         to.add(f"flow = flows[{self.layout.flow(port)}]")
         with to.within("if flow >= 0.0"):
             read_port_state(to, network, port.cell, *self.line(port.cell))
             self._press(to, beyond, f"R[R_{port.cell} + PRESSURE]")
             self._arrival(to, row, beyond, s)
         with to.within("else"):
-            with_oil = network.heated and (port.number == 1 or network.carried)
+            with_oil = network.heated and (port.cell == network.lines[1] or network.carried)
             self._departure(to, row, "leaving" if with_oil else "0.0")
             if with_oil:
                 to.add("discharged -= leaving * flow")
 
     def _through_gap(self, to: Statements, gap: Gap, way: str) -> None:
+        """Enter the flow through a gap, where that arrives: beyond the last chamber also what leaves to discharge."""
         network, cell = self.network, self.layout.neighbour(gap.side, way)
         row, beyond = f"paths[PATH_{self.layout.label(gap)}, {{}}]", port_state_of(network, cell)
-        discharge = f"R[R_{network.cells[1]} + PRESSURE]"
+        discharge = f"R[R_{network.lines[1]} + PRESSURE]"
         area, port_state = self._side(gap, way)
         to.add(f"flow = flows[{self.layout.flow(gap, way)}]")
         if gap.film:
@@ -107,7 +111,7 @@ class Moments(Chamber):
         coming = " or ".join(f"flows[{self.layout.flow(gap, way)}] > 0.0" for gap in gaps)
         _, port_state = self._side(gaps[0], way)
         shift = network.offsets[side] * (1 if way == "ahead" else -1)
-        to.add(f"s_{cell} = s_discharge")
+        to.add(f"s_{cell} = {ENTROPIES[1]}")
         with to.within(f"if ({coming}) and not (E[{port_state} + BEYOND] > 0.0)"):
             to.add(f"i = context.hints[HINT_{cell}]", f"there = phi + {shift} * P[P_PITCH]")
             to.add("theta = (there - context.t_old[i]) / (context.t_old[i + 1] - context.t_old[i])")

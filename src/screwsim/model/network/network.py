@@ -12,9 +12,11 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
+from screwsim.effects.base import LINES
 from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.kernel import Kernel
 
+PRESSURES = tuple(f"p_{line}" for line in LINES)  # of the lines, as kernels ask for them
 QUANTITIES = ("mass", "energy", "oil", "oil_heat", "held")  # of a stream: as many of them as there are sums
 
 
@@ -127,6 +129,11 @@ class Network:
         self.kernels = dict(self.kernels)
 
     @property
+    def lines(self) -> list[str]:
+        """Suction and discharge line, among `cells`."""
+        return self.cells[:2]
+
+    @property
     def quantities(self) -> tuple[str, ...]:
         """Return what is summed of a stream."""
         return QUANTITIES[: 5 if self.dissolves else 4 if self.carried else 2]
@@ -152,6 +159,11 @@ class Network:
 
 
 _values = attrgetter(*(each.name for each in fields(Network)))
+
+
+def line_pressures(network: Network) -> dict[str, str]:
+    """Return the text of each line's pressure [Pa], by the symbol that kernels ask for."""
+    return {name: f"R[R_{cell} + PRESSURE]" for name, cell in zip(PRESSURES, network.lines, strict=True)}
 
 
 def _fixed(value: Any) -> Any:

@@ -94,7 +94,7 @@ def _of_neighbour(network: Network) -> str:
         found = f"columns[COLUMN_{name}]"
         to.add(f"{name} = {found}" if name in STORED else f"{name} = max({LEAST!r}, {found})")
     if not network.varies:  # constants of an ideal gas, the same everywhere
-        to.add(*(f"{name} = R[R_{network.cells[0]} + {at}]" for name, at in VARYING.items()))
+        to.add(*(f"{name} = R[R_{network.lines[0]} + {at}]" for name, at in VARYING.items()))
     _fill(to, network, STORED | VARYING, "E[at + {}]")
     to.add("E[at + BEYOND] = 0.0")
     return function(

@@ -225,7 +225,7 @@ def _conserve(network: Network) -> str:
     A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
     of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
     """
-    to, layout, first = Statements(), Layout(network), network.cells[0]
+    to, layout, first = Statements(), Layout(network), network.lines[0]
     opened = [port for port in network.ports if port.opening]
     if opened:
         _held_shares(to, network, "y", "share")

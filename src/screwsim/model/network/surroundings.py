@@ -103,6 +103,7 @@ def lines_texts(network: Network) -> list[str]:
 
 
 def _lines(network: Network, whose: str, together: bool) -> str:
+    """Return the text that fills the port states of lines and plenums into the surroundings."""
     layout, to = Layout(network), Statements()
     for cell in filter(None, network.cells):
         _, at = layout.line(cell, together)

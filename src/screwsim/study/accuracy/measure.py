@@ -120,7 +120,7 @@ def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float
         except WorkLimit as error:
             reasons.append(f"the reference (coupled, {fine:g}) {error}")
             continue
-        if first.cycle.status == "ok":
+        if first.cycle.closed:
             if outside := refused(first.evaluation.problem, first.evaluation.life):
                 raise NoReference(f"the scene itself has no result: {outside}")
             return first, fine
@@ -150,7 +150,7 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     apart = (np.nan, np.nan)
     try:
         other = solve(scene, tight, extent.check_limit)
-        if other.cycle.status == "ok":
+        if other.cycle.closed:
             difference = worst(relative_errors(other.evaluation.figures, figures))
             apart = trace_errors(traces_of(other.evaluation), traces)
         else:
@@ -176,12 +176,12 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
         return Measured(*head, "left out", str(error))
     except (SceneError, UsageError, ValueError) as error:
         return Measured(*head, "left out", one_line(str(error)))
-    closed, reason = solved.cycle, ""
-    if closed.status == "failed":
-        reason = f"stopped at {np.degrees(closed.angle):.1f} deg"
+    cycle, reason = solved.cycle, ""
+    if cycle.failed:
+        reason = f"stopped at {np.degrees(cycle.angle):.1f} deg"
         return Measured(*head, "failed", reason, statistics.median(times), len(times), solved.evaluations)
-    if closed.status != "ok":
-        reason = f"not closed: last change {closed.change:.2g}"
+    if not cycle.closed:
+        reason = f"not closed: last change {cycle.change:.2g}"
     figures, traces = solved.evaluation.figures, traces_of(solved.evaluation)
     errors = relative_errors(figures, reference.figures)
     name, error = worst(errors)
@@ -189,7 +189,7 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
     took = (statistics.median(times), len(times), solved.evaluations, solved.steps)
     apart = (*trace_errors(traces, reference.traces), *trace_errors(traces, reference.traces, 0.0))
     kept = {each: traces[each] for each in NAMES}
-    return Measured(*head, closed.status, reason, *took, error, name, *apart, changed[1], changed[0], errors, kept)
+    return Measured(*head, cycle.status, reason, *took, error, name, *apart, changed[1], changed[0], errors, kept)
 
 
 def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:

@@ -29,6 +29,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.compiling import seconds_again
 from screwsim.numerics.integrators import DEFAULT, check_of
+from screwsim.numerics.rodas import TAKEN
 from screwsim.scene import Scene
 from screwsim.solve.accurately import Watch
 from screwsim.solve.circuit import steady
@@ -119,14 +120,14 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
         warnings.simplefilter("ignore")  # explicit methods overflow on their way to a shorter step
         first = wanted if check is None else loose
         cycle = settled(problem, machinery, first, close(problem, machinery, first))
-        if check is not None and cycle.status != "failed":
+        if check is not None and not cycle.failed:
             cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
             cycle = settled(problem, machinery, wanted, cycle)
     watch.lap("closing")
     counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
     if lent:
         leases.give_back(machinery)
-    return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[0]))
+    return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[TAKEN]))
 
 
 def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:

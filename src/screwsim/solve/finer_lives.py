@@ -1,0 +1,205 @@
+"""Errors estimated by finer lives: one that follows a closed cycle, or more, one among the other.
+
+Source: docs/model.md M41; docs/explanation/numerics.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from screwsim.cycle.balances import met_across, streams_of
+from screwsim.cycle.coordinates import NEAR
+from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.newton import Correction, Corrections, led
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.relaxation import SLOW, along
+from screwsim.cycle.solution import Led
+from screwsim.cycle.ways import way_of
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.figures.errors import relative_errors, worst
+from screwsim.model.exchange import station
+from screwsim.model.slices import INSIDE
+from screwsim.model.slots import (
+    DISCHARGE_IN,
+    DISCHARGE_OUT,
+    OF_GAS,
+    P_INJECTION,
+    P_PITCH,
+    Q_WORK,
+    R_TRAPPED,
+    SUCTION_OUT,
+)
+from screwsim.outputs import Figures
+from screwsim.solve.finer import FINER, NOTHING, Asked, Finer
+
+MUCH = 1e-4  # wanted accuracy from which on two turns estimate
+TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
+QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
+SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
+FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
+DELIVERS = 0.2  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
+LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
+
+
+def finer_lives(asked: Asked) -> Finer:
+    """Return one life more, or two, finer than those that closed a cycle by waveforms; NOTHING where one stopped.
+
+    One shows the error, two where errors come back: there the first is corrected by the tangents that closed the cycle;
+    where there are none and the two repeat themselves, the second by new ones, for a third.
+    """
+    cycle = asked.cycle
+    if cycle.needed or way_of(cycle).whole:
+        return NOTHING
+    if not _fed_back(asked):
+        return _next_life(asked)
+    lives = _Lives(asked)
+    if not lives.next():
+        return NOTHING
+    corrected = cycle.tangents is not None and lives.correct()
+    if lives.correction is not None and _foretold(asked):
+        return lives.foretold(lives.correction, max(LINEAR, cycle.missed))
+    if not lives.next():
+        return NOTHING
+    if not corrected and lives.repeated() > SLOW and lives.correct():
+        corrected = lives.next()
+        if not corrected:
+            return NOTHING
+    return lives.read(Finer(lives.figures, left=lives.left() if corrected else None))
+
+
+def changes(of: Evaluation, finer: Sequence[Figures]) -> list[Figures]:
+    """Return what each of finer solutions changes of the figures of the one before, the first those of the cycle."""
+    return [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer])]
+
+
+def repeated(steps: Sequence[Figures]) -> float:
+    """Return the share of a solution's change that the last one made once more."""
+    before, last = (worst(step)[1] for step in steps[-2:])
+    return last / before if before > 0.0 else 0.0
+
+
+def _fed_back(asked: Asked) -> bool:
+    """Tell whether one finer life is not enough for an estimate: errors come back through what it still meets.
+
+    That is the coarser life of its neighbours; what the cycle makes beside the discharge line; the state at its own
+    beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell,
+    or that goes from chamber to chamber as films.
+    """
+    problem = asked.problem
+    return problem.scene.numerics.accuracy <= MUCH or asked.filling < TIGHT or _keeps(problem)
+
+
+def _keeps(problem: Problem) -> bool:
+    """Tell whether a life begins with what the one before left in more than the states of gas and its oil."""
+    parts, c = problem.parts, problem.composition
+    if parts.made or parts.suction_line or any(parts.films):
+        return True
+    displaced = c.carried and parts.oil is not None and "ratio" not in parts.oil.supply
+    kept = c.chambers == 1 or bool(c.own_states)
+    return kept or displaced or c.ported or c.dissolves
+
+
+def _foretold(asked: Asked) -> bool:
+    """Tell whether what a correction makes of a life is as good as another life, as those that closed were."""
+    problem = asked.problem
+    if problem.scene.numerics.accuracy <= MUCH or asked.filling <= DELIVERS:
+        return False
+    plain = met_across(problem) and not _keeps(problem) and not problem.composition.pulsating
+    return plain and asked.cycle.missed < FAITHFUL
+
+
+def _next_life(asked: Asked) -> Finer:
+    """Return the life that follows a closed cycle; NOTHING where it stops."""
+    _, machinery, wanted, cycle = asked
+    machinery.composition.P[machinery.composition.widths] = wanted.widths
+    status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
+    if status != 0:
+        return NOTHING
+    machinery.swap()
+    station()
+    return Finer([Evaluation(asked.problem, machinery.trajectory, q).figures])
+
+
+class _Lives:
+    """Lives that follow a closed cycle, one among the other, with finer steps and what else is wanted."""
+
+    def __init__(self, asked: Asked) -> None:
+        self.of, machinery, wanted, cycle = asked
+        self.machinery, self.rtol, self.y = machinery, FINER * cycle.rtol, cycle.y.copy()
+        machinery.composition.P[machinery.composition.widths] = wanted.widths
+        self.corrections = Corrections(asked.problem, machinery, cycle.tangents)
+        self.met = self.made = unknowns(asked.problem, machinery)
+        self.figures: list[Figures] = []
+        self.correction: Correction | None = None  # of the last life
+        self.changes: list[float] = []  # of the states and unknowns that each life met
+
+    def next(self) -> bool:
+        """Integrate one more; tell whether it came to its end."""
+        problem, machinery = self.of.problem, self.machinery
+        if self.figures:
+            self.met = self.made
+            set_unknowns(problem, machinery, self.met)
+        self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
+        status, _, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
+        if status != 0:
+            return False
+        machinery.swap()
+        life = Evaluation(problem, machinery.trajectory, self.q)
+        self.figures.append(life.figures)
+        self.made = problem.entries.possible(life.image)
+        self.end = along(machinery, self.y)
+        moved = NEAR * float(np.max(np.abs(self.end - self.start)))
+        self.changes.append(max(moved, problem.entries.change(self.made, self.met)))
+        return True
+
+    def correct(self) -> bool:
+        """Lead the last life to where all that follow would go; tell whether a correction was to be had."""
+        pulsating = self.of.problem.composition.pulsating  # new tangents cost as much as some lives there
+        if not self.corrections.able or (pulsating and not self.corrections.begun):
+            return False
+        n = self.machinery.n
+        found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
+        if found is None:
+            return False
+        self.made, self.correction = led(self.of.problem, found, self.end[:n], self.y, self.made), found
+        return True
+
+    def foretold(self, by: Correction, wrong: float) -> Finer:
+        """Return the lives and what the last correction makes of them, read from the history that it moved.
+
+        But for the net flow: what a port gives and what crosses an angle change by far more than their sum.
+        """
+        problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
+        sums = by.sums.copy()
+        streams = streams_of(c, sums)
+        out = streams[DISCHARGE_IN : DISCHARGE_OUT + 1, OF_GAS].sum()
+        passed = abs(out / max(float(machinery.R[R_TRAPPED]), 1e-300))
+        streams[: SUCTION_OUT + 1, OF_GAS] = 0.0
+        set_unknowns(problem, machinery, self.made)
+        at, n = float(c.P[P_INJECTION]), machinery.n
+        y = np.zeros(c.chambers * n)
+        index = round(at / c.P[P_PITCH])
+        y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
+        machinery.inject(y)
+        life = Evaluation(problem, machinery.trajectory, self.q + sums)
+        led = Led(self.y, (float(machinery.R[R_TRAPPED]), float(life.q[Q_WORK])))
+        return self.read(Finer([*self.figures, life.figures], left=wrong, flow=max(abs(by.mass), passed), led=led))
+
+    def repeated(self) -> float:
+        """Return the share of its change that the last life made once more."""
+        return repeated(changes(self.of, self.figures))
+
+    def read(self, finer: Finer) -> Finer:
+        """Return what the lives are with whether they show what all later ones would make."""
+        steps = changes(self.of, finer.figures)
+        small = worst(steps[-1])[1] < SMALL * self.of.problem.scene.numerics.accuracy
+        again = repeated(steps) if finer.left is None else finer.left
+        return finer._replace(enough=small or again < QUICK)
+
+    def left(self) -> float:
+        """Return the share that a correction left of the change before it; none where that is hardly any."""
+        before, last = self.changes[-2:]
+        return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / max(before, 1e-300)
