@@ -85,7 +85,14 @@ gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 # from a process that has imported what they need
 sys.path.insert(0, str(Path(__file__).parent / "tools"))
 NEEDED = "screwsim.simulate", "screwsim.study.sweep", "screwsim.cli", "screwsim.results", "h5py", "rich.table"
-multiprocessing.get_context("forkserver").set_forkserver_preload([*NEEDED])
+BUILT_OF = (
+    "screwsim.codegen.machine",
+    *(  # what builds any scene, and loads what is compiled of it
+        f"screwsim.effects.{file.stem}"
+        for file in sorted(Path(__file__).parents[1].glob("src/screwsim/effects/[!_]*.py"))
+    ),
+)
+multiprocessing.get_context("forkserver").set_forkserver_preload([*NEEDED, *BUILT_OF])
 
 WHOLE = re.compile(r"^pytestmark = (\[[^]]*\]|.*)", re.MULTILINE)  # marks of a whole file
 SOURCES = str(Path(__file__).parents[1] / "src")

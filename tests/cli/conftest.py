@@ -47,14 +47,25 @@ class Answer(NamedTuple):
     err: str
 
 
+def furnish(place: Path) -> Path:
+    """Write small.yaml, swept.yaml and oiled.yaml into a folder."""
+    (place / "small.yaml").write_text(SCENE)
+    (place / "swept.yaml").write_text("base: small.yaml\nsweep:\n  operation.speed: [2000 rpm, 3000 rpm]\n")
+    (place / "oiled.yaml").write_text("base: small.yaml\n" + OILED)
+    return place
+
+
+@pytest.fixture(scope="session")
+def furnished() -> Callable[[Path], Path]:
+    """Return the function that writes those scenes into a folder, and returns it."""
+    return furnish
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Work in a folder with small.yaml, swept.yaml and oiled.yaml."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.yaml").write_text(SCENE)
-    (tmp_path / "swept.yaml").write_text("base: small.yaml\nsweep:\n  operation.speed: [2000 rpm, 3000 rpm]\n")
-    (tmp_path / "oiled.yaml").write_text("base: small.yaml\n" + OILED)
-    return tmp_path
+    return furnish(tmp_path)
 
 
 @pytest.fixture

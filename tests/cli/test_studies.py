@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import shutil
 import sys
 
 import h5py
@@ -39,21 +40,30 @@ def fake(scene, trace=True):
     return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-7)))
 
 
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory, furnished):
+    """Return a folder with results of a simulator that takes no time: a map, and two sweeps."""
+    place = furnished(tmp_path_factory.mktemp("swept"))
+    (place / "map.yaml").write_text(MAP)
+    (place / "both.yaml").write_text(
+        "base: oiled.yaml\nsweep:\n  operation.speed: [2000 rpm, 3000 rpm]\n  oil_supply.ratio: [0.5, 2]\n"
+    )
+    for name in ("map", "both"):
+        run_sweep(load(place / f"{name}.yaml"), place / f"{name}.h5", jobs=1, simulate=fake)
+    other = load(place / "both.yaml", ["operation.discharge.pressure=13 bar"])
+    run_sweep(other, place / "other.h5", jobs=1, simulate=fake)
+    return place
+
+
 @pytest.fixture
-def studied(folder, monkeypatch):
-    """Have a simulator that takes no time, and results of it: a map, and two sweeps."""
+def studied(folder, swept, monkeypatch):
+    """Have that simulator, and a copy of its results to work in."""
     from screwsim.simulate import warm_up
 
     module = sys.modules[warm_up.__module__]
     monkeypatch.setattr(module, "simulate", fake)
     monkeypatch.setattr(module, "warm_up", lambda scene: None)
-    (folder / "map.yaml").write_text(MAP)
-    (folder / "both.yaml").write_text(
-        "base: oiled.yaml\nsweep:\n  operation.speed: [2000 rpm, 3000 rpm]\n  oil_supply.ratio: [0.5, 2]\n"
-    )
-    for name in ("map", "both"):
-        run_sweep(load(f"{name}.yaml"), f"{name}.h5", jobs=1, simulate=fake)
-    run_sweep(load("both.yaml", ["operation.discharge.pressure=13 bar"]), "other.h5", jobs=1, simulate=fake)
+    shutil.copytree(swept, folder, dirs_exist_ok=True)
     return folder
 
 

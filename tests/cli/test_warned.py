@@ -78,7 +78,7 @@ def test_results_read_again_have_the_warnings_of_each_case(stored):
 
 # ---- studies: what their answer warns of ----
 
-NO_WAY = ["--without", "discharge_port", "--set", "numerics.accuracy=1e-3"]
+NO_WAY = ["--without", "discharge_port", "--set", "numerics.accuracy=1e-3", "--set", "numerics.error=none"]
 NO_WAY_TOLD = "no port or valve leads to the discharge line out of the chambers"
 STUDIES = {
     "optimum": ["--path", "oil_supply.ratio", "--from", "1", "--to", "3", "--jobs", "1"],

@@ -19,6 +19,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 PLAIN = Path(__file__).parents[1] / "plain"
 PAPER = CONFIGS / "paper" / "point.yaml"
 STEP = 1e-4  # of a number
+STEPS = 1e-7  # tolerance of the cycles' steps: differences are those of 1e-8 within a hundredth of OFF
 IDEAL = (
     "effects.tip_leakage.gap",
     "operation.discharge.pressure",
@@ -53,12 +54,14 @@ def test_derivatives_are_those_of_closed_cycles(file, way, paths):
     found = sensitivities(scene, paths)
     series, problem = Series(), problem_of(scene)
     machinery = leased(problem)
-    base = closed_tightly(problem, machinery)
+    base = closed_tightly(problem, machinery, rtol=STEPS)
     for path in paths:
         value = value_at(scene, path)
         sides = [
             figures_of(
-                closed_tightly(problem_of(with_values(scene, {path: value * (1.0 + by)}), series), machinery, base.life)
+                closed_tightly(
+                    problem_of(with_values(scene, {path: value * (1.0 + by)}), series), machinery, base.life, STEPS
+                )
             )
             for by in (STEP, -STEP)
         ]
@@ -126,7 +129,7 @@ def test_a_number_that_moves_the_corner_of_a_gap_has_its_derivative():
 def test_where_the_flow_of_a_gap_turns_round_is_resolved():
     scene = screwsim.load(CONFIGS / "rotors" / "a.yaml")
     path, figure = "operation.condensing_temperature", "isentropic_efficiency"
-    slope = differenced(scene, path, figure, 2e-4, 3e-8)
+    slope = differenced(scene, path, figure, 2e-4, 3e-7)
     assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=TURNED)
 
 

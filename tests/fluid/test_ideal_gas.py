@@ -93,9 +93,15 @@ def fresh(monkeypatch, tmp_path):
     """Let `constants` ask CoolProp anew, into an empty cache folder."""
     monkeypatch.setenv("SCREWSIM_CACHE", str(tmp_path))
     monkeypatch.setattr(constants, "_answered", count())
-    constants._known.cache_clear()
+    forget()
     yield tmp_path
+    forget()
+
+
+def forget():
+    """Let this process be one that has not asked anything yet."""
     constants._known.cache_clear()
+    constants._left.cache_clear()
 
 
 def coolprop():
@@ -125,7 +131,7 @@ def test_the_isentropic_exponent_is_that_of_the_ideal_gas(fresh):
 
 def test_cached_constants_are_the_asked_ones_bit_for_bit(fresh):
     asked = constants.ideal_heat_capacity("R134a", 290.0)
-    constants._known.cache_clear()
+    forget()
     assert constants.ideal_heat_capacity("R134a", 290.0) == asked
 
 
@@ -133,7 +139,7 @@ def test_a_torn_cache_file_is_asked_again(fresh):
     asked = constants.gas_constant("R134a")
     for path in fresh.glob("coolprop-*"):
         path.write_text("{")
-    constants._known.cache_clear()
+    forget()
     assert constants.gas_constant("R134a") == asked
 
 
@@ -157,15 +163,19 @@ def test_heat_capacity_rises_with_temperature_as_vibrations_do(fresh):
 
 
 def test_many_processes_may_keep_answers_in_one_file(fresh):
-    constants.gas_constant("R134a")
-    known = constants._known()
+    first = constants.gas_constant("R134a")
     (path,) = fresh.glob("coolprop-*")
     store.append_line(path.name, '["of another process", 1.5]', constants._FULL)
     with path.open("a") as stream:
         stream.write('["torn')
-    constants.gas_constant("R32")
-    constants._known.cache_clear()
-    assert constants._known() == {**known, "of another process": 1.5}
+    second = constants.gas_constant("R32")
+    forget()
+    known = constants.ask("R134a R", never), constants.ask("of another process", never), constants.ask("R32 R", never)
+    assert known == (first, 1.5, second)
+
+
+def never():
+    raise AssertionError("it was asked again")
 
 
 def test_answers_about_many_conditions_fill_neither_memory_nor_disk(fresh, monkeypatch):
@@ -175,8 +185,8 @@ def test_answers_about_many_conditions_fill_neither_memory_nor_disk(fresh, monke
     (path,) = fresh.glob("coolprop-*")
     assert path.stat().st_size < 2200
     assert len(constants._known()) == 50
-    constants._known.cache_clear()
-    assert 20 < len(constants._known()) < 50 and not path.exists()  # full: what it held serves this process
+    forget()
+    assert 20 < len(constants._left()) < 50 and not path.exists()  # full: what it held serves this process
     assert [constants.dew_pressure("R134a", 250.0 + 0.5 * step) for step in range(80)] == asked
     assert path.stat().st_size < 2200
 
@@ -185,8 +195,8 @@ def test_a_sweep_leaves_others_the_answers_that_it_asked_for_first(fresh, monkey
     monkeypatch.setattr(constants, "_LEFT", 3)
     for step in range(8):
         constants.dew_pressure("R134a", 250.0 + step)
-    constants._known.cache_clear()
-    assert len(constants._known()) == 3
+    forget()
+    assert len([*filter(None, map(store.sound, constants._left().values()))]) == 3
 
 
 def test_saturation_is_coolprops(fresh):
@@ -202,8 +212,8 @@ def test_dew_pressure_inverts_the_saturation_temperature(fresh):
 
 def test_limits_of_an_unknown_fluid_are_none_and_kept(fresh):
     assert constants.limits("R134z") is None
-    constants._known.cache_clear()
-    assert constants._known()["R134z limits"] is None
+    forget()
+    assert constants.ask("R134z limits", never) is None
     assert constants.limits("R32&R125") is None
 
 

@@ -55,7 +55,7 @@ def test_carried_oil_that_enters_leaves(speed):
 @pytest.mark.parametrize("transport", ["paper", "carried"])
 @pytest.mark.parametrize("speed", [3000, 1000])
 def test_both_closings_find_one_cycle(speed, transport):
-    one, other = (at(speed, transport, closing=way) for way in ("histories", "coupled"))
+    one, other = (at(speed, transport, closing=way, error="none") for way in ("histories", "coupled"))
     assert difference(one, other, ("work_per_cycle", "trapped_mass", "gas_mass_flow")) < 3e-4  # numerics.accuracy
 
 
@@ -85,7 +85,7 @@ def test_peak_pressure_is_as_accurate_as_asked():
 @pytest.fixture(scope="module")
 def radau():
     """Return the cycle that scipy's implicit Runge–Kutta method closes; it shares nothing with ours but the rates."""
-    return at(3000, accuracy=1e-7, rtol=1e-10, integrator="scipy-radau")
+    return at(3000, accuracy=1e-7, rtol=1e-10, integrator="scipy-radau", error="none")
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ def test_mass_energy_and_entropy_close():
 
 
 def test_coupled_chambers_agree_with_histories():
-    together = run({**HELD_GAPS, "numerics": {"closing": "coupled"}}).performance
+    together = run({**HELD_GAPS, "numerics": {"closing": "coupled", "error": "none"}}).performance
     for name in FIGURES:
         assert together[name] == pytest.approx(held().performance[name], rel=3e-4), name  # numerics.accuracy
 

@@ -151,8 +151,8 @@ def test_a_machine_that_delivers_nothing_stands_against_a_shut_valve():
     assert any("stays shut" in warning for warning in shut.warnings)
 
 
-SLOW = {**plenums(), "operation.speed": "50 rpm"}  # leaks more than it takes in
 PLAIN = {"numerics.error": "none"}  # of what closes slowly: where its balances alone are asked
+SLOW = {**plenums(), **PLAIN, "operation.speed": "50 rpm"}  # leaks more than it takes in
 DISCHARGE = {"discharge_valve": {"area": "12 cm^2", "pressure": "0.1 bar"}}
 SUCTION = {"suction_valve": {"area": "40 cm^2"}}
 
@@ -174,7 +174,7 @@ def test_leaks_that_take_all_that_is_moved_ask_for_pressure_with_the_square_of_t
     """Of a nozzle Δp ∝ ṁ²: a plenum of 25 rpm stands (5/4)² times as far above suction as one of 20 rpm."""
     excess = []
     for speed in ("20 rpm", "25 rpm"):
-        result = run({**SLOW, **PLAIN, "operation.speed": speed, "effects.plenums": {**SIZE, **DISCHARGE}})
+        result = run({**SLOW, "operation.speed": speed, "effects.plenums": {**SIZE, **DISCHARGE}})
         assert result.status == "ok"
         assert max(result.balance[name] or 0.0 for name in BALANCES) <= ACCURACY
         excess.append(result.performance.discharge_plenum_pressure - 1.5e5)
@@ -211,7 +211,6 @@ def test_gas_of_a_third_line_leaves_by_the_suction_line_where_the_discharge_valv
     result = run(
         {
             **SLOW,
-            **PLAIN,
             "operation.speed": "100 rpm",
             "effects.economizer": economizer,
             "effects.plenums": {**SIZE, "discharge_valve": {}},

@@ -151,6 +151,7 @@ def test_threads_ask_coolprop_one_after_the_other(monkeypatch):
     fluids, pressures = ("R134a", "Propane", "Ammonia", "Water"), np.linspace(2e5, 2e6, 40).tolist()
     asked = [(fluid, p) for p in pressures for fluid in fluids]
     monkeypatch.setattr(constants, "append_line", lambda *_: None)  # nothing of it is kept
+    monkeypatch.setattr(constants, "_left", dict)  # nor was
 
     def ask(pair: tuple[str, float]) -> tuple[float, float]:
         fluid, p = pair

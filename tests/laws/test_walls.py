@@ -79,7 +79,7 @@ def test_both_closings_find_one_cycle():
 
 @pytest.mark.slow
 def test_radau_finds_the_same():
-    assert change(run(WALLS), run({**WALLS, "numerics": {"integrator": "scipy-radau"}})) < ACCURACY
+    assert change(run(WALLS), run({**WALLS, "numerics": {"integrator": "scipy-radau", "error": "none"}})) < ACCURACY
 
 
 def test_the_coefficient_is_that_of_the_correlation():
@@ -187,7 +187,7 @@ def test_walls_and_gaps_settle_together():
     assert abs(p.wall_heat_power) < ACCURACY * p.shaft_power
     growth = 10.5e-6 * (p.housing_temperature - 293.15) - 11.5e-6 * (p.rotor_temperature - 293.15)
     assert p.tip_gap == pytest.approx(50e-6 + 0.08 * growth, rel=1e-6)
-    assert change(result, run({**BOTH, "numerics": {"closing": "coupled"}})) < ACCURACY
+    assert change(result, run({**BOTH, "numerics": {"closing": "coupled", "error": "none"}})) < ACCURACY
 
 
 def test_rotors_that_touch_fail_with_a_remedy():

@@ -41,11 +41,11 @@ def study(simulate, ranges=RANGES, figures=BOTH, **options):
 
 @pytest.fixture(scope="module")
 def found():
-    return study(ishigami, samples=2048, jobs=2)
+    return study(ishigami, samples=1024, jobs=2)
 
 
 def test_known_indices_lie_within_the_confidence(found):
-    assert (found.solutions, found.failed) == (2048 * 6, 0)
+    assert (found.solutions, found.failed) == (1024 * 6, 0)
     indices = found.shares[0].indices
     assert [index.path for index in indices] == [text.partition("=")[0] for text in RANGES]
     for index, first, total in zip(indices, *ishigami_indices(), strict=True):

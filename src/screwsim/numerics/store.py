@@ -84,15 +84,23 @@ def _write(name: str, content: bytes) -> None:
 
 
 def read_lines(name: str, full: int) -> list[str]:
-    """Return the sound lines of a file, oldest first; one of `full` bytes or more is begun anew."""
+    """Return the lines of a file as they lie there, oldest first; one of `full` bytes or more is begun anew.
+
+    To look at each takes longer than to read them all: `sound` does it, where a line is used.
+    """
     folder = cache_folder()
     held = None if folder is None else _bytes_of(folder / name)
     if held is None:
         return []
     if len(held) >= full:
         drop(name)
-    found = (line.partition(" ") for line in held.decode(errors="replace").splitlines())
-    return [text for digest, _, text in found if digest == _digest_of_line(text)]
+    return held.decode(errors="replace").splitlines()
+
+
+def sound(line: str) -> str | None:
+    """Return what was appended as a line; None for one that is torn or damaged."""
+    digest, _, text = line.partition(" ")
+    return text if digest == _digest_of_line(text) else None
 
 
 def append_line(name: str, line: str, full: int) -> None:
