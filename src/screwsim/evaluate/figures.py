@@ -27,6 +27,7 @@ Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
 PARTED = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 PARTED = (*PARTED, "oil_circuit_residual", "oil_flow_volume")
+NONE_LEAVES = "nothing flows out to the discharge line"
 NO_REASON = "this cycle has none"
 
 
@@ -71,7 +72,7 @@ def figures_of(
         "displacement_flow": geometry.swept_volume * rate,
         "built_in_volume_ratio": _built_in(problem, life),
     }
-    notes["discharge_temperature"] = "nothing flows out to the discharge line"
+    notes["discharge_temperature"] = NONE_LEAVES
     notes["built_in_volume_ratio"] = "the machine has no discharge port whose opening ends it"
     station()
     if parts.oil is not None:
@@ -97,6 +98,11 @@ def figures_of(
     cooling, reasons = performance.refrigeration(found, problem.inlet.density, effect)
     found |= cooling
     notes |= reasons
+    if problem.refrigerating_effect is not None:
+        condensed = flow + sum(net for net, _ in drawn)
+        warming, reasons = performance.heating(found, condensed, *_rejected(problem, circuit, mean))
+        found |= warming
+        notes |= reasons
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
@@ -170,6 +176,24 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
         "shaft_leakage_gas_flow": leak.gas * rate,
         "shaft_leakage_oil_flow": leak.oil * rate,
     }
+
+
+def _rejected(
+    problem: Problem, circuit: Circuit | str | None, mean: tuple[float, float, float] | None
+) -> tuple[float | None, str]:
+    """Return what a kilogram of gas gives off in the condenser [J/kg] (M410), or None and why.
+
+    The gas comes from the separator, or without one from the chambers, of which `mean` tells the enthalpy.
+    """
+    effect, parted = problem.refrigerating_effect, problem.parts.all(Separator)
+    if isinstance(circuit, str) and parted:
+        return None, circuit
+    if mean is None or effect is None:
+        return None, NONE_LEAVES
+    h = mean[0]
+    if isinstance(circuit, Circuit) and parted:
+        h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
+    return effect + h - problem.inlet.enthalpy, ""
 
 
 def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, float | None], dict[str, str]]:

@@ -80,6 +80,15 @@ _CORE = (
         by_flow=True,
     ),
     _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
+    _cooled(
+        "heating_capacity",
+        "W",
+        "heating capacity: heat that the gas gives off in the condenser or gas cooler, without the oil cooler's",
+        by_flow=True,
+    ),
+    _cooled(
+        "heating_cop", "1", "coefficient of performance of heating: heating capacity over shaft power", by_flow=True
+    ),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
     _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
     _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
