@@ -13,7 +13,7 @@ from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held,
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Drawn, Plenum, Separator, Turn
-from screwsim.evaluate import expander, humidity, performance
+from screwsim.evaluate import expander, humidity, performance, saturation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -103,6 +103,9 @@ def figures_of(
         warming, reasons = performance.heating(found, condensed, *_rejected(problem, circuit, mean))
         found |= warming
         notes |= reasons
+    own, reasons = saturation.figures(problem, found)
+    found |= own
+    notes |= reasons
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
