@@ -200,3 +200,35 @@ def test_a_file_that_comes_to_the_place_of_a_run_meanwhile_stays(folder, command
     answer = command("run", "small.yaml", "-o", "out.h5")
     assert (answer.code, len(answer.err.splitlines())) == (2, 1)
     assert (folder / "out.h5").read_text() == "my thesis"
+
+
+def test_short_is_one_screen_of_the_ten_figures_that_are_read_first(folder, command):
+    answer, whole = command("run", "oiled.yaml", "--short"), command("run", "oiled.yaml")
+    assert answer.code == 0, answer.err
+    lines = answer.out.splitlines()
+    assert len(lines) <= 24 and max(map(len, lines)) <= 80
+    assert lines[:2] == ["small", "status: ok"]
+    head = next(i for i, line in enumerate(lines) if line.startswith("figure"))
+    rows = lines[head + 1 : lines.index("", head)]
+    assert len(rows) == 10
+    figures = screwsim.simulate(screwsim.load("oiled.yaml")).performance
+    there = [line.split()[:-1] for line in whole.out.splitlines()]
+    for row in rows:
+        assert row.split()[:-1] in there, row  # number and unit as the whole table has them
+    valued = sum(value is not None for value in figures.values())
+    assert lines[-1] == f"without --short: {valued - 10} more figures, where the power goes"
+
+
+def test_short_of_what_fails_says_why_and_fits_the_screen(folder, command):
+    answer = command("run", "oiled.yaml", "--short", "--set", "operation.speed=20 rpm")
+    lines = answer.out.splitlines()
+    assert len(lines) <= 24 and max(map(len, lines)) <= 80
+    assert lines[0].startswith("small: no machine runs so, volumetric efficiency -")
+    assert lines[1] == "with operation.speed=20 rpm"
+    assert any(line.startswith("warning: ") for line in lines)
+
+
+@pytest.mark.parametrize(("other", "words"), [("--json", "prints everything"), ("--knock-out", "a table of its own")])
+def test_short_is_refused_beside_what_asks_for_more(folder, command, other, words):
+    answer = command("run", "small.yaml", "--short", other)
+    assert answer.code == 2 and words in answer.err and answer.out == ""

@@ -21,12 +21,20 @@ def run(
     knock_out: Annotated[
         bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
     ] = False,
+    short: Annotated[
+        bool, typer.Option("--short", help="Print the ten figures that are read first, on one screen.")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
+    if short and (as_json or knock_out):
+        whole, other = ("prints everything", "--json") if as_json else ("asks for a table of its own", "--knock-out")
+        raise UsageError(f"--short: is for a look at the figures, and {other} {whole} (remove one of the two)")
     if is_stages(scene_file):
+        if short:
+            raise UsageError(f"{scene_file}: stages have no --short (run one of the two scenes instead)")
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     if output is not None:
@@ -56,6 +64,11 @@ def run(
         print_json(result.as_json())
     else:
         changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
+        if short:
+            from screwsim.printing.short import print_short
+
+            print_short(scene.title, result, changed)
+            return OK if result.status == "ok" else NOT_ALL_OK
         print_result(scene.title, result, what_is_left_out(scene), changed)
         if result.uncertainty:
             from screwsim.printing.uncertain import print_uncertainty
