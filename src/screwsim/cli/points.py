@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +12,10 @@ from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.scene import Scene
+    from screwsim.study.measured import Measured
 
 
 def run(
@@ -21,6 +26,12 @@ def run(
     knock_out: Annotated[
         bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
     ] = False,
+    measured: Annotated[
+        list[str] | None,
+        option(
+            "FIGURE=VALUE", "Judge by what was measured, e.g. 'shaft_power=132 kW ± 2 kW'; repeat it.", "--measured"
+        ),
+    ] = None,
     short: Annotated[
         bool, typer.Option("--short", help="Print the ten figures that are read first, on one screen.")
     ] = False,
@@ -33,12 +44,14 @@ def run(
         whole, other = ("prints everything", "--json") if as_json else ("asks for a table of its own", "--knock-out")
         raise UsageError(f"--short: is for a look at the figures, and {other} {whole} (remove one of the two)")
     if is_stages(scene_file):
-        if short:
-            raise UsageError(f"{scene_file}: stages have no --short (run one of the two scenes instead)")
+        other = "--short" if short else "--measured" if measured else ""
+        if other:
+            raise UsageError(f"{scene_file}: stages have no {other} (run one of the two scenes instead)")
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     if output is not None:
         options.check_place(output)
+    points = _measured(scene, measured)
     from screwsim.printing import print_json, print_result
     from screwsim.scene.typical import what_is_left_out
     from screwsim.simulate import simulate
@@ -60,21 +73,39 @@ def run(
 
         options.check_place(output)  # again: what came there meanwhile stays
         save(output, scene, result, derivatives=kept_slopes(scene, result))
+    found = None
+    if points:
+        from screwsim.study.measured import compare_measured
+
+        found = compare_measured(scene, result, points)
     if as_json:
-        print_json(result.as_json())
+        print_json(result.as_json() | ({} if found is None else {"measured": found.as_json()}))
     else:
         changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
         if short:
             from screwsim.printing.short import print_short
 
             print_short(scene.title, result, changed)
-            return OK if result.status == "ok" else NOT_ALL_OK
-        print_result(scene.title, result, what_is_left_out(scene), changed)
-        if result.uncertainty:
+        else:
+            print_result(scene.title, result, what_is_left_out(scene), changed)
+        if result.uncertainty and not short:
             from screwsim.printing.uncertain import print_uncertainty
 
             print_uncertainty(result)
+        if found is not None:
+            from screwsim.printing.measured import print_measured
+
+            print_measured(scene, result, found)
     return OK if result.status == "ok" else NOT_ALL_OK
+
+
+def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]:
+    """Return what was measured; a slip is told before anything is simulated."""
+    if not texts:
+        return ()
+    from screwsim.study.measured import read_measured
+
+    return read_measured(scene, texts)
 
 
 def _run_stages(

@@ -24,6 +24,7 @@ _SYMBOLS = {
     "heating_capacity": "qh qdoth q̇h condensercapacity",
     "heating_cop": "coph copheating",
     "volumetric_cooling_capacity": "qv",
+    "free_air_delivered": "fad freeair freeairdelivery",
 }
 _SHORT = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbols.split()}
 _OTHERWISE = "a name of performance in `run --json`"
