@@ -258,7 +258,7 @@ def test_a_sheet_gives_a_machine_that_delivers_what_it_states(tmp_path, capsys, 
     monkeypatch.chdir(tmp_path)
     assert cli.exit_code(BY_SHEET) == 0
     printed = capsys.readouterr()
-    assert printed.out == "mine.yaml\n"
+    assert printed.out.endswith("\nmine.yaml\n")
     scene = screwsim.load("mine.yaml")
     assert scene.title == "Air package, 7.5 m^3/min of free air, motor of 45 kW, 7.5 bar(g)"
     found = screwsim.simulate(scene, trace=False)
@@ -268,11 +268,11 @@ def test_a_sheet_gives_a_machine_that_delivers_what_it_states(tmp_path, capsys, 
     assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
     assert scene.effects["air_package"].parameters.rated_flow == pytest.approx(7.5 / 60.0)
     assert found.performance.shaft_power == pytest.approx(45e3, rel=0.05)
-    told = " ".join(printed.err.split())
+    told = " ".join(printed.out.split())
     assert f"takes {1e-3 * found.performance.shaft_power:.5g} kW at the shaft" in told
     for assumed in ("built-in volume ratio 4.5", "2950 rpm", f"{1e3 * scene.machine.rotor_diameter:.0f} mm", "oil"):
         assert assumed in told.split("assumed: ")[1]
-    assert max(map(len, printed.err.splitlines())) <= 80
+    assert max(map(len, printed.out.splitlines())) <= 80
 
 
 @pytest.mark.slow
@@ -303,6 +303,13 @@ def test_a_size_that_is_stated_needs_no_search():
     assert scene.title == "Air package, 520 m^3/h at 2950 rpm, motor of 45 kW, 8 bar(g)"
     assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
     assert scene.operation.discharge.pressure == pytest.approx(9e5)
+
+
+def test_without_a_file_the_screen_has_the_scene_alone(capsys):
+    assert cli.exit_code(BY_SHEET[:-2]) == 0
+    printed = capsys.readouterr()
+    assert screwsim.loads(printed.out).title.startswith("Air package, 7.5 m^3/min of free air")
+    assert "computed: delivers" in printed.err and "assumed: " in printed.err
 
 
 def test_a_file_that_is_there_is_not_overwritten(tmp_path, capsys, monkeypatch):

@@ -71,7 +71,7 @@ def new(
         found = sized(kind, asked)
         text = found.text
         for line in told(asked, found):
-            say(wrapped(line), err=True)
+            say(wrapped(line), err=output is None)  # where the scene itself goes to the screen
     else:
         text = new_scene(kind, asked)
     if output is None:

@@ -69,14 +69,16 @@ def _text(kind: str, asked: Asked, option: str) -> str:
 
 def told(asked: Asked, found: Sized) -> Iterator[str]:
     """Yield what the machine does, how that fits what was stated, and what was assumed, in a line each."""
-    p, scene, motor = found.result.performance, found.scene, found.scene.effects["motor"].parameters
-    load = p.shaft_power / motor.rated_power
+    p, scene = found.result.performance, found.scene
+    every = (active.parameters for active in scene.effects.values())
+    rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
+    load = p.shaft_power / rated
     over = 1e-5 * (p.package_discharge_pressure - scene.operation.suction.pressure)
     does = [
         f"delivers {shown_figure(DELIVERED, p[DELIVERED])} at {over:.4g} bar over its inlet",
         f"takes {shown_figure(TAKEN, p.shaft_power)}",
     ]
-    does[1] += f" at the shaft ({100.0 * load:.0f} % of a motor of {1e-3 * motor.rated_power:g} kW)"
+    does[1] += f" at the shaft ({100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW)"
     does.append(f"{shown_figure('package_input_power', p.package_input_power)} with motor and fan")
     does.append(shown_figure("package_specific_power", p.package_specific_power))
     yield f"computed: {', '.join(does)}"
