@@ -2,13 +2,16 @@
 
 import csv
 import importlib.util
+import math
 from pathlib import Path
 
 import pytest
 
 import screwsim
 from screwsim import cli
+from screwsim.build import build_parts
 from screwsim.effects.parts.rating import STANDARDS
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.typical import leaks_told
 from screwsim.study.sized import NEAR, sized
 from screwsim.study.sized import told as sized_told
@@ -236,6 +239,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given beside --condition"),
         (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the surroundings' 1 bar"),
         (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
+        (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),
         (["booster", "--motor", "45 kW"], "--motor: is of an air package's sheet (write screwsim new air"),
         (["refrigeration", "-o", "x.json"], "-o x.json: a scene is written, which ends in .yaml (write -o x.yaml)"),
         (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: ends as a fit or a plant of two stages does"),
@@ -303,6 +307,38 @@ def test_a_size_that_is_stated_needs_no_search():
     assert scene.title == "Air package, 520 m^3/h at 2950 rpm, motor of 45 kW, 8 bar(g)"
     assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
     assert scene.operation.discharge.pressure == pytest.approx(9e5)
+
+
+@pytest.mark.parametrize(("vi", "closes"), [(None, 545.0), (1.2, 522.0)])
+def test_an_economizers_port_lies_where_a_chamber_is_closed(vi, closes):
+    """Suction of the template's rotors ends at 450 degrees; a low built-in ratio leaves less than a pitch of 90."""
+    asked = asked_of(None, None, vi, None, None, None, economizer=True)
+    scene = screwsim.loads(new_scene("refrigeration", asked))
+    port, geometry = scene.effects["economizer"].parameters, build_parts(scene).geometry
+    assert geometry.injection_angle < port.opens < port.closes < geometry.discharge_opens
+    assert [math.degrees(each) for each in (port.opens, port.closes)] == pytest.approx([455.0, closes])
+
+
+def test_an_economizer_cools_more_and_better_than_without():
+    both = [
+        screwsim.simulate(
+            screwsim.loads(new_scene("refrigeration", asked_of(None, None, None, None, None, None, economizer=each))),
+            trace=False,
+        )
+        for each in (False, True)
+    ]
+    assert all((each.status, each.warnings) == ("ok", ()) for each in both)
+    plain, found = (each.performance for each in both)
+    assert found.economizer_draw_ratio == pytest.approx(1.0, abs=1e-3)
+    assert plain.suction_pressure < found.economizer_pressure < found.discharge_pressure
+    assert found.cooling_capacity > 1.1 * plain.cooling_capacity and found.cop > 1.02 * plain.cop
+
+
+def test_no_room_for_an_economizers_port_is_told():
+    with pytest.raises(
+        UsageError, match=r"^--economizer: suction ends at 450 deg and discharge begins at .*--vi states"
+    ):
+        new_scene("refrigeration", asked_of(None, None, 1.05, None, None, None, economizer=True))
 
 
 def test_without_a_file_the_screen_has_the_scene_alone(capsys):
