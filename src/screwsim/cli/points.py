@@ -15,6 +15,7 @@ from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
+    from screwsim.study.knock_out import Left
     from screwsim.study.measured import Measured
 
 
@@ -26,6 +27,10 @@ def run(
     knock_out: Annotated[
         bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
     ] = False,
+    together: Annotated[
+        list[str] | None,
+        option("GROUP", "Leave out at once: leaks, oil, friction, walls, or effects with commas; repeat it."),
+    ] = None,
     measured: Annotated[
         list[str] | None,
         option(
@@ -40,29 +45,30 @@ def run(
     """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
-    if short and (as_json or knock_out):
-        whole, other = ("prints everything", "--json") if as_json else ("asks for a table of its own", "--knock-out")
+    if short and (as_json or knock_out or together):
+        table = "--knock-out" if knock_out else "--together"
+        whole, other = ("prints everything", "--json") if as_json else ("asks for a table of its own", table)
         raise UsageError(f"--short: is for a look at the figures, and {other} {whole} (remove one of the two)")
     if is_stages(scene_file):
-        other = "--short" if short else "--measured" if measured else ""
+        other = "--short" if short else "--measured" if measured else "--together" if together else ""
         if other:
             raise UsageError(f"{scene_file}: stages have no {other} (run one of the two scenes instead)")
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     if output is not None:
         options.check_place(output)
-    points = _measured(scene, measured)
+    points, left_out = _measured(scene, measured), _left_out(scene, knock_out, together)
     from screwsim.printing import print_json, print_result
     from screwsim.scene.typical import what_is_left_out
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
-    if knock_out and result.performance:
+    if left_out and result.performance:
         from screwsim.study.knock_out import knock_out as knocked_out
         from screwsim.study.progress import for_terminal
 
-        names = [f"without {name}" for name in scene.effects]
-        result = knocked_out(scene, result, for_terminal("knock-out", names))
+        names = [f"without {each.name}" for each in left_out]
+        result = knocked_out(scene, result, for_terminal("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
@@ -106,6 +112,15 @@ def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]
     from screwsim.study.measured import read_measured
 
     return read_measured(scene, texts)
+
+
+def _left_out(scene: Scene, each: bool, together: Sequence[str] | None) -> tuple[Left, ...]:
+    """Return what is to be left out in turn: groups as they are named, then each effect by itself."""
+    if not (each or together):
+        return ()
+    from screwsim.study.knock_out import each_alone, read_groups
+
+    return (*read_groups(scene, together or ()), *(each_alone(scene) if each else ()))
 
 
 def _run_stages(
