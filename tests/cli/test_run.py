@@ -2,12 +2,15 @@
 
 import importlib
 import json
+from pathlib import Path
 
 import pytest
 
 import screwsim
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, Figures, Result
+
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def _document(text: str) -> dict:
@@ -200,3 +203,75 @@ def test_a_file_that_comes_to_the_place_of_a_run_meanwhile_stays(folder, command
     answer = command("run", "small.yaml", "-o", "out.h5")
     assert (answer.code, len(answer.err.splitlines())) == (2, 1)
     assert (folder / "out.h5").read_text() == "my thesis"
+
+
+def test_short_is_one_screen_of_the_ten_figures_that_are_read_first(folder, command):
+    answer, whole = command("run", "oiled.yaml", "--short"), command("run", "oiled.yaml")
+    assert answer.code == 0, answer.err
+    lines = answer.out.splitlines()
+    assert len(lines) <= 24 and max(map(len, lines)) <= 80
+    assert lines[:2] == ["small", "status: ok"]
+    head = next(i for i, line in enumerate(lines) if line.startswith("figure"))
+    rows = lines[head + 1 : lines.index("", head)]
+    assert len(rows) == 10
+    figures = screwsim.simulate(screwsim.load("oiled.yaml")).performance
+    there = [line.split()[:-1] for line in whole.out.splitlines()]
+    for row in rows:
+        assert row.split()[:-1] in there, row  # number and unit as the whole table has them
+    valued = sum(value is not None for value in figures.values())
+    assert lines[-1] == f"without --short: {valued - 10} more figures, where the power goes"
+
+
+def test_short_of_what_fails_says_why_and_fits_the_screen(folder, command):
+    answer = command("run", "oiled.yaml", "--short", "--set", "operation.speed=20 rpm")
+    lines = answer.out.splitlines()
+    assert len(lines) <= 24 and max(map(len, lines)) <= 80
+    assert lines[0].startswith("small: no machine runs so, volumetric efficiency -")
+    assert lines[1] == "with operation.speed=20 rpm"
+    assert any(line.startswith("warning: ") for line in lines)
+
+
+@pytest.mark.parametrize(("other", "words"), [("--json", "prints everything"), ("--knock-out", "a table of its own")])
+def test_short_is_refused_beside_what_asks_for_more(folder, command, other, words):
+    answer = command("run", "small.yaml", "--short", other)
+    assert answer.code == 2 and words in answer.err and answer.out == ""
+
+
+def test_a_group_is_left_out_at_once_as_without_leaves_its_effects_out(folder, command):
+    rough = ("--set", "numerics.accuracy=0.01", "--set", "numerics.error=none")
+    both = ("--together", "leaks", "--together", "tip_leakage, oil_heat")
+    answer = command("run", "oiled.yaml", *rough, *both, "--json")
+    assert answer.code == 0, answer.err
+    costs = {cost["effect"]: cost for cost in _document(answer.out)["knock_out"]}
+    assert list(costs) == ["leaks", "tip_leakage+oil_heat"]
+    for name, effects in (("leaks", ["tip_leakage"]), ("tip_leakage+oil_heat", ["tip_leakage", "oil_heat"])):
+        without = [word for effect in effects for word in ("--without", effect)]
+        other = _document(command("run", "oiled.yaml", *rough, *without, "--json").out)["performance"]
+        assert costs[name]["shaft_power"] == other["shaft_power"], name
+    text = command("run", "oiled.yaml", *rough, "--together", "leaks").out
+    assert any(line.startswith("leaks ") for line in text.splitlines())
+
+
+def test_groups_follow_what_effects_say_that_they_are():
+    from screwsim.study.knock_out import read_groups
+
+    scene = screwsim.load(CONFIGS / "r134a" / "point.yaml")
+    leaks, oil, friction = (set(each.effects) for each in read_groups(scene, ["leaks", "oil", "friction"]))
+    assert leaks == {f"{name}_leakage" for name in ("tip", "interlobe", "end_face", "shaft")} | {"blow_hole"}
+    assert (oil, friction) == ({"droplets", "hydromechanical"}, {"mechanical"})
+    piston = screwsim.load(CONFIGS / "slider_crank" / "air.yaml")
+    assert [each.effects for each in read_groups(piston, ["walls"])] == [("cylinder_heat",)]
+
+
+@pytest.mark.parametrize(
+    ("group", "words"),
+    [
+        ("leak", "leak is no group and no effect of this scene (did you mean 'leaks'?)"),
+        ("tip_leakage,blow_hole", "blow_hole is no group and no effect of this scene"),
+        ("walls", "the scene simulates nothing that belongs to walls"),
+        (",", "names nothing (write e.g. --together leaks)"),
+    ],
+)
+def test_a_group_that_is_none_is_told_before_anything_is_simulated(folder, command, group, words):
+    answer = command("run", "small.yaml", "--together", group)
+    assert answer.code == 2 and words in answer.err and answer.out == ""

@@ -10,7 +10,7 @@ import pytest
 
 from screwsim.export import energyplus, modelica
 from screwsim.export.csv_table import csv_table
-from screwsim.export.en12900 import BTU, FIGURES, MOTOR, POUND, en12900_csv, en12900_document
+from screwsim.export.en12900 import BESIDE, BTU, FIGURES, POUND, en12900_csv, en12900_document
 from screwsim.export.polynomials import polynomials, rated, swept
 from screwsim.export.table import table_of
 from screwsim.export.tespy import tespy_document
@@ -71,7 +71,7 @@ def test_normalised_curves_are_one_at_the_rated_point(found):
 
 
 def test_the_power_is_that_of_the_motor_where_there_is_one():
-    assert energyplus.power_of(["shaft_power", MOTOR]) == MOTOR
+    assert energyplus.power_of(["shaft_power", "electrical_power"]) == "electrical_power"
     assert energyplus.power_of(["shaft_power"]) == "shaft_power"
 
 
@@ -103,6 +103,19 @@ def test_coefficients_and_rating_are_those_of_the_map(found, ip, factors):
     assert float(first[f"evaporating_{degree}"]) == pytest.approx(14.0 if ip else -10.0)
     wanted = factor * float(found.maps[0].evaluate("cooling_capacity", -10.0, 35.0))
     assert float(first[f"cooling_capacity [{unit}]"]) == pytest.approx(wanted, rel=1e-5)
+
+
+def test_heating_has_coefficients_beside_those_of_the_standard(swept_map):
+    """Heat of the condenser: both capacities differ by what the shaft brings, less what the oil keeps."""
+    assert "heating_capacity" in BESIDE and "heating_capacity" in swept_map.figures
+    both = polynomials(swept_map, ("cooling_capacity", "heating_capacity"))
+    rows = rows_of(en12900_csv(both, ip=True))
+    capacity = {row["figure"]: row for row in rows if row["table"] == "coefficients"}
+    assert capacity["heating_capacity"]["unit"] == "Btu/h"
+    S_F, D_F = (np.array(1.8 * T + 32.0) for T in (S, D))
+    one = polynomial([float(capacity["heating_capacity"][name]) for name in NAMES], S_F, D_F)
+    assert one == pytest.approx(3600.0 / BTU * float(both.maps[0].evaluate("heating_capacity", S, D)), rel=1e-8)
+    assert one > float(polynomial([float(capacity["cooling_capacity"][name]) for name in NAMES], S_F, D_F))
 
 
 def test_modelica_has_the_nodes_and_the_polynomials(swept_map):

@@ -59,7 +59,7 @@ ALLOWED = {
     "study/stages/explain.py": ({"economizer"}, STUDY),
     "study/stages/read.py": ({"economizer"}, STUDY),
     "study/stages/solve.py": ({"economizer"}, STUDY),
-    "template/refrigeration.py": ({"separator", "drive", "motor"}, "a template writes scenes with effects"),
+    "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, "it writes scenes with effects"),
 }
 IMPORTS = {  # of what an effect's file has
     "solve/start_up.py": {"gas_torque"},

@@ -21,7 +21,7 @@ RATED = {
     "oil_supply.temperature": "330 K",
 }
 ALGEBRA = 1e-12
-COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity")
+COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity", "heating_capacity", "heating_cop")
 
 
 def coolprop():

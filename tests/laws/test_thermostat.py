@@ -79,6 +79,8 @@ def test_the_condenser_gives_off_what_evaporator_and_shaft_bring_and_the_oil_coo
     assert found.cop == pytest.approx(evaporator / found.shaft_power, rel=1e-5)
     liquid = found.liquid_injection_mass_flow * (h_discharge - h_liquid)
     condenser = found.gas_mass_flow * (h_discharge - h_liquid) + liquid
+    assert found.heating_capacity == pytest.approx(condenser, rel=1e-5)
+    assert found.heating_cop == pytest.approx(condenser / found.shaft_power, rel=1e-5)
     brought = evaporator + found.shaft_power - found.oil_cooler_duty
     assert condenser == pytest.approx(brought, abs=3e-3 * liquid)
     assert liquid > 0.02 * brought

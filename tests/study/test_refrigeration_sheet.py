@@ -67,6 +67,24 @@ def test_the_tables_are_those_of_the_trade(sheet):
     assert sheet.ok and len(sheet.tables) == 8 and len(sheet.drawings) == 4
 
 
+def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, sheet):
+    """COP of heating exceeds that of cooling by less than one: the oil's cooler takes some of the power."""
+    both, own = refrigeration_sheet(rated, heating=True), rated.own.performance
+    there = {table.title: table for table in both.tables}
+    added = [title for title in there if title not in {table.title for table in sheet.tables}]
+    assert added == ["Heating capacity [kW]", "COP of heating, of the electrical power"]
+    found = rated.points[1, 1].performance
+    cells = [float(there[title].rows[1][2].strip("*\u00a0")) for title in added]
+    assert cells == [
+        pytest.approx(1e-3 * found.heating_capacity, rel=1e-3),
+        pytest.approx(found.electrical_heating_cop, abs=0.006),
+    ]
+    assert 0.0 < own.electrical_heating_cop - own.electrical_cop < 1.0
+    (line,) = (text for name, text in both.lines if name == "heating")
+    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW in the condenser")
+    assert sheet.document["points"] == both.document["points"]  # programs get it in any case
+
+
 def test_the_envelope_ends_where_a_limit_is_met(rated):
     """Power is all but linear over 5 K of condensing temperature: the interpolated end is met within 1 %."""
     for reach in rated.reach:

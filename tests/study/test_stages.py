@@ -193,6 +193,10 @@ def test_a_flash_tank_gives_the_vapour_of_the_liquid_that_goes_through_it(chain)
     assert second.gas_mass_flow == pytest.approx(first.gas_mass_flow + p.vapour_mass_flow, rel=ACCURACY)
     assert p.second_suction_temperature < first.discharge_temperature
     assert p.cop == pytest.approx(p.cooling_capacity / p.shaft_power)
+    assert p.heating_cop == pytest.approx(p.heating_capacity / p.shaft_power)
+    warmed = build_gas(found.scenes[0]).c_p * (second.separator_temperature - 283.0)  # an ideal gas's
+    rejected = constants.vapour_enthalpy("R134a", 1.5e5, 283.0) - h_c + warmed
+    assert p.heating_capacity == pytest.approx(second.gas_mass_flow * rejected, rel=1e-9)
 
 
 def test_wet_suction_of_the_first_stage_stays_wet(chain):

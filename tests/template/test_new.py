@@ -1,14 +1,19 @@
 """`screwsim new` writes scenes that load, close, and do what machines of their size do; what cannot be is one line."""
 
 import csv
+import math
 from pathlib import Path
 
 import pytest
 
 import screwsim
 from screwsim import cli
+from screwsim.build import build_parts
 from screwsim.effects.parts.rating import STANDARDS
+from screwsim.inputs.faults import UsageError
 from screwsim.scene.typical import leaks_told
+from screwsim.study.sized import NEAR, sized
+from screwsim.study.sized import told as sized_told
 from screwsim.study.validation import sibling
 from screwsim.template import KINDS, asked_of, new_scene
 
@@ -223,6 +228,16 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
             ["reciprocating", "--displacement", "600 m^3/h", "--speed", "2950 rpm"],
             "--displacement 600 m^3/h at 2950 rpm: one cylinder leaves no room for valves at 11.8 m/s of its piston",
         ),
+        (["air", "--flow", "7.5"], "--flow 7.5: '7.5' has no unit"),
+        (["air", "--flow", "7.5 bar"], "--flow 7.5 bar: '7.5 bar' is not a volume flow"),
+        (["air", "--motor", "0 kW"], "--motor 0 kW: is not above nothing"),
+        (["air", "--flow", "7 m^3/min", "--displacement", "500 m^3/h"], "--flow: is given beside --displacement"),
+        (["air", "--flow", "7 m^3/min", "--diameter", "180 mm"], "--flow: is given beside --diameter"),
+        (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given beside --condition"),
+        (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the surroundings' 1 bar"),
+        (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
+        (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),
+        (["booster", "--motor", "45 kW"], "--motor: is of an air package's sheet (write screwsim new air"),
         (["refrigeration", "-o", "x.json"], "-o x.json: a scene is written, which ends in .yaml (write -o x.yaml)"),
         (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: ends as a fit or a plant of two stages does"),
     ],
@@ -234,6 +249,100 @@ def test_what_cannot_be_is_told_in_one_line(arguments, told, capsys, tmp_path, m
     assert (code, printed.out, printed.err.count("\n")) == (2, "", 1)
     assert printed.err.startswith(told), printed.err
     assert list(tmp_path.iterdir()) == []
+
+
+BY_SHEET = ["new", "air", "--motor", "45kW", "--flow", "7.5m^3/min", "--pressure", "7.5bar(g)", "-o", "mine.yaml"]
+
+
+def test_a_sheet_gives_a_machine_that_delivers_what_it_states(tmp_path, capsys, monkeypatch):
+    """7.5 m³/min at 7.5 bar over the inlet is what packages of 45 kW deliver: the motor's load is near its rating."""
+    monkeypatch.chdir(tmp_path)
+    assert cli.exit_code(BY_SHEET) == 0
+    printed = capsys.readouterr()
+    assert printed.out.endswith("\nmine.yaml\n")
+    scene = screwsim.load("mine.yaml")
+    assert scene.title == "Air package, 7.5 m^3/min of free air, motor of 45 kW, 7.5 bar(g)"
+    found = screwsim.simulate(scene, trace=False)
+    assert (found.status, found.warnings) == ("ok", ())
+    assert found.performance.free_air_delivered == pytest.approx(7.5 / 60.0, rel=NEAR)
+    assert found.performance.package_discharge_pressure == pytest.approx(8.5e5)
+    assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
+    assert scene.effects["air_package"].parameters.rated_flow == pytest.approx(7.5 / 60.0)
+    assert found.performance.shaft_power == pytest.approx(45e3, rel=0.05)
+    told = " ".join(printed.out.split())
+    assert f"takes {1e-3 * found.performance.shaft_power:.5g} kW at the shaft" in told
+    for assumed in ("built-in volume ratio 4.5", "2950 rpm", f"{1e3 * scene.machine.rotor_diameter:.0f} mm", "oil"):
+        assert assumed in told.split("assumed: ")[1]
+    assert max(map(len, printed.out.splitlines())) <= 80
+
+
+@pytest.mark.slow
+def test_a_sheets_power_is_met_within_what_packages_differ_by():
+    """The sheet of validation/cagi at full flow, 125 psig: that machine is of the best, the template typical."""
+    rows = (ROOT / "validation" / "cagi" / "sheet.csv").read_text().splitlines()
+    flow, power = map(float, next(row for row in rows if row[0].isdigit()).split(","))
+    stated = {"motor": "110 kW", "free_air": f"{0.3048**3 * flow} m^3/min", "pressure": "125 psig"}
+    found = sized("air", asked_of(*[None] * 6, **stated)).result.performance
+    assert found.free_air_delivered == pytest.approx(0.3048**3 * flow / 60.0, rel=NEAR)
+    assert 1.0 < found.package_input_power / (1e3 * power) < 1.12
+
+
+def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys):
+    asked = asked_of(*[None] * 6, motor="45 kW")
+    assert sized("air", asked).result.performance.shaft_power == pytest.approx(45e3, rel=NEAR)
+    asked = asked_of(*[None] * 6, motor="22 kW", free_air="7.5 m^3/min")
+    lines = list(sized_told(asked, sized("air", asked)))
+    assert "(207 % of a motor of 22 kW)" in lines[0] or "(206 % of a motor of 22 kW)" in lines[0]
+    assert lines[1].startswith("the motor gets more than sheets have it carry")
+    assert lines[-1].startswith("warning: the motor's load is")
+
+
+def test_a_size_that_is_stated_needs_no_search():
+    asked = asked_of(None, "520 m^3/h", None, None, None, None, motor="45 kW", pressure="8 bar(g)")
+    assert not asked.by_sheet
+    scene = screwsim.loads(new_scene("air", asked))
+    assert scene.title == "Air package, 520 m^3/h at 2950 rpm, motor of 45 kW, 8 bar(g)"
+    assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
+    assert scene.operation.discharge.pressure == pytest.approx(9e5)
+
+
+@pytest.mark.parametrize(("vi", "closes"), [(None, 545.0), (1.2, 522.0)])
+def test_an_economizers_port_lies_where_a_chamber_is_closed(vi, closes):
+    """Suction of the template's rotors ends at 450 degrees; a low built-in ratio leaves less than a pitch of 90."""
+    asked = asked_of(None, None, vi, None, None, None, economizer=True)
+    scene = screwsim.loads(new_scene("refrigeration", asked))
+    port, geometry = scene.effects["economizer"].parameters, build_parts(scene).geometry
+    assert geometry.injection_angle < port.opens < port.closes < geometry.discharge_opens
+    assert [math.degrees(each) for each in (port.opens, port.closes)] == pytest.approx([455.0, closes])
+
+
+def test_an_economizer_cools_more_and_better_than_without():
+    both = [
+        screwsim.simulate(
+            screwsim.loads(new_scene("refrigeration", asked_of(None, None, None, None, None, None, economizer=each))),
+            trace=False,
+        )
+        for each in (False, True)
+    ]
+    assert all((each.status, each.warnings) == ("ok", ()) for each in both)
+    plain, found = (each.performance for each in both)
+    assert found.economizer_draw_ratio == pytest.approx(1.0, abs=1e-3)
+    assert plain.suction_pressure < found.economizer_pressure < found.discharge_pressure
+    assert found.cooling_capacity > 1.1 * plain.cooling_capacity and found.cop > 1.02 * plain.cop
+
+
+def test_no_room_for_an_economizers_port_is_told():
+    with pytest.raises(
+        UsageError, match=r"^--economizer: suction ends at 450 deg and discharge begins at .*--vi states"
+    ):
+        new_scene("refrigeration", asked_of(None, None, 1.05, None, None, None, economizer=True))
+
+
+def test_without_a_file_the_screen_has_the_scene_alone(capsys):
+    assert cli.exit_code(BY_SHEET[:-2]) == 0
+    printed = capsys.readouterr()
+    assert screwsim.loads(printed.out).title.startswith("Air package, 7.5 m^3/min of free air")
+    assert "computed: delivers" in printed.err and "assumed: " in printed.err
 
 
 def test_a_file_that_is_there_is_not_overwritten(tmp_path, capsys, monkeypatch):

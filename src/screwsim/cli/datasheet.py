@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+import typer
+
 from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded, option
 from screwsim.screen import say
@@ -27,6 +29,9 @@ def datasheet(
         list[str] | None,
         option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit"),
     ] = None,
+    heating: Annotated[
+        bool, typer.Option("--heating", help="Also tables of the heating capacity and its COP, of a heat pump.")
+    ] = False,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -48,6 +53,7 @@ def datasheet(
         suction=suction,
         discharge=discharge,
         limits=limits or (),
+        heating=heating,
         jobs=jobs,
         progress=for_terminal("datasheet"),
     )

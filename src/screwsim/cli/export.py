@@ -241,10 +241,10 @@ def en12900(
 ) -> int:
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
-    from screwsim.export.en12900 import FIGURES, MOTOR, en12900_csv, en12900_document
+    from screwsim.export.en12900 import BESIDE, FIGURES, en12900_csv, en12900_document
 
     def figures(here: list[str]) -> list[str]:
-        return [*FIGURES, *(name for name in (MOTOR,) if name in here)]
+        return [*FIGURES, *(name for name in BESIDE if name in here)]
 
     found = _polynomials(source, figures, over, overrides, without, jobs)
     document = en12900_document(found, ip)

@@ -38,17 +38,57 @@ def new(
             "Both lines, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' (inlet).",
         ),
     ] = None,
+    motor: Annotated[
+        str | None, option("POWER", "Rated power of an air package's motor, as its sheet states it.")
+    ] = None,
+    flow: Annotated[
+        str | None, option("FLOW", "Free air that a package delivers, e.g. '7.5 m^3/min': its size is sought.")
+    ] = None,
+    pressure: Annotated[
+        str | None, option("PRESSURE", "At an air package's outlet, in place of --condition, e.g. '7.5 bar(g)'.")
+    ] = None,
+    economizer: Annotated[
+        bool, typer.Option("--economizer", help="With an economizer's port, of refrigeration and heat_pump.")
+    ] = False,
     output: Annotated[Path | None, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
 ) -> None:
     """Write a complete, commented scene of a realistic machine: leaks, oil, losses, scaled with its size."""
     if output is not None:
         _free(output)
     from screwsim.results.atomic import write_text
-    from screwsim.template import KINDS, asked_of, new_scene
+    from screwsim.template import AIR, CONDENSING, KINDS, asked_of, new_scene
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
-    text = new_scene(kind, asked_of(fluid, displacement, vi, speed, oil, condition, diameter))
+    sheet = {"--motor": motor, "--flow": flow, "--pressure": pressure}
+    other = next((name for name, stated in sheet.items() if stated is not None), None)
+    if other is not None and kind in KINDS and kind != AIR:
+        raise UsageError(f"{other}: is of an air package's sheet (write screwsim new {AIR}; {kind} has --displacement)")
+    if economizer and kind in KINDS and kind not in CONDENSING:
+        raise UsageError(f"--economizer: is of {' and '.join(CONDENSING)}, whose liquid it cools (remove it)")
+    asked = asked_of(
+        fluid,
+        displacement,
+        vi,
+        speed,
+        oil,
+        condition,
+        diameter,
+        motor=motor,
+        free_air=flow,
+        pressure=pressure,
+        economizer=economizer,
+    )
+    if asked.by_sheet and kind == AIR:
+        from screwsim.printing.tables import wrapped
+        from screwsim.study.sized import sized, told
+
+        found = sized(kind, asked)
+        text = found.text
+        for line in told(asked, found):
+            say(wrapped(line), err=output is None)  # where the scene itself goes to the screen
+    else:
+        text = new_scene(kind, asked)
     if output is None:
         say(text.rstrip("\n"))
         return

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +12,11 @@ from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.scene import Scene
+    from screwsim.study.knock_out import Left
+    from screwsim.study.measured import Measured
 
 
 def run(
@@ -21,27 +27,48 @@ def run(
     knock_out: Annotated[
         bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
     ] = False,
+    together: Annotated[
+        list[str] | None,
+        option("GROUP", "Leave out at once: leaks, oil, friction, walls, or effects with commas; repeat it."),
+    ] = None,
+    measured: Annotated[
+        list[str] | None,
+        option(
+            "FIGURE=VALUE", "Judge by what was measured, e.g. 'shaft_power=132 kW ± 2 kW'; repeat it.", "--measured"
+        ),
+    ] = None,
+    short: Annotated[
+        bool, typer.Option("--short", help="Print the ten figures that are read first, on one screen.")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
     from screwsim.study.stages import is_stages
 
+    if short and (as_json or knock_out or together):
+        table = "--knock-out" if knock_out else "--together"
+        whole, other = ("prints everything", "--json") if as_json else ("asks for a table of its own", table)
+        raise UsageError(f"--short: is for a look at the figures, and {other} {whole} (remove one of the two)")
     if is_stages(scene_file):
+        other = "--short" if short else "--measured" if measured else "--together" if together else ""
+        if other:
+            raise UsageError(f"{scene_file}: stages have no {other} (run one of the two scenes instead)")
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     if output is not None:
         options.check_place(output)
+    points, left_out = _measured(scene, measured), _left_out(scene, knock_out, together)
     from screwsim.printing import print_json, print_result
     from screwsim.scene.typical import what_is_left_out
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
-    if knock_out and result.performance:
+    if left_out and result.performance:
         from screwsim.study.knock_out import knock_out as knocked_out
         from screwsim.study.progress import for_terminal
 
-        names = [f"without {name}" for name in scene.effects]
-        result = knocked_out(scene, result, for_terminal("knock-out", names))
+        names = [f"without {each.name}" for each in left_out]
+        result = knocked_out(scene, result, for_terminal("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
@@ -52,16 +79,48 @@ def run(
 
         options.check_place(output)  # again: what came there meanwhile stays
         save(output, scene, result, derivatives=kept_slopes(scene, result))
+    found = None
+    if points:
+        from screwsim.study.measured import compare_measured
+
+        found = compare_measured(scene, result, points)
     if as_json:
-        print_json(result.as_json())
+        print_json(result.as_json() | ({} if found is None else {"measured": found.as_json()}))
     else:
         changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
-        print_result(scene.title, result, what_is_left_out(scene), changed)
-        if result.uncertainty:
+        if short:
+            from screwsim.printing.short import print_short
+
+            print_short(scene.title, result, changed)
+        else:
+            print_result(scene.title, result, what_is_left_out(scene), changed)
+        if result.uncertainty and not short:
             from screwsim.printing.uncertain import print_uncertainty
 
             print_uncertainty(result)
+        if found is not None:
+            from screwsim.printing.measured import print_measured
+
+            print_measured(scene, result, found)
     return OK if result.status == "ok" else NOT_ALL_OK
+
+
+def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]:
+    """Return what was measured; a slip is told before anything is simulated."""
+    if not texts:
+        return ()
+    from screwsim.study.measured import read_measured
+
+    return read_measured(scene, texts)
+
+
+def _left_out(scene: Scene, each: bool, together: Sequence[str] | None) -> tuple[Left, ...]:
+    """Return what is to be left out in turn: groups as they are named, then each effect by itself."""
+    if not (each or together):
+        return ()
+    from screwsim.study.knock_out import each_alone, read_groups
+
+    return (*read_groups(scene, together or ()), *(each_alone(scene) if each else ()))
 
 
 def _run_stages(

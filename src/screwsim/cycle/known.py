@@ -44,6 +44,7 @@ class CycleFigures:
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None
     cop: float | None = None
+    heating_cop: float | None = None
     motor_power: float | None = None  # where a drive lies between motor and shaft
     turn: Turn | None = None
     leaked_oil_flow: float = 0.0  # [m³/s] from the discharge line to suction, beside the chambers

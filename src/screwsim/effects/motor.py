@@ -45,11 +45,18 @@ FIGURES = (
         needs=COOLED,
         by_flow=True,
     ),
+    Figure(
+        "electrical_heating_cop",
+        "1",
+        "coefficient of performance of heating: heating capacity over electrical power",
+        needs=COOLED,
+        by_flow=True,
+    ),
 )
 NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
 SUCTION = "suction_gas"
-ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop")
+ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
 
 
 @dataclass(frozen=True)

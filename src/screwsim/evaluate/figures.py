@@ -14,7 +14,7 @@ from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held,
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
-from screwsim.evaluate import expander, humidity, performance
+from screwsim.evaluate import expander, humidity, performance, saturation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -28,9 +28,10 @@ Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
 PARTED = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 PARTED = (*PARTED, "oil_circuit_residual", "oil_flow_volume")
+NONE_LEAVES = "nothing flows out to the discharge line"
 NO_REASON = "this cycle has none"
 WHY_NONE = {
-    "discharge_temperature": "nothing flows out to the discharge line",
+    "discharge_temperature": NONE_LEAVES,
     "built_in_volume_ratio": "the machine has no discharge port whose opening ends it",
     "oil_flow_ratio": "no net gas is delivered",
     "oil_discharge_temperature": "next to no oil flows out to the discharge line",
@@ -75,6 +76,10 @@ def figures_of(
     station()
     take(*humidity.figures(problem, life, streams, found, circuit))
     take(*performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
+    if problem.refrigerating_effect is not None:
+        condensed, mean = flow + sum(net for net, _ in drawn), discharge_enthalpy(streams)
+        take(*performance.heating(found, condensed, *_rejected(problem, circuit, mean)))
+    take(*saturation.figures(problem, found))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
@@ -182,6 +187,24 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
         "shaft_leakage_gas_flow": leak.gas * rate,
         "shaft_leakage_oil_flow": leak.oil * rate,
     }
+
+
+def _rejected(
+    problem: Problem, circuit: Circuit | str | None, mean: tuple[float, float, float] | None
+) -> tuple[float | None, str]:
+    """Return what a kilogram of gas gives off in the condenser [J/kg] (M410), or None and why.
+
+    The gas comes from the separator, or without one from the chambers, of which `mean` tells the enthalpy.
+    """
+    effect, parted = problem.refrigerating_effect, problem.parts.all(Separator)
+    if isinstance(circuit, str) and parted:
+        return None, circuit
+    if mean is None or effect is None:
+        return None, NONE_LEAVES
+    h = mean[0]
+    if isinstance(circuit, Circuit) and parted:
+        h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
+    return effect + h - problem.inlet.enthalpy, ""
 
 
 def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, float | None], dict[str, str]]:

@@ -1,4 +1,4 @@
-"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45)."""
+"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45, M410)."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ Array = np.ndarray
 
 
 MOTOR_POWER = "motor_power"
+NO_POWER = "the shaft power is not positive"
 NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes in"
 
 
@@ -41,7 +42,7 @@ def efficiencies(
     """
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0 or shaft_power <= 0.0:
-        reason = NONE_DELIVERED if flow <= 0.0 else "the shaft power is not positive"
+        reason = NONE_DELIVERED if flow <= 0.0 else NO_POWER
         return dict.fromkeys(names), dict.fromkeys(names, reason)
     works, obstacle = _ideal_works(gas, lines, inlet)
     powers = [None if work is None else flow * work for work in works]
@@ -97,7 +98,23 @@ def refrigeration(
         return figures, {}
     cop = flow * effect / power if power > 0.0 else None
     figures |= {"cooling_capacity": flow * effect, "cop": cop, "volumetric_cooling_capacity": rho_s * effect}
-    return figures, {} if power > 0.0 else {"cop": "the shaft power is not positive"}
+    return figures, {} if power > 0.0 else {"cop": NO_POWER}
+
+
+def heating(
+    found: Mapping[str, Any], condensed: float, rejected: float | None, why: str
+) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return what gas gives off in the condenser [W], and that over the shaft power (M410), or None with the reason.
+
+    `condensed` [kg/s] is all gas that comes there, `rejected` what a kilogram of it gives off [J/kg], None with `why`.
+    """
+    power, names = found["shaft_power"], ("heating_capacity", "heating_cop")
+    if condensed <= 0.0 or rejected is None:
+        return dict.fromkeys(names), dict.fromkeys(names, why if rejected is None else NONE_DELIVERED)
+    capacity = condensed * rejected
+    cop = capacity / power if power > 0.0 else None
+    reasons = {} if power > 0.0 else {"heating_cop": NO_POWER}
+    return {"heating_capacity": capacity, "heating_cop": cop}, reasons
 
 
 def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tuple[dict[str, Any], dict[str, str]]:
@@ -116,7 +133,7 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tup
     values: dict[str, Any] = {}
     notes: dict[str, str] = {}
     reading = parts.all(Reading)
-    names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
+    names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
     complete = replace(known, **{name: found.get(name) for name in names}) if reading else known
     for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # which others may ask for
         given = part.read(replace(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))

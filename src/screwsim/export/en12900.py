@@ -10,12 +10,13 @@ from screwsim.export.polynomials import Polynomials, document, in_fahrenheit, li
 from screwsim.study.performance_map import NAMES, PerformanceMap
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
-MOTOR = "electrical_power"  # beside them where there is one
+BESIDE = ("electrical_power", "heating_capacity")  # beside them where a result has them
 POUND, BTU = 0.45359237, 1055.05585262  # [kg], [J]
 _IP = {
     "cooling_capacity": ("Btu/h", 3600.0 / BTU),
     "shaft_power": ("W", 1.0),
-    MOTOR: ("W", 1.0),
+    "electrical_power": ("W", 1.0),
+    "heating_capacity": ("Btu/h", 3600.0 / BTU),
     "gas_mass_flow": ("lb/h", 3600.0 / POUND),
 }
 STEPS = 6  # rated temperatures along each axis

@@ -12,6 +12,7 @@ from typing import Any
 
 from screwsim.effects import catalogue, having, imported
 from screwsim.effects.base import Effect, PowerLoss, Reading, SuctionChange
+from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model.parts import Parts
 from screwsim.numerics.remembered import Remembered
@@ -19,10 +20,12 @@ from screwsim.outputs import (
     AFTERCOOLED,
     CHANGED,
     CYCLE,
+    GLIDING,
     HEATED,
     HELD,
     ITSELF,
     PERFORMANCE,
+    SUBCRITICAL,
     TIMES,
     WALLED,
     Figure,
@@ -34,6 +37,7 @@ from screwsim.outputs import (
     shown_of,
 )
 from screwsim.outputs.display import Shown, table_html, table_text
+from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
 _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # whether a scene has what no key of its own tells
@@ -41,6 +45,8 @@ _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # whether a scene has 
     CHANGED[0]: lambda scene, parts: bool(parts.all(SuctionChange)) or parts.suction_line,
     WALLED[0]: lambda scene, parts: bool(parts.walls),
     HELD[0]: lambda scene, parts: parts.dissolves,
+    SUBCRITICAL[0]: lambda scene, parts: saturates(scene),
+    GLIDING[0]: lambda scene, parts: saturates(scene) and is_blend(scene.gas.name),
     AFTERCOOLED[1]: lambda scene, parts: scene.gas.relative_humidity is not None and _has(scene, AFTERCOOLED[1]),
 }
 
@@ -158,6 +164,7 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     global _last
     same = scene.effects, parts.effects, scene.machine, scene.gas, scene.oil, parts.geometry
     operation = _stated(scene.operation), _stated(scene.oil_supply), parts.oil is None, parts.set_speed is None
+    operation = *operation, saturates(scene)
     last, stated, found = _last  # at once: threads share it
     if len(last) != len(same) or stated != operation or not all(map(is_, same, last)):
         found = _called_for(scene, parts)

@@ -168,6 +168,14 @@ def saturation_temperature(fluid: str, p: float) -> float:
     return _saturated(fluid, "T", "PQ_INPUTS", p, 1.0)
 
 
+def boiling_temperature(fluid: str, p: float) -> float:
+    """Return the saturation temperature [K] of liquid (the bubble point) at pressure p [Pa]."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.bubble_temperature(p)
+    return _saturated(fluid, "T", "PQ_INPUTS", p, 0.0)
+
+
 def liquid_below(fluid: str, p: float, T: float) -> float | None:
     """Return the temperature [K] below which a fluid of pressure p [Pa] is a liquid; None where it is a gas at T [K].
 

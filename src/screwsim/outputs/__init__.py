@@ -10,10 +10,12 @@ from screwsim.outputs.core import (
     CHANGED,
     CONDENSED,
     COOLED,
+    GLIDING,
     HEATED,
     HELD,
     HUMID,
     PERFORMANCE,
+    SUBCRITICAL,
     WALLED,
 )
 from screwsim.outputs.declared import (
@@ -62,6 +64,7 @@ __all__ = [
     "COOLED",
     "CYCLE",
     "EFFICIENCY",
+    "GLIDING",
     "HEATED",
     "HELD",
     "HUMID",
@@ -77,6 +80,7 @@ __all__ = [
     "POWER",
     "STAGES",
     "STATUSES",
+    "SUBCRITICAL",
     "TIMES",
     "WALLED",
     "Figure",

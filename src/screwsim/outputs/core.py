@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from screwsim.outputs.declared import LEAST_OIL, POWER, Figure, Scale, efficiency, power_figure
+from screwsim.outputs.declared import DIFFERENCE, LEAST_OIL, POWER, Figure, Scale, efficiency, over, power_figure
 
 # what calls for a figure of the core, beside keys of a scene (`figures.called_for`)
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
@@ -15,11 +15,14 @@ HEATED = ("an effect that gives the oil a temperature",)
 CHANGED = ("an effect with a SuctionChange",)
 WALLED = ("an effect with a Wall",)
 HELD = ("an effect by which the oil gives its gas off over time",)
+SUBCRITICAL = ("gas.model: real with suction gas below its critical temperature",)
+GLIDING = (f"{SUBCRITICAL[0]}, a blend",)
 AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity, an effect with an aftercooler")
 # of what condenses: saturation changes by 15 and more times what the temperature does
 CONDENSED = Scale(15.0, ("water_flow",))
 
 _oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
+_saturating, _gliding = (partial(Figure, needs=needs) for needs in (SUBCRITICAL, GLIDING))
 _humid = partial(Figure, needs=HUMID)
 _CORE = (
     efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
@@ -80,9 +83,31 @@ _CORE = (
         by_flow=True,
     ),
     _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
+    _cooled(
+        "heating_capacity",
+        "W",
+        "heating capacity: heat that the gas gives off in the condenser or gas cooler, without the oil cooler's",
+        by_flow=True,
+    ),
+    _cooled(
+        "heating_cop", "1", "coefficient of performance of heating: heating capacity over shaft power", by_flow=True
+    ),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
     _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
     _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
+    _saturating("evaporating_temperature", "K", "saturation temperature at suction pressure; of a blend its dew point"),
+    _saturating(
+        "condensing_temperature", "K", "saturation temperature at discharge pressure; of a blend its dew point"
+    ),
+    _gliding("evaporating_bubble_temperature", "K", "bubble point of a blend at suction pressure"),
+    _gliding("condensing_bubble_temperature", "K", "bubble point of a blend at discharge pressure"),
+    _saturating("suction_superheat", DIFFERENCE, "temperature of the suction line above the dew point there"),
+    _saturating(
+        "discharge_superheat",
+        DIFFERENCE,
+        "mean gas temperature at discharge above the dew point there",
+        over("discharge_temperature", alone=True),
+    ),
     _humid("humidity_ratio", "1", "water vapour per dry air in the suction line"),
     _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
     _humid("lowest_safe_oil_temperature", "K", "pressure dew point and gas.dew_point_margin: of gas and oil, at least"),

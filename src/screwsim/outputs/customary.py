@@ -16,6 +16,7 @@ SCALES = {
     "m3 s-1": ((0.0, 3600.0, "m³/h"),),
     "m3 min-1": ((0.0, 60.0, "m³/min"),),  # of m3 s-1, where a figure is shown so
     "L min-1": ((0.0, 60000.0, "L/min"),),
+    "kelvin": ((0.0, 1.0, "K"),),
     "rad": ((0.0, 180.0 / math.pi, "°"),),
     "rad s-1": ((0.0, 30.0 / math.pi, "rpm"),),
     "Pa": ((0.0, 1e-5, "bar"),),

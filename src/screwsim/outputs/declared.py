@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+DIFFERENCE = "kelvin"  # of a temperature difference, in CF's other spelling: nothing shows it in degrees Celsius
+
 
 class Variable(NamedTuple):
     """Unit (SI, CF style) and meaning of one result."""

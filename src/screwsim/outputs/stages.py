@@ -37,6 +37,8 @@ _STAGES = (  # of two stages in a row
     efficiency("isentropic_efficiency", "isentropic efficiency of the whole, without cooling between the stages"),
     Figure("cooling_capacity", "W", "cooling capacity of the whole"),
     Figure("cop", "1", "coefficient of performance of the whole"),
+    Figure("heating_capacity", "W", "heating capacity of the whole, without the oil coolers'"),
+    Figure("heating_cop", "1", "coefficient of performance of heating of the whole"),
     Figure("flow_mismatch", "1", "what comes to the second stage against what it takes, relative difference", UNASKED),
 )
 STAGES = {figure.name: figure for figure in _STAGES}

@@ -68,7 +68,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
-    doubted = _no_machine(result)
+    doubted = no_machine(result)
     if title or doubted:
         first = ": ".join(filter(None, (title, doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
@@ -91,7 +91,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
         console.print(wrapped(printable(line)))
 
 
-def _no_machine(result: Result) -> str:
+def no_machine(result: Result) -> str:
     """Return the figures of a result that no machine has; empty where it has none of them."""
     names = dict.fromkeys(result.impossible)
     if (result.performance.get("volumetric_efficiency") or 0.0) < 0.0:

@@ -16,7 +16,8 @@ from screwsim.study.inputs import in_customary, shown_value
 from screwsim.study.seek import DIGITS, Found, Question
 
 MOST_NOTES = 4  # of rows, printed
-BESIDE = ("cooling_capacity", "shaft_power", "cop", "isentropic_efficiency", "volumetric_efficiency")
+BESIDE = ("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop")
+BESIDE += ("isentropic_efficiency", "volumetric_efficiency")
 BESIDE += ("discharge_temperature", "gas_mass_flow")  # of one answer, shown beside the figures that were sought
 
 

@@ -75,6 +75,7 @@ _SYMBOLS = {
     "volumetric_efficiency": r"$\lambda$",
     "shaft_power": "$P$",
     "cooling_capacity": r"$\dot Q_0$",
+    "heating_capacity": r"$\dot Q_h$",
     "gas_mass_flow": r"$\dot m$",
     "discharge_temperature": "$T_d$",
 }

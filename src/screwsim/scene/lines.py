@@ -11,6 +11,7 @@ from functools import lru_cache
 
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
+from screwsim.fluid.models import condenses
 from screwsim.fluid.settings import GasSettings
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.types import Operation, Scene
@@ -65,6 +66,17 @@ def _wet(fluid: str, p_s: float, T_s: float, quality: float | None) -> float:
 def _superheated(T: float, superheat: float | None) -> float:
     """Return the temperature [K] of suction gas over saturation at T [K]; that of wet gas where none is stated."""
     return T if superheat is None else T + max(superheat, LEAST_SUPERHEAT)
+
+
+def saturates(scene: Scene) -> bool:
+    """Tell whether the gas is a real one that pressure would condense: it is sucked in below its critical point."""
+    return condenses(scene.gas) and _saturates(scene.gas.name, lines(scene).T_s)
+
+
+@lru_cache(maxsize=64)
+def _saturates(fluid: str, T_s: float) -> bool:
+    known = constants.limits(fluid)
+    return known is not None and T_s < known.T_critical
 
 
 def suction_enthalpy(scene: Scene) -> float:

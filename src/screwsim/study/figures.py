@@ -20,8 +20,11 @@ _SYMBOLS = {
     "indicated_power": "pind",
     "electrical_power": "pel",
     "discharge_temperature": "td",
-    "cooling_capacity": "q0 qdot0 q̇0",
+    "cooling_capacity": "q0 qdot0 q̇0 refrigeratingcapacity refrigerationcapacity",
+    "heating_capacity": "qh qdoth q̇h condensercapacity",
+    "heating_cop": "coph copheating",
     "volumetric_cooling_capacity": "qv",
+    "free_air_delivered": "fad freeair freeairdelivery",
 }
 _SHORT = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbols.split()}
 _OTHERWISE = "a name of performance in `run --json`"

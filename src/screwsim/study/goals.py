@@ -78,11 +78,12 @@ def read_figure(figure: str, text: str, where: str) -> float:
         what = told(odd, "") if odd else f"is no number with a unit ({remedy})"
         raise UsageError(f"{where}: {text!r} {what}")
     number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
-    if unit == CELSIUS and "K" in units:
+    celsius = declared(figure).units == "K"  # a difference has none
+    if unit == CELSIUS and celsius:
         return number + ZERO
     if unit in units:
         return number * units[unit]
-    offered = [each for each in (*units, *([CELSIUS] if "K" in units else [])) if each]
+    offered = [each for each in (*units, *([CELSIUS] if celsius else [])) if each]
     what = f"has no unit {unit!r}" if unit else f"{match[1]} has no unit"
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
 

@@ -5,9 +5,14 @@ Each scene is that of `--without EFFECT`. Effects act on each other, so that the
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
+from screwsim.effects.parts.usual import FRICTION, LEAK, OIL_FRICTION, OIL_HEAT, WALLS
 from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.near import nearest
+from screwsim.machine.kinds import kind_of
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads
 from screwsim.scene.types import Scene
@@ -16,10 +21,62 @@ from screwsim.study.progress import Progress, Silent
 REFRIGERATION = ("cooling_capacity", "cop")
 
 
-def knock_out(scene: Scene, result: Result, progress: Progress | None = None) -> Result:
-    """Return the result with `knock_out`: for each of its effects the change of shaft power and of specific work.
+GROUPS = {  # what effects of a kind of machine say that they are (`effects.parts.usual`)
+    "leaks": (LEAK,),
+    "oil": (OIL_HEAT, OIL_FRICTION),
+    "friction": (FRICTION,),
+    "walls": (WALLS,),
+}
 
-    Where the scene calls for them, of cooling capacity and COP too.
+
+class Left(NamedTuple):
+    """What is left out at once: the name that it has in the table, and its effects."""
+
+    name: str
+    effects: tuple[str, ...]
+
+
+def each_alone(scene: Scene) -> tuple[Left, ...]:
+    """Return every effect of a scene, left out by itself."""
+    return tuple(Left(name, (name,)) for name in scene.effects)
+
+
+def read_groups(scene: Scene, texts: Iterable[str]) -> tuple[Left, ...]:
+    """Return what texts name, a group or effects with commas between; raise UsageError in one line."""
+    return tuple(dict.fromkeys(_group(scene, text) for text in texts))
+
+
+def _group(scene: Scene, text: str) -> Left:
+    offers = kind_of(scene.machine).offers
+    names: list[str] = []
+    for word in filter(None, (part.strip() for part in text.split(","))):
+        if word in scene.effects:
+            names.append(word)
+            continue
+        if word not in GROUPS:
+            known = (*GROUPS, *scene.effects)
+            near = nearest(word, known)
+            hint = f"did you mean '{near}'?" if near else f"groups are {', '.join(GROUPS)}"
+            raise UsageError(f"--together {text}: {word} is no group and no effect of this scene ({hint})")
+        own = [
+            name
+            for name, active in scene.effects.items()
+            if any(offer in offers and what in GROUPS[word] for offer, what in active.effect.usual.items())
+        ]
+        if not own:
+            raise UsageError(f"--together {text}: the scene simulates nothing that belongs to {word} (remove it)")
+        names += own
+    if not names:
+        raise UsageError(f"--together {text}: names nothing (write e.g. --together leaks)")
+    return Left("+".join(text.replace(" ", "").strip(",").split(",")), tuple(dict.fromkeys(names)))
+
+
+def knock_out(
+    scene: Scene, result: Result, progress: Progress | None = None, left_out: Sequence[Left] | None = None
+) -> Result:
+    """Return the result with `knock_out`: what leaving each of its effects out changes of shaft power, specific work.
+
+    Where the scene calls for them, of cooling capacity and COP too. `left_out` are others than each effect by itself.
 
     An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
     which the cycle does not close has the status of that solution, and no figures. What is to be doubted without an
@@ -27,25 +84,26 @@ def knock_out(scene: Scene, result: Result, progress: Progress | None = None) ->
     """
     progress = progress or Silent()
     costs = []
-    progress.start(len(scene.effects), 0)
+    every = each_alone(scene) if left_out is None else left_out
+    progress.start(len(every), 0)
     try:
-        for name in scene.effects:
-            costs.append(_without(scene, name, result))
+        for each in every:
+            costs.append(_without(scene, each, result))
             progress.advance(1, int(costs[-1].status not in ("ok", "needed")))
     finally:
         progress.stop()
     return replace(result, knock_out=tuple(costs))
 
 
-def _without(scene: Scene, name: str, result: Result) -> Figures:
-    """Return what leaving one effect out changes."""
+def _without(scene: Scene, left: Left, result: Result) -> Figures:
+    """Return what leaving one effect out changes, or several together."""
     from screwsim.simulate import simulate
 
     cooled = [each for each in REFRIGERATION if each in result.performance]
     figures = (f"{word}{each}" for each in ("shaft_power", "specific_work", *cooled) for word in ("", "change_of_"))
-    found = Figures(effect=name, status="needed", message="", **dict.fromkeys(figures))
+    found = Figures(effect=left.name, status="needed", message="", **dict.fromkeys(figures))
     try:
-        other = simulate(loads(scene.text, folder=scene.folder, without=[name]), trace=False)
+        other = simulate(loads(scene.text, folder=scene.folder, without=list(left.effects)), trace=False)
     except SceneError as error:
         return Figures(found, message="; ".join(line.removeprefix("<text>:") for line in error.lines))
     except UsageError as error:

@@ -13,15 +13,17 @@ from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
 from screwsim.template.asked import Asked, asked_of
 
+AIR = "air"  # of which sheets state what it delivers and takes
+CONDENSING = ("refrigeration", "heat_pump")  # screws whose gas condenses: what cools its liquid belongs to them
 KINDS: dict[str, Callable[[Asked], str]] = {
     "refrigeration": refrigeration.cooling,
     "heat_pump": refrigeration.heating,
-    "air": gas.air,
+    AIR: gas.air,
     "booster": gas.booster,
     "expander": gas.expander,
     "reciprocating": reciprocating.reciprocating,
 }
-__all__ = ["KINDS", "Asked", "asked_of", "new_scene"]
+__all__ = ["AIR", "CONDENSING", "KINDS", "Asked", "asked_of", "new_scene"]
 
 
 def new_scene(kind: str, asked: Asked) -> str:

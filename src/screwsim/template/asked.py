@@ -42,6 +42,14 @@ class Asked:
     oil: str | None = None
     condition: str | None = None
     diameter: float | None = None  # of the male rotor, from which the flow follows
+    motor: float | None = None  # rated power of an air package's, [W]
+    free_air: float | None = None  # that an air package delivers, [m^3/s]: its size is to be sought
+    economizer: bool = False
+
+    @property
+    def by_sheet(self) -> bool:
+        """Is the size to be sought, by what the machine delivers or takes?"""
+        return self.free_air is not None or (self.flow is None and self.motor is not None)
 
 
 def asked_of(
@@ -52,8 +60,17 @@ def asked_of(
     oil: str | None,
     condition: str | None,
     diameter: str | None = None,
+    *,
+    motor: str | None = None,
+    free_air: str | None = None,
+    pressure: str | None = None,
+    economizer: bool = False,
 ) -> Asked:
-    """Return what is asked for; raise UsageError, in one line, for what cannot be."""
+    """Return what is asked for; raise UsageError, in one line, for what cannot be.
+
+    `motor`, `free_air` and `pressure` are what the sheet of an air package states, the pressure that of its outlet.
+    """
+    condition = _by_pressure(condition, pressure)
     if fluid is not None and constants.limits(fluid) is None:
         other, blend = names.same_fluid(fluid), names.blend(fluid)
         hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
@@ -67,15 +84,35 @@ def asked_of(
         raise UsageError(f"--vi {vi:g}: a built-in volume ratio lies above 1 and at most at 12 (write e.g. --vi 3)")
     flow = None if displacement is None else _quantity("--displacement", "displacement", displacement, "600 m^3/h")
     at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
+    rated = None if motor is None else _quantity("--motor", "power", motor, "45 kW")
+    delivered = None if free_air is None else _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
+    size = "--displacement" if displacement is not None else "--diameter" if diameter is not None else ""
+    if delivered is not None and size:
+        raise UsageError(f"--flow: is given beside {size}, which states the size, too (remove one of the two)")
     if diameter is None:
-        return Asked(fluid, flow, at, vi, oil, condition)
+        return Asked(fluid, flow, at, vi, oil, condition, None, rated, delivered, economizer)
     if flow is not None:
         raise UsageError("--diameter: is given beside --displacement, which states it, too (remove one of the two)")
     rotor = _quantity("--diameter", "length", diameter, "204 mm")
     if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
         ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
         raise UsageError(f"--diameter {diameter}: screws are cut from {ends} (choose one within)")
-    return Asked(fluid, sizes.displaced(rotor, at or SPEED), at, vi, oil, condition, rotor)
+    return Asked(fluid, sizes.displaced(rotor, at or SPEED), at, vi, oil, condition, rotor, rated, None, economizer)
+
+
+def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
+    """Return both lines of a package that sucks from its surroundings and delivers at a pressure."""
+    if pressure is None:
+        return condition
+    if condition is not None:
+        raise UsageError("--pressure: is given beside --condition, which states it, too (remove one of the two)")
+    with over(ATMOSPHERE):
+        found = _quantity("--pressure", "pressure", pressure, "7.5 bar(g)")
+    if found <= ATMOSPHERE:
+        raise UsageError(
+            f"--pressure {pressure}: is not above the surroundings' 1 bar (write e.g. --pressure '7.5 bar(g)')"
+        )
+    return f"0 bar(g)/{pressure.strip()}"
 
 
 def _quantity(option: str, kind: str, text: str, example: str) -> float:

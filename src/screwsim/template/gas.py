@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import NamedTuple
 
 from screwsim.effects.oil_drag import end_drag, tip_drag
@@ -26,6 +27,7 @@ COMPRESSING = 0.88  # for an estimate: efficiency without friction, which goes w
 FRICTION = 1.5  # over that of the films alone: bearings, and oil that is brought to speed
 SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut
 FAN = 0.04  # of the motor
+WIDE = 110  # columns of a comment
 SOLIDITY = 0.63  # of end faces, as the text of flooded machines has it
 
 
@@ -81,25 +83,64 @@ def _motor(power: float) -> dict[str, str]:
     return {"rated": f"{rated:g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
 
 
+def _air_duty(asked: Asked) -> Duty:
+    return _duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
+
+
+def first_flow(asked: Asked) -> float:
+    """Return about what an air package displaces [m³/s] that delivers what is stated, or loads its motor in full."""
+    duty = _air_duty(asked)
+    if asked.free_air is None and asked.motor is not None:
+        return asked.motor * ETA / (duty.work * LAMBDA * duty.density)
+    return (asked.free_air or 0.0) / LAMBDA
+
+
 def air(asked: Asked) -> str:
     """Return the scene of an oil-flooded air package."""
     if (asked.fluid or "Air").lower() != "air":
         raise UsageError(f"--fluid {asked.fluid}: an air package is of air (write screwsim new booster for a gas)")
     flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
-    size, duty = texts.sized(flow, speed), _duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
+    size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
     motor = _motor(gas_flow * duty.work / ETA)
+    if asked.motor is not None:
+        rated = 1e-3 * asked.motor
+        motor = {"rated": f"{rated:.6g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **motor,
         "flooded": texts.flooded(size, LEAVES),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(AIR_OIL * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
-        "free_air": f"{60.0 * LAMBDA * flow:.3g} m^3/min",
+        "free_air": f"{60.0 * (asked.free_air or LAMBDA * flow):.3g} m^3/min",
+        "sheet": _sheet(asked),
+        "named": _titled(asked, flow, speed),
         "least": f"{1e-5 * (duty.at.low + SHUT):.3g} bar",
         "fan": f"{FAN * float(motor['rated'].split()[0]):.2g} kW",
     }
     return texts.filled("air", values)
+
+
+def _named(asked: Asked) -> str:
+    """Return what the title says of a machine that was made for a sheet; nothing without one."""
+    stated = [] if asked.free_air is None else [f"{60.0 * asked.free_air:.4g} m^3/min of free air"]
+    return ", ".join(stated + ([] if asked.motor is None else [f"motor of {1e-3 * asked.motor:.6g} kW"]))
+
+
+def _titled(asked: Asked, flow: float, speed: float) -> str:
+    displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
+    return ", ".join([*displaced, *filter(None, [_named(asked)])])
+
+
+def _sheet(asked: Asked) -> str:
+    """Return the line that says what of a maker's sheet the machine was made for; nothing without one."""
+    stated = _named(asked)
+    if not stated:
+        return ""
+    by = "the flow" if asked.free_air is not None else "" if asked.flow is not None else "the motor's full load"
+    sought = f"; its size was sought with the cycle, by {by}" if by else ""
+    told = f"Made for what a sheet states: {stated}{sought}. All else is typical, as said beside it."
+    return textwrap.indent(textwrap.fill(told, WIDE), "# ") + "\n"
 
 
 def _friction(size: sizes.Size, speed: float, oil: str) -> float:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from screwsim.build import build_parts
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
+from screwsim.scene import loads
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, beside_of, condition_of
 
@@ -18,6 +20,8 @@ HOT = 350.0  # [K] of isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] at which gas and oil then leave, and at least so far above condensing
 WARMED = 25.0  # [K] by which the oil is then warmed
 WARM = 333.15  # [K] at which the oil passes its bores
+BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: from the others, and its length
+PORT = 0.0057  # its area over the squared diameter of the rotor: assumed, 2 cm^2 at 187 mm
 STANDS_IN = "R134a"
 COPPER_EATS = ("ammonia", "r717", "nh3")
 CURVES = (
@@ -101,7 +105,25 @@ def _scene(asked: Asked, plant: Plant) -> str:
         "separator": separator,
         "shaft_area": sizes.area(sizes.SHAFTS * size.scale * size.clearance),
     }
-    return texts.filled("refrigeration", values)
+    text = texts.filled("refrigeration", values)
+    return f"{text}{_economizer(text, size)}" if asked.economizer else text
+
+
+def _economizer(text: str, size: sizes.Size) -> str:
+    """Return the lines of an economizer's port of a machine whose text is there: between suction and discharge.
+
+    Raise UsageError where a chamber is not closed long enough for one.
+    """
+    geometry = build_parts(loads(text)).geometry
+    closed, ends = geometry.injection_angle + BESIDE, (geometry.discharge_opens or math.inf) - BESIDE
+    shuts = min(closed + geometry.pitch, ends)
+    first, last = (math.degrees(angle) for angle in (closed, shuts))
+    if shuts - closed < SHORTEST:
+        what = f"suction ends at {first - math.degrees(BESIDE):.0f} deg and discharge begins at"
+        remedy = "--vi states a larger built-in volume ratio"
+        raise UsageError(f"--economizer: {what} {math.degrees(ends + BESIDE):.0f} deg: no room for a port ({remedy})")
+    values = {"opens": f"{math.ceil(first)} deg", "closes": f"{math.floor(last)} deg"}
+    return texts.filled("economizer", {**values, "area": sizes.area(PORT * size.diameter**2, 2)})
 
 
 def _rests(fluid: str) -> str:

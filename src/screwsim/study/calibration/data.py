@@ -32,6 +32,7 @@ UNITS = {
     "1": {"": 1.0, "1": 1.0, "%": 0.01},
     "W": {"W": 1.0, "kW": 1e3},
     "K": {"K": 1.0},
+    "kelvin": {"K": 1.0},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
     "J": {"J": 1.0, "kJ": 1e3},
     "kg": {"kg": 1.0, "g": 1e-3},
@@ -202,7 +203,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     figures = _figures(scene)
     if figure in figures:
         units, kind = units_of(figure), "figure" if figure == name else "uncertainty"
-        if unit in units or (CELSIUS == unit and "K" in units and kind == "figure"):
+        if unit in units or (CELSIUS == unit and units is UNITS["K"] and kind == "figure"):
             return _Column(kind, figure, unit)
         quantity = _quantity(figure, kind, unit)
         if quantity is None:

@@ -20,7 +20,7 @@ __all__ = ["Sheet", "sheet_of"]
 
 BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
 REFRIGERATES, STATES = "a refrigeration machine", "a machine whose lines are stated by pressures"
-BELONGS = dict.fromkeys((*BY_TEMPERATURE, "--limit"), REFRIGERATES) | dict.fromkeys(BY_PRESSURE, STATES)
+BELONGS = dict.fromkeys((*BY_TEMPERATURE, "--limit", "--heating"), REFRIGERATES) | dict.fromkeys(BY_PRESSURE, STATES)
 FIGURES = ("gas_mass_flow", "cooling_capacity", "shaft_power", "electrical_power", "cop", "specific_power")
 
 
@@ -32,6 +32,7 @@ def sheet_of(
     suction: str | None = None,
     discharge: str | None = None,
     limits: Sequence[str] = (),
+    heating: bool = False,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Sheet:
@@ -39,11 +40,14 @@ def sheet_of(
 
     Of a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') in place of those of the
     scene's sweep; of a gas compressor and an expander, whose scenes state pressures, `suction` and `discharge` ('4
-    bar..6 bar'). `limits` say what is to hold ('discharge_temperature<110 degC'). A package of air has none of these.
+    bar..6 bar'). `limits` say what is to hold ('discharge_temperature<110 degC'), `heating` asks for the tables of a
+    heat pump, too. A package of air has none of these.
     Where the scene gives tolerances, or names the validation of its model, lines say what these make of its own point.
     """
     given = (evaporating, condensing, suction, discharge)
-    sheet = _sheet(scene, dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True)), limits, jobs, progress)
+    sheet = _sheet(
+        scene, dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True)), limits, heating, jobs, progress
+    )
     return _with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
 
 
@@ -87,6 +91,7 @@ def _sheet(
     scene: Scene,
     ranges: Mapping[str, str | None],
     limits: Sequence[str],
+    heating: bool,
     jobs: int | None,
     progress: Progress | None,
 ) -> Sheet:
@@ -94,7 +99,9 @@ def _sheet(
         from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
 
-        _refuse({**ranges, "--limit": tuple(limits) or None}, "the scene is an air package")
+        _refuse(
+            {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}, "the scene is an air package"
+        )
         return air_sheet(scene, air_rating(scene))
     from screwsim.study.datasheet import gas, refrigeration
     from screwsim.study.datasheet.bounds import limits_of
@@ -108,12 +115,13 @@ def _sheet(
 
         _refuse({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
         asked = refrigeration.asked_of(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
-        return refrigeration_sheet(rating(asked, jobs, progress))
+        return refrigeration_sheet(rating(asked, jobs, progress), heating)
     from screwsim.study.datasheet.gas_sheet import gas_sheet
 
     options = gas.options_of(scene)
     stated = "pressures" if "--suction" in options else "saturation temperatures"
-    _refuse({name: text for name, text in ranges.items() if name not in options}, f"the scene states {stated}")
+    unused: dict[str, Any] = {name: text for name, text in ranges.items() if name not in options}
+    _refuse({**unused, "--heating": heating or None}, f"the scene states {stated}")
     return gas_sheet(rating(gas.asked_of(scene, ranges, bounds), jobs, progress))
 
 

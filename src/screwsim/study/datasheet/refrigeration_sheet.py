@@ -14,8 +14,11 @@ from screwsim.study.datasheet.refrigeration_tables import (
     DISCHARGE,
     ELECTRICAL,
     FLOW,
+    HEATING,
+    HEATING_COPS,
     SHAFT,
     columns_of,
+    heating_columns,
     own_point,
     tables_of,
 )
@@ -32,7 +35,8 @@ from screwsim.study.datasheet.words import (
 )
 
 KEPT = (
-    CAPACITY, *SHAFT, *ELECTRICAL, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure", "volumetric_efficiency",
+    CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
+    "volumetric_efficiency",
     "isentropic_efficiency", "peak_pressure", DUTY, "oil_flow_volume", "oil_supply_temperature", "oil_flow_ratio",
     "separator_temperature",
 )  # fmt: skip
@@ -40,13 +44,13 @@ HIGHEST = DISCHARGE, "discharge_pressure", "shaft_power"
 MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 is applied, and nobody verified it"
 
 
-def refrigeration_sheet(rated: Rating) -> Sheet:
-    """Return the sheet of a rating."""
+def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
+    """Return the sheet of a rating, of a heat pump with what its condenser gives."""
     return Sheet(
         heading="Refrigeration compressor, rating by evaporating and condensing temperature",
         title=rated.asked.scene.title,
-        lines=list(_lines(rated)),
-        tables=list(tables_of(rated)),
+        lines=list(_lines(rated, heating)),
+        tables=list(tables_of(rated, heating)),
         verdict=None,
         notes=list(notes_of(rated, own_point(rated), MEANT)),
         drawings=list(_drawings(rated)),
@@ -55,11 +59,14 @@ def refrigeration_sheet(rated: Rating) -> Sheet:
     )
 
 
-def _lines(rated: Rating) -> Iterator[tuple[str, str]]:
+def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
     scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
     yield from machine_line(scene, found)
     yield "refrigerant", _refrigerant(scene)
     yield "point", f"{own_point(rated)}: {_point(rated, found)}"
+    if heating and found:
+        capacity, cop = heating_columns(rated)
+        yield "heating", f"{capacity.cell(found)} kW in the condenser, without the oil cooler; COP {cop.cell(found)}"
     yield from power_lines(scene, found)
     yield from oil_line(scene, found)
     yield from limit_lines(rated, HIGHEST)

@@ -13,6 +13,7 @@ from screwsim.study.datasheet.tables import HOUR, KW, Column, decimals_of
 from screwsim.study.datasheet.words import DUTY, cooled
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
+HEATING, HEATING_COPS = "heating_capacity", ("heating_cop", "electrical_heating_cop")
 SHAFT, ELECTRICAL = ("shaft_power", "cop"), ("electrical_power", "electrical_cop")
 KILOWATTS = 1e5  # a capacity, where the scene's own point has none
 
@@ -44,20 +45,32 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
     )
 
 
-def tables_of(rated: Rating) -> Iterator[Table]:
-    """Yield all tables of the sheet."""
+def heating_columns(rated: Rating) -> tuple[Column, ...]:
+    """Return what the tables of a heat pump have more: heating capacity, and its COP by the same power."""
+    kw = decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
+    motor = "motor" in rated.asked.scene.effects
+    word = "electrical" if motor else "shaft"
+    return (
+        Column(HEATING, "Heating capacity [kW]", KW, kw),
+        Column(HEATING_COPS[motor], f"COP of heating, of the {word} power", 1.0, 2),
+    )
+
+
+def tables_of(rated: Rating, heating: bool) -> Iterator[Table]:
+    """Yield all tables of the sheet, where asked for with those of heating."""
     condensing = rated.asked.down.path == CONDENSING
     columns = columns_of(rated)
-    yield from tables.tables_of(rated, columns, "condensing" if condensing else "gas cooler")
+    shown = (*columns, *heating_columns(rated)) if heating else columns
+    yield from tables.tables_of(rated, shown, "condensing" if condensing else "gas cooler")
     side = "condensing temperature" if condensing else "pressure of the gas cooler"
     yield from tables.envelope_table(rated, "evaporating", side)
     load = f"cooling capacity over that of the scene as it stands, at {own_point(rated)}"
     note = tables.part_load_note(rated, load, "COP")
     capacity, power, cop, _, discharge, *_ = columns
-    shown = (
+    part = (
         ("capacity kW", capacity),
         (f"{power.title.split()[0].lower()} kW", power),
         ("COP", cop),
         ("discharge °C", discharge),
     )
-    yield from tables.part_load_table(rated, shown, ("COP there", cop), note)
+    yield from tables.part_load_table(rated, part, ("COP there", cop), note)

@@ -23,6 +23,7 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthal
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
+from screwsim.study.stages.capacity import Given, capacities
 from screwsim.study.stages.errors import chain_errors, handed_on
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
 from screwsim.study.stages.result import ChainResult
@@ -299,10 +300,8 @@ class _Chain:
         ends = replace(self.low, p_d=self.high.p_d)
         etas, notes = efficiencies(self.gas, ends, Inlet(port_state[1], port_state[2]), flow, power, drawn)
         comes, taken = pair.flows
-        cooling = self._cooling(pair, flow)
-        cop = None if cooling is None or power <= 0.0 else cooling / power
-        cooled = {} if cooling is None else {"cooling_capacity": cooling, "cop": cop}
-        notes = {**notes, "cop": "the shaft power is not positive"}
+        cooled, reasons = self._capacities(pair, flow, power, port_state[2])
+        notes = {**notes, **reasons}
         found = Figures(
             intermediate_pressure=p,
             second_suction_temperature=pair.T,
@@ -331,13 +330,15 @@ class _Chain:
         except (_Stop, UsageError) as stop:
             return Figures(), (f"the errors of the whole could not be estimated: {stop}",)
 
-    def _cooling(self, pair: Pair, flow: float) -> float | None:
+    def _capacities(self, pair: Pair, flow: float, power: float, h_s: float) -> Given:
+        """Return what `capacity.capacities` does, by the flow of the first stage [kg/s] and its inlet's h_s [J/kg]."""
         if condensate_enthalpy(self.chain.second) is None:
-            return None
-        liquid = self.liquid()
-        if pair.vapour > 0.0:
-            liquid = constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
-        return flow * (suction_enthalpy(self.chain.first) - liquid)
+            return {}, {}
+        sucked, liquid, second = suction_enthalpy(self.chain.first), self.liquid(), pair.results[1].performance
+        evaporated = liquid if pair.vapour == 0.0 else constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
+        T = second.get(PARTED[0]) or second.discharge_temperature
+        rejected = None if pair.unparted else sucked - liquid + self.gas.enthalpy(self.high.p_d, T) - h_s
+        return capacities(flow * (sucked - evaporated), power, second, rejected, pair.unparted)
 
 
 def _of_coolers(pair: Pair) -> dict[str, float | None]:

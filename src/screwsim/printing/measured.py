@@ -1,0 +1,126 @@
+"""What is printed of measured figures beside a scene's own, and of what would explain their difference."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from screwsim.figures import declared
+from screwsim.figures.engineering import figure_scales, shown_name
+from screwsim.outputs import Result
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.scene import Scene
+from screwsim.scene.types import COVERAGE
+from screwsim.screen import printable, say
+from screwsim.study.inputs import in_customary, shown_value, unit_of_change
+from screwsim.study.measured import AGREES, Compared, Comparison, Explanation
+
+MOST = 8  # explanations that are printed; all are in --json
+KELVIN = 273.15
+
+
+def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
+    """Print figures, what was measured and the differences, below each the uncertainties of ours; then explanations."""
+    say()
+    if found.rows:
+        heads = ("figure", "ours", "measured", "unit", "difference", "sigma")
+        table, count = plain_table(heads, [_row(result, row) for row in found.rows], 1), len(found.rows)
+        say("\n".join(table[:-count]))
+        for line, row in zip(table[-count:], found.rows, strict=True):
+            say(line)
+            say(wrapped(f"    {_parts(scene, result, row)}"))
+    for name, why in found.none.items():
+        say(wrapped(printable(f"no {shown_name(name)} to compare: {why}")))
+    if found.rows:
+        for line in _verdict(scene, found):
+            say(wrapped(line))
+    if found.why and found.why != "nothing to explain":
+        say(wrapped(printable(found.why)))
+    if found.explanations:
+        say()
+        _print_explanations(scene, found)
+
+
+def _row(result: Result, row: Compared) -> list[str]:
+    factor, unit, zero = _scale(result, row)
+    measured = f"{factor * row.measured.value - zero:.5g}"
+    if row.measured.standard is not None:
+        measured += f" ± {factor * COVERAGE * row.measured.standard:.2g}"
+    share = (
+        f" ({100.0 * row.off / row.measured.value:+.2g} %)" if row.measured.value and unit not in ("%", "°C") else ""
+    )
+    sigma = "–" if row.sigma is None else f"{row.sigma:+.1f}"
+    ours = f"{factor * row.value - zero:.5g}"
+    return [shown_name(row.figure), ours, measured, unit, f"{factor * row.off:+.3g}{share}", sigma]
+
+
+def _scale(result: Result, row: Compared) -> tuple[float, str, float]:
+    """Return factor and unit of a figure for people, and what is taken off: temperatures are in °C."""
+    about = declared(row.figure, result.performance)
+    if about.units == "K":
+        return 1.0, "°C", KELVIN
+    scales = figure_scales(about)
+    factor, unit = next(((f, u) for least, f, u in scales if abs(row.value) >= least), (1.0, about.units))
+    return factor, unit, 0.0
+
+
+def _parts(scene: Scene, result: Result, row: Compared) -> str:
+    """Return the three uncertainties of the scene's own figure, each by itself."""
+    factor, unit, _ = _scale(result, row)
+    unit = {"%": "points", "°C": "K"}.get(unit, unit)
+    inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not told"
+    model = "model not told"
+    if row.model is not None:
+        model = "model " + " … ".join(f"{factor * end:+.2g}" for end in row.model)
+    return f"ours: numerical ± {factor * COVERAGE * row.numerical:.1g}, {inputs}, {model} {unit}".rstrip()
+
+
+def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
+    """Yield what the differences say, and what is not known for saying more."""
+    far = [row for row in found.rows if row.sigma is not None and abs(row.sigma) > AGREES]
+    bare = [row for row in found.rows if row.sigma is None]
+    if far:
+        told = (shown_name(row.figure) + (" (within the model's error)" if row.within_model else "") for row in far)
+        yield f"differ by more than {AGREES:g} sigma: {', '.join(told)}"
+    elif not bare:
+        yield f"agree: no difference beyond {AGREES:g} sigma"
+    if bare:
+        names = ", ".join(shown_name(row.figure) for row in bare)
+        yield f"no sigma of {names}: state how well it was measured, half of the 95 % interval ('132 kW ± 2 kW')"
+    if far or not bare:
+        yield (
+            "sigma: difference over the standard uncertainties of measurement, inputs and numerics; each ± is two "
+            "of them"
+        )
+    missing = [] if scene.uncertain else ["tolerances of inputs (gap: 27 um ± 5 um)"]
+    if any(row.model is None for row in found.rows):
+        missing.append("a validation that knows the model's error (uncertainty: {model: NAME})")
+    if missing:
+        yield f"not told is what the scene does not state: {', '.join(missing)}"
+
+
+def _print_explanations(scene: Scene, found: Comparison) -> None:
+    several, tolerant = len(found.rows) > 1, any(each.tolerances is not None for each in found.explanations)
+    heads = ["alone would explain it", "is", "would be", "change"]
+    heads += ["of tolerance"] * tolerant + ["leaves"] * several
+    rows = []
+    for each in found.explanations[:MOST]:
+        now, _ = in_customary(scene, each.path, each.value)
+        cells = [each.path, f"{now:.4g}", shown_value(scene, each.path, each.wanted, 4), _change(scene, each)]
+        if tolerant:
+            cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
+        rows.append([*cells, *([f"{100.0 * each.left:.0f} %"] if several else [])])
+    say("\n".join(plain_table(heads, rows, 1)))
+    more = len(found.explanations) - MOST
+    lines = [f"and {more} more number{'s' if more > 1 else ''} (--json)"] if more > 0 else []
+    lines.append("by derivatives; try one with --set PATH=VALUE")
+    if several:
+        by = "their standard uncertainties" if found.weighted else "what was measured"
+        lines.append(f"leaves: of the differences over {by}, in squares")
+    say(wrapped("; ".join(lines)))
+
+
+def _change(scene: Scene, each: Explanation) -> str:
+    """Return by how much a number would have to change: in percent, of temperatures in kelvin."""
+    if unit_of_change(scene, each.path, each.value)[1] == "K":
+        return f"{each.wanted - each.value:+.2g} K"
+    return f"{100.0 * (each.wanted / each.value - 1.0):+.2g} %"

@@ -1,0 +1,81 @@
+"""What an engineer reads first of a result, on one screen of 80 columns and 24 lines (`run --short`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from screwsim.figures import declared
+from screwsim.figures.engineering import engineering, shown_name, small
+from screwsim.outputs import Result
+from screwsim.printing import no_machine
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.screen import printable, say
+
+MOST = 10  # figures
+LINES = 3  # of warnings and of a message, each
+# in the order in which they are read: what the machine gives, what it takes, how well, how hot, how much oil
+FIRST = (
+    *("free_air_delivered", "cooling_capacity", "heating_capacity", "gas_mass_flow", "output_power", "shaft_power"),
+    *("electrical_power", "package_input_power", "package_specific_power", "cop", "electrical_cop"),
+    *("isentropic_efficiency", "isothermal_efficiency", "volumetric_efficiency", "discharge_temperature"),
+    *("pressure_ratio", "oil_flow_volume", "oil_flow_ratio", "peak_pressure", "specific_power", "shaft_torque"),
+)
+INSTEAD = {  # of the first, where the second is there, too
+    "cop": "electrical_cop",
+    "electrical_power": "package_input_power",
+    "isothermal_efficiency": "cooling_capacity",
+    "oil_flow_ratio": "oil_flow_volume",
+    "gas_mass_flow": "free_air_delivered",
+}
+
+
+def first_figures(performance: Mapping[str, Any]) -> list[str]:
+    """Return the names of the figures that are read first, those with a value."""
+    there = [name for name in FIRST if performance.get(name) is not None]
+    return [name for name in there if INSTEAD.get(name) not in there][:MOST]
+
+
+def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
+    """Print title, status, the first warnings, ten figures with their numerical errors, the balances."""
+    first = ": ".join(filter(None, (title, no_machine(result))))
+    if first:
+        say(_cut(printable(first), 1))
+    if changed:
+        say(_cut(printable(", ".join(changed)), 1))
+    say(_cut(printable(f"status: {result.status}" + (f"; {result.message}" if result.message else "")), LINES))
+    if result.warnings:
+        say(_cut(printable(f"warning: {result.warnings[0]}"), LINES))
+    names = first_figures(result.performance)
+    if names:
+        say()
+        say("\n".join(plain_table(("figure", "value", "unit", "error"), _rows(result, names), 1)))
+    say()
+    for line in _last(result, names):
+        say(wrapped(line))
+
+
+def _rows(result: Result, names: Iterable[str]) -> Iterator[list[str]]:
+    for name in names:
+        number, unit = engineering(declared(name, result.performance), result.performance[name])
+        yield [shown_name(name), number, unit, small(result.error.get(name))]
+
+
+def _last(result: Result, names: Sequence[str]) -> Iterator[str]:
+    if result.balance:
+        mass, energy = (result.balance[name] for name in ("mass", "energy"))
+        yield f"balance: mass {mass:.1e}, energy {energy:.1e} (bound {result.balance['bound']:.1e})"
+    valued = sum(value is not None for value in result.performance.values())
+    more = [f"{valued - len(names)} more figures"] if valued > len(names) else []
+    others = len(result.warnings) - 1
+    more += [f"{others} more warning{'s' if others > 1 else ''}"] if others > 0 else []
+    more += ["where the power goes"] if result.ledger else []
+    more += ["uncertainties"] if result.uncertainty else []
+    if more:
+        yield f"without --short: {', '.join(more)}"
+
+
+def _cut(text: str, most: int) -> str:
+    """Return a text in so many lines at most."""
+    lines = wrapped(text).splitlines()
+    return "\n".join(lines if len(lines) <= most else [*lines[: most - 1], f"{lines[most - 1][:76]} …"])

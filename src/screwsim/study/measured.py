@@ -1,0 +1,228 @@
+"""A measured point beside what a scene gives: how far they are apart, and which of its numbers would explain that.
+
+The difference counts in standard uncertainties: of the measurement, of what the tolerances of the scene's inputs make
+of the figure, and of the numerics, in squares. The error of the model is another, and stands beside them. What would
+explain the difference is told by derivatives, one number alone at a time.
+
+Source: JCGM 100:2008 (GUM), section 5; ASME V&V 20-2009: comparison error and validation uncertainty.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from screwsim.figures import declared
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, leaf_of
+from screwsim.scene.types import COVERAGE
+from screwsim.scene.units import NUMBER
+from screwsim.scene.values import within
+from screwsim.study.figures import figure_of
+from screwsim.study.goals import read_figure
+from screwsim.study.local import Sensitivities, sensitivities
+
+OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
+AGREES = 2.0  # standard uncertainties within which both agree
+FARTHEST = 0.5  # of a number: a change beyond it is none that a derivative can tell of
+EXPLAINS = 0.9  # a number that leaves more than this of the differences, in squares, explains nothing
+_SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
+
+
+class Measured(NamedTuple):
+    """A figure that was measured [SI], and its standard uncertainty, None where nobody states it."""
+
+    figure: str
+    value: float
+    standard: float | None
+
+
+class Compared(NamedTuple):
+    """A figure of the scene and what was measured [SI], and by which uncertainties that may be.
+
+    `numerical` and `inputs` are standard uncertainties of the scene's own figure, `model` both ends of the model's
+    error (ours less measured) where the scene names a validation that knows it. `sigma` is the difference over the
+    standard uncertainties but the model's, None where that of the measurement is not stated.
+    """
+
+    figure: str
+    value: float
+    measured: Measured
+    numerical: float
+    inputs: float
+    model: tuple[float, float] | None
+    sigma: float | None
+
+    @property
+    def off(self) -> float:
+        """Ours less measured [SI]."""
+        return self.value - self.measured.value
+
+    @property
+    def within_model(self) -> bool:
+        """Tell whether the difference lies within the error that the model is known to have."""
+        return self.model is not None and self.model[0] <= self.off <= self.model[1]
+
+
+class Explanation(NamedTuple):
+    """A number of the scene [SI] and what it would have to be, were it alone off; `left` of the differences in squares.
+
+    `tolerances` is that change over the tolerance that the scene states for the number, None where it states none.
+    """
+
+    path: str
+    value: float
+    wanted: float
+    left: float
+    tolerances: float | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The measured figures beside ours; `none` says why figures have no value, `why` why nothing was to be explained.
+
+    `weighted` tells whether the differences were weighted by uncertainties, else by the measured values.
+    """
+
+    rows: tuple[Compared, ...]
+    none: Mapping[str, str] = field(default_factory=dict)
+    explanations: tuple[Explanation, ...] = ()
+    weighted: bool = True
+    why: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `run --json` prints under `measured`, SI units; `expanded` is half of a 95 % interval."""
+        figures = {
+            row.figure: {
+                "value": row.value,
+                "measured": row.measured.value,
+                "difference": row.off,
+                "sigma": row.sigma,
+                "expanded": {
+                    "measured": None if row.measured.standard is None else COVERAGE * row.measured.standard,
+                    "numerical": COVERAGE * row.numerical,
+                    "inputs": COVERAGE * row.inputs,
+                },
+                "model": None if row.model is None else {"low": row.model[0], "high": row.model[1]},
+            }
+            for row in self.rows
+        }
+        explained = [each._asdict() for each in self.explanations]
+        return {"figures": figures, "none": dict(self.none), "explanations": explained, "message": self.why}
+
+
+def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[Measured, ...]:
+    """Return what texts FIGURE=VALUE or FIGURE=VALUE ± UNCERTAINTY state; raise UsageError in one line."""
+    found = tuple(_read(scene, text) for text in texts)
+    names = [each.figure for each in found]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise UsageError(f"{OPTION} {twice}: is given twice (remove one)")
+    return found
+
+
+def _read(scene: Scene, text: str) -> Measured:
+    name, equals, stated = (part.strip() for part in text.partition("="))
+    value, *behind = (part.strip() for part in _SIGN.split(stated))
+    if not (name and equals and value) or len(behind) > 1 or "" in behind:
+        raise UsageError(f"{OPTION} {text}: is not FIGURE=VALUE ± UNCERTAINTY (write e.g. {OPTION} '{EXAMPLE}')")
+    figure, where = figure_of(scene, name, OPTION), f"{OPTION} {text}"
+    unit = _unit(behind[0]) if behind else ""
+    if unit not in ("", "%") and re.fullmatch(NUMBER, value):
+        value = f"{value} {unit}"  # 132 ± 2 kW
+    number = read_figure(figure, value, where)
+    if not math.isfinite(number):
+        raise UsageError(f"{where}: {value} is no number that can be measured")
+    return Measured(figure, number, _standard(figure, number, value, behind[0], where) if behind else None)
+
+
+def _unit(text: str) -> str:
+    match = re.fullmatch(rf"{NUMBER}\s*(.*)", text)
+    return match[1].strip() if match else ""
+
+
+def _standard(figure: str, number: float, value: str, text: str, where: str) -> float:
+    """Return the standard uncertainty [SI] of half a 95 % interval as it is written, in percent a share of the value.
+
+    Of a share that is itself in percent, as an efficiency, percent are points.
+    """
+    unit, own = _unit(text), _unit(value)
+    if not unit and own:  # 132 kW ± 2
+        text = f"{text} {'K' if declared(figure).units == 'K' else own}"
+    if _unit(text) in ("degC", "°C"):
+        raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
+    if unit == "%" and own != "%":
+        share = re.fullmatch(rf"({NUMBER})\s*%", text)
+        size = 0.01 * float(share[1]) * abs(number) if share else math.nan
+    else:
+        size = read_figure(figure, text, where)
+    if not 0.0 < size < math.inf:
+        raise UsageError(f"{where}: an uncertainty must be above 0 (write e.g. {OPTION} '{EXAMPLE}')")
+    return size / COVERAGE
+
+
+def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured]) -> Comparison:
+    """Return measured figures beside those of a result, and which numbers would explain where they differ."""
+    if not result.performance:
+        return Comparison((), why=f"nothing to compare, the point has no figures: {result.told}")
+    values, reasons = result.performance, result.notes
+    rows = tuple(_compared(result, each) for each in measured if values.get(each.figure) is not None)
+    lacking = [each.figure for each in measured if values.get(each.figure) is None]
+    none = {name: reasons.get(name, "it has no value in this cycle") for name in lacking}
+    if not rows or result.status != "ok":
+        return Comparison(rows, none, why="" if rows else "nothing to compare")
+    if all(row.sigma is not None and abs(row.sigma) <= AGREES for row in rows):
+        return Comparison(rows, none, why="nothing to explain")
+    weighted = all(row.sigma is not None for row in rows)
+    try:
+        found = sensitivities(scene, None, [row.figure for row in rows], result=result, fine=False, progress=False)
+    except UsageError as error:
+        return Comparison(rows, none, weighted=weighted, why=f"what would explain it is not known: {error}")
+    return Comparison(rows, none, explanations(scene, found, rows, weighted), weighted)
+
+
+def _compared(result: Result, measured: Measured) -> Compared:
+    name, value = measured.figure, float(result.performance[measured.figure])
+    inputs = result.uncertainty.get("figures", {}).get(name, {}).get("standard", 0.0)
+    told = result.uncertainty.get("model", {}).get("figures", {}).get(name)
+    model = None if told is None else (float(told["low"]), float(told["high"]))
+    numerical = abs(value) * (result.error.get(name) or 0.0) / COVERAGE
+    sigma = None
+    if measured.standard is not None:
+        sigma = (value - measured.value) / math.hypot(measured.standard, inputs, numerical)
+    return Compared(name, value, measured, numerical, inputs, model, sigma)
+
+
+def explanations(
+    scene: Scene, found: Sensitivities, rows: Sequence[Compared], weighted: bool
+) -> tuple[Explanation, ...]:
+    """Return the numbers of which one alone would explain the differences, first those that leave and change least.
+
+    By least squares, each difference over its standard uncertainty, or over what was measured where one has none.
+    """
+    scales = [abs(row.off / row.sigma) if weighted and row.sigma else abs(row.measured.value) for row in rows]
+    off = [row.off / scale if scale else 0.0 for row, scale in zip(rows, scales, strict=True)]
+    whole = sum(each * each for each in off)
+    kept = []
+    for path, value in found.values.items():
+        slopes = [found.derivatives[row.figure].get(path, 0.0) for row in rows]
+        slopes = [slope / scale if scale else 0.0 for slope, scale in zip(slopes, scales, strict=True)]
+        square = sum(slope * slope for slope in slopes)
+        if not square or not value or not whole:
+            continue
+        change = -sum(slope * each for slope, each in zip(slopes, off, strict=True)) / square
+        left = sum((each + slope * change) ** 2 for slope, each in zip(slopes, off, strict=True)) / whole
+        possible = abs(change) <= FARTHEST * abs(value) and within(leaf_of(scene, path), value + change)
+        if possible and left <= EXPLAINS:
+            kept.append(Explanation(path, value, value + change, left, _tolerances(scene, path, value, change)))
+    return tuple(sorted(kept, key=lambda each: (round(each.left, 1), abs(each.wanted / each.value - 1.0))))
+
+
+def _tolerances(scene: Scene, path: str, value: float, change: float) -> float | None:
+    """Return a change [SI] over the tolerance of a number, None where it has none."""
+    tolerance = scene.uncertain.get(path)
+    return None if tolerance is None else change / (COVERAGE * tolerance.standard_at(value))

@@ -1,0 +1,87 @@
+"""Laws of heating: what the condenser takes against CoolProp's states, and the heat balance of the whole machine."""
+
+from pathlib import Path
+
+import pytest
+from CoolProp.CoolProp import PropsSI
+from scenes import make, run
+
+from screwsim.build import build_gas
+from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating
+from screwsim.scene import lines, load, refrigerating_effect
+from screwsim.simulate import simulate
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+RATED = {
+    "operation": {
+        "speed": "3000 rpm",
+        "evaporating_temperature": "2 degC",
+        "condensing_temperature": "45 degC",
+        "superheat": "10 K",
+    },
+    "oil_supply.temperature": "330 K",
+}
+
+
+@pytest.fixture(scope="module", params=["point", "separator"])
+def machine(request):
+    """A semi-hermetic machine without and with an oil cooler at work."""
+    found = simulate(load(CONFIGS / "r134a" / f"{request.param}.yaml"), trace=False)
+    assert found.status == "ok"
+    return found.performance
+
+
+def test_the_condenser_cools_what_leaves_the_separator(machine):
+    p = machine
+    h_2 = PropsSI("H", "P", p.discharge_pressure, "T", p.separator_temperature, "R134a")
+    h_3 = PropsSI("H", "T", 318.15, "Q", 0, "R134a")
+    assert p.heating_capacity == pytest.approx(p.gas_mass_flow * (h_2 - h_3), rel=1e-7)
+    assert p.heating_cop == pytest.approx(p.heating_capacity / p.shaft_power, rel=1e-12)
+    assert p.electrical_heating_cop == pytest.approx(p.heating_capacity / p.electrical_power, rel=1e-12)
+
+
+def test_evaporator_shaft_and_motor_bring_what_condenser_and_oil_cooler_take(machine):
+    """The motor hangs in the suction gas; the oil's circuit is closed within 3e-4 of the shaft's power."""
+    p = machine
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-4 * p.shaft_power)
+
+
+def test_an_ideal_gas_without_a_separator_gives_off_what_it_left_the_chambers_with():
+    p, scene = run(RATED).performance, make(RATED)
+    warmed = build_gas(scene).c_p * (p.discharge_temperature - lines(scene).T_s)
+    rejected = refrigerating_effect(scene) + warmed
+    assert p.heating_capacity == pytest.approx(p.gas_mass_flow * rejected, rel=1e-9)
+
+
+def test_a_gas_cooler_gives_heat_as_a_condenser_does():
+    p = simulate(load(CONFIGS / "co2" / "transcritical.yaml"), trace=False).performance
+    ends = [PropsSI("H", "P", 90e5, "T", T, "CO2") for T in (p.discharge_temperature, 308.15)]
+    assert p.heating_capacity == pytest.approx(p.gas_mass_flow * (ends[0] - ends[1]), rel=1e-6)
+
+
+def test_its_error_is_told_and_small():
+    scene = load(CONFIGS / "r134a" / "point.yaml")
+    error = simulate(scene, trace=False).error
+    assert 0.0 < error.heating_capacity < 3e-4 and 0.0 < error.heating_cop < 3e-4
+
+
+def test_pressures_alone_and_an_expander_call_for_no_heating():
+    names = {"heating_capacity", "heating_cop"}
+    assert not names & {*run().performance}
+    expander = simulate(load(CONFIGS / "expander" / "point.yaml"), trace=False)
+    assert expander.status == "ok" and not names & {*expander.performance}
+
+
+@pytest.mark.parametrize(
+    ("flow", "power", "rejected", "capacity", "reasons"),
+    [
+        (-0.01, 5e3, 180e3, None, dict.fromkeys(("heating_capacity", "heating_cop"), NONE_DELIVERED)),
+        (0.4, 5e3, None, None, dict.fromkeys(("heating_capacity", "heating_cop"), "gas condenses")),
+        (0.4, -5e3, 180e3, 72e3, {"heating_cop": NO_POWER}),
+    ],
+)
+def test_what_cannot_heat_says_why(flow, power, rejected, capacity, reasons):
+    found, notes = heating({"shaft_power": power}, flow, rejected, "gas condenses")
+    assert found["heating_capacity"] == (None if capacity is None else pytest.approx(capacity))
+    assert found["heating_cop"] is None and notes == reasons

@@ -1,0 +1,161 @@
+"""Measured figures beside a scene's own: what is read, what sigma is, and that the number that is off is found."""
+
+import importlib
+import json
+import math
+
+import pytest
+
+from screwsim.inputs.faults import UsageError
+from screwsim.scene import load
+from screwsim.simulate import simulate
+from screwsim.study.measured import compare_measured, read_measured
+from screwsim.study.uncertain import with_uncertainty
+
+UNCERTAIN = "configs/paper/uncertain.yaml"
+
+
+@pytest.fixture(autouse=True)
+def at_root(monkeypatch, pytestconfig):
+    monkeypatch.chdir(pytestconfig.rootpath)
+
+
+@pytest.fixture(scope="module")
+def scene(pytestconfig):
+    return load(pytestconfig.rootpath / UNCERTAIN)
+
+
+@pytest.fixture(scope="module")
+def result(scene):
+    return with_uncertainty(scene, simulate(scene, trace=False))
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "standard"),
+    [
+        ("shaft_power=13.2 kW", 13200.0, None),
+        ("shaft_power = 13.2 kW ± 0.2 kW", 13200.0, 100.0),
+        ("shaft_power=13.2 ± 0.2 kW", 13200.0, 100.0),
+        ("shaft_power=13.2 kW +/- 0.2", 13200.0, 100.0),
+        ("shaft_power=13.2 kW +- 2 %", 13200.0, 132.0),
+        ("Pshaft=13200 W", 13200.0, None),
+        ("discharge_temperature=15 degC ± 1 K", 288.15, 0.5),
+        ("discharge_temperature=15 degC ± 1", 288.15, 0.5),
+        ("volumetric_efficiency=90 % ± 1 %", 0.9, 0.005),  # points
+        ("oil_ratio=3 ± 10 %", 3.0, 0.15),  # a share
+    ],
+)
+def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text, value, standard):
+    (found,) = read_measured(scene, [text])
+    assert found.value == pytest.approx(value, rel=1e-12)
+    assert found.standard == (None if standard is None else pytest.approx(standard, rel=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        (["shaft_power"], "is not FIGURE=VALUE ± UNCERTAINTY"),
+        (["shaft_power="], "is not FIGURE=VALUE ± UNCERTAINTY"),
+        (["shaft_power=1 kW ±"], "is not FIGURE=VALUE ± UNCERTAINTY"),
+        (["shaft_pwer=12 kW"], "did you mean 'shaft_power'?"),
+        (["cop=3"], "is not called for in this scene"),
+        (["shaft_power=12"], "has no unit (write one of W, kW, MW)"),
+        (["shaft_power=12 bar ± 1 bar"], "has no unit 'bar'"),
+        (["shaft_power=12 kW ± 1 bar"], "has no unit 'bar'"),
+        (["shaft_power=12 kW ± 0 kW"], "an uncertainty must be above 0"),
+        (["shaft_power=12 kW ± -1 %"], "an uncertainty must be above 0"),
+        (["discharge_temperature=15 degC ± 1 degC"], "(write kelvin, e.g. ± 2 K)"),
+        (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),
+    ],
+)
+def test_a_slip_is_one_line(scene, texts, words):
+    with pytest.raises(UsageError) as slip:
+        read_measured(scene, texts)
+    assert words in str(slip.value) and "\n" not in str(slip.value)
+
+
+def test_sigma_counts_measurement_inputs_and_numerics_in_squares(scene, result):
+    found = compare_measured(scene, result, read_measured(scene, ["shaft_power=13.2 kW ± 0.2 kW"]))
+    (row,) = found.rows
+    told = result.uncertainty["figures"]["shaft_power"]
+    numerical = 0.5 * result.error.shaft_power * result.performance.shaft_power
+    whole = math.sqrt(100.0**2 + told["standard"] ** 2 + numerical**2)
+    assert row.sigma == pytest.approx((result.performance.shaft_power - 13200.0) / whole, rel=1e-12)
+    assert told["standard"] > 10.0 * numerical  # the inputs count
+
+
+def test_what_agrees_asks_for_no_explanation(scene, result):
+    near = f"shaft_power={1e-3 * result.performance.shaft_power:.4f} kW ± 0.2 kW"
+    found = compare_measured(scene, result, read_measured(scene, [near]))
+    assert found.why == "nothing to explain" and found.explanations == ()
+
+
+@pytest.mark.parametrize(
+    ("path", "factor"), [("effects.tip_leakage.gap", 1.1), ("oil_supply.ratio", 0.93), ("operation.speed", 1.04)]
+)
+def test_the_number_that_is_off_is_found_from_what_it_does(scene, result, path, factor):
+    """Figures of the same machine with one number changed: that number leaves least, and is found within its curve."""
+    from screwsim.scene import value_at, with_values
+
+    wanted = factor * value_at(scene, path)
+    other = simulate(with_values(scene, {path: wanted}), trace=False).performance
+    names = {"shaft_power": 1e-3, "gas_mass_flow": 1e-3, "discharge_temperature": 3e-5, "oil_mass_flow": 1e-3}
+    units = {"shaft_power": "W", "gas_mass_flow": "kg/s", "discharge_temperature": "K", "oil_mass_flow": "kg/s"}
+    texts = [
+        f"{name}={other[name]!r} {units[name]} ± {share * other[name]!r} {units[name]}" for name, share in names.items()
+    ]
+    plain = simulate(scene, trace=False)  # without tolerances in the weights
+    found = compare_measured(scene, plain, read_measured(scene, texts))
+    best = min(found.explanations, key=lambda each: each.left)
+    assert best.left < 0.02
+    (own,) = (each for each in found.explanations if each.path == path)
+    assert own.left < best.left + 0.02
+    assert own.wanted == pytest.approx(wanted, rel=0.1 * abs(factor - 1.0))
+    tolerance = scene.uncertain.get(path)
+    assert (own.tolerances is None) == (tolerance is None)
+    if tolerance is not None:
+        there = (own.wanted - own.value) / (2.0 * tolerance.standard_at(own.value))
+        assert own.tolerances == pytest.approx(there)
+
+
+def test_no_number_is_offered_that_no_scene_could_have(scene, result):
+    """Half the power: no change that a derivative can tell of, or that lies within limits, would explain it."""
+    found = compare_measured(scene, result, read_measured(scene, ["shaft_power=6 kW ± 0.1 kW"]))
+    assert all(0.5 <= each.wanted / each.value <= 1.5 for each in found.explanations)
+
+
+def test_a_model_with_a_validation_tells_its_error(pytestconfig):
+    scene = load(pytestconfig.rootpath / "configs" / "r134a" / "compact.yaml", ["uncertainty={model: bitzer}"])
+    result = with_uncertainty(scene, simulate(scene, trace=False))
+    own = result.performance.volumetric_efficiency
+    found = compare_measured(scene, result, read_measured(scene, [f"volumetric_efficiency={own - 1e-4!r} ± 0.00001"]))
+    (row,) = found.rows
+    assert row.model is not None and row.model[0] < row.model[1]
+    assert row.within_model == (row.model[0] <= row.off <= row.model[1])
+
+
+def test_run_prints_it_in_80_columns_and_json_has_it(capsys, scene):
+    from screwsim.cli import exit_code
+
+    asked = ["run", UNCERTAIN, "--measured", "shaft_power=13.2 kW ± 0.2 kW", "--measured", "mdot=0.165 kg/s ± 2 %"]
+    assert exit_code([*asked, "--short"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert any(line.startswith("differ by more than 2 sigma: shaft power") for line in lines)
+    assert any(line.startswith("machine.volume.max") for line in lines)
+    assert exit_code([*asked, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    figure = document["measured"]["figures"]["shaft_power"]
+    assert figure["difference"] == pytest.approx(figure["value"] - 13200.0)
+    assert figure["expanded"]["measured"] == pytest.approx(200.0) and figure["sigma"] < -2.0
+    assert {"path", "value", "wanted", "left", "tolerances"} == set(document["measured"]["explanations"][0])
+
+
+def test_a_slip_of_a_measurement_is_told_before_anything_is_simulated(capsys, monkeypatch):
+    from screwsim.cli import exit_code
+
+    monkeypatch.setattr(importlib.import_module("screwsim.simulate"), "simulate", lambda *_, **__: pytest.fail("it is"))
+
+    assert exit_code(["run", UNCERTAIN, "--measured", "shaft_pwer=12 kW"]) == 2
+    answer = capsys.readouterr()
+    assert answer.out == "" and "did you mean 'shaft_power'?" in answer.err
