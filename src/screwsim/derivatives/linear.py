@@ -81,12 +81,12 @@ class Change(NamedTuple):
     """A direction: of the numbers, of the edges of the slices [rad]; `side` is the sign of its differences.
 
     Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences go to the side on
-    which the nodes at the ends of slices stay in theirs.
+    which the nodes at the ends of slices stay in theirs: of each slice, where the number moves breakpoints either way.
     """
 
     numbers: Numbers
     edges: Array | None = None
-    side: float = 1.0
+    side: float | Array = 1.0
 
     @property
     def nothing(self) -> bool:
@@ -111,8 +111,9 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right:
     step, asked, of_asked = step_of(pitch), [Asked(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
-        signs = (1.0, -1.0) if changes[i].both else (side,)
-        of_asked += [(i, sign / (step * len(signs)), len(signs) == 1) for sign in signs]
+        both = changes[i].both
+        signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
+        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
         for sign in signs:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
             asked.append(Asked(at.plus(sign * step, numbers), there))
