@@ -31,6 +31,7 @@ REAL = ("operation.condensing_temperature", "effects.interlobe_leakage.gap")
 FIGURES = ("isentropic_efficiency", "gas_mass_flow", "shaft_power", "discharge_temperature")
 LEAST = 1e-2  # percent per percent: what counts for less errs as that
 CORNERED = 1e-4  # slices of the default accuracy; without an end on the corner 5e-4 and more
+EITHER_WAY = 3e-3  # the same; with all differences to one side 1.7e-2
 TURNED = 5e-3  # the same; without short slices there 4e-2
 PEAKED = 2e-3  # the same
 PULSATING = 2e-3  # the same; with short slices at the pressure of the line itself five times the slope
@@ -124,6 +125,13 @@ def test_a_number_that_moves_the_corner_of_a_gap_has_its_derivative():
     path, figure = "effects.blow_hole.opens", "shaft_power"
     slope = differenced(scene, path, figure, 2e-5, 1e-8)
     assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=CORNERED)
+
+
+def test_a_number_that_moves_breakpoints_either_way_from_others_has_its_derivative():
+    scene = screwsim.load(CONFIGS / "expander" / "point.yaml")
+    path, figure = "machine.volume.phi_A", "isentropic_efficiency"  # moves 65 deg ahead, 655 deg back; both meet others
+    slope = differenced(scene, path, figure, 2e-4, 1e-7)
+    assert sensitivities(scene, [path]).relative(figure, path) == pytest.approx(slope, rel=EITHER_WAY)
 
 
 def test_where_the_flow_of_a_gap_turns_round_is_resolved():

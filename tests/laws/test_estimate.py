@@ -15,6 +15,7 @@ from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
 from screwsim.model.compose import compose
+from screwsim.outputs import Figures
 from screwsim.scene import load
 from screwsim.simulate import simulate
 from screwsim.solve import accurately, finer_lives
@@ -234,3 +235,16 @@ def test_a_cycle_closed_again_begins_where_its_finer_lives_led():
     assert worst(found.errors)[1] < ACCURACY
     assert worst(relative_errors(found.evaluation.figures, exact))[1] < 0.5 * ACCURACY
     assert spent < 21_500
+
+
+def test_a_flow_that_is_nothing_errs_over_what_the_machine_displaces():
+    """Without a suction port one solution sucks 1e-7 of the displacement, the finer one exactly nothing."""
+    scene = load(CONFIGS / "paper" / "point.yaml", without=["suction_port"])
+    found = simulate(scene, trace=False)
+    assert found.status == "ok"
+    assert worst(found.error)[1] < ACCURACY
+    (warning,) = found.warnings
+    assert warning.startswith("no port or valve leads from the suction line into the chambers")
+    some, none = ({"gas_mass_flow": flow, "volumetric_efficiency": flow / 0.2} for flow in (2e-8, 0.0))
+    assert relative_errors(Figures(some), Figures(none))["gas_mass_flow"] == pytest.approx(2e-8 / 0.02)
+    assert relative_errors(Figures(none), Figures(none))["gas_mass_flow"] == 0.0

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from screwsim.effects import catalogue
@@ -98,6 +99,38 @@ def test_sizes_are_told_of_the_section_that_states_them_whatever_was_asked_befor
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: str(path.relative_to(CONFIGS)))
 def test_shipped_scenes_are_warned_of_nothing(path):
     assert scene_warnings(load(path)) == ()
+
+
+ANGLES = np.linspace(0.0, 720.0, 73)
+SMOOTH = 3e-4 * (1.0 - np.cos(np.radians(ANGLES) / 2.0))
+TEETH = SMOOTH * (1.0 + 0.01 * (-1.0) ** np.arange(len(ANGLES)))
+
+
+def rough(folder, volumes, angles=ANGLES):
+    """Return the warnings of a machine whose volume is that of a table."""
+    rows = "".join(f"{angle:g},{volume:.17g}\n" for angle, volume in zip(angles, volumes, strict=True))
+    (folder / "v.csv").write_text(f"angle_deg,volume_m3\n{rows}", encoding="utf-8")
+    table = f"machine.volume={{law: table, max: 600 cm^3, phi_A: null, file: {folder / 'v.csv'}}}"
+    return scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[table]))
+
+
+def test_a_volume_that_goes_to_and_fro_from_row_to_row_is_warned_of(tmp_path):
+    (warning,) = rough(tmp_path, TEETH)
+    assert warning.startswith("machine.volume.file: the slope of the volume jumps to and fro from row to row, at ")
+    assert "a smoother table" in warning
+
+
+@pytest.mark.parametrize(
+    ("volumes", "angles"),
+    [
+        (SMOOTH, ANGLES),
+        (np.round(SMOOTH, 6), ANGLES),  # three digits
+        (np.interp(ANGLES, (0.0, 200.0, 360.0, 720.0), (0.0, 4e-4, 6e-4, 0.0)), ANGLES),  # corners
+        (np.array((0.0, 6e-4, 0.0)), np.array((0.0, 360.0, 720.0))),
+    ],
+)
+def test_a_table_of_few_digits_or_with_corners_is_warned_of_nothing(tmp_path, volumes, angles):
+    assert rough(tmp_path, volumes, angles) == ()
 
 
 def test_gaps_of_a_millimetre_and_ports_a_hundred_times_as_wide_are_allowed():

@@ -15,6 +15,7 @@ from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
+from screwsim.derivatives.phases import borders, phases_at
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import (
@@ -184,6 +185,9 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, J = pitch.slopes_at(pitch.slices.edges[:-1], before)
+    phases = phases_at(pitch, Y)
+    for k in np.flatnonzero((phases[1:, 0] != phases[:-1, -1]).any(axis=1)).tolist():
+        f[k + 1] = pitch.rates_in(phases[k + 1, 0], k + 1, Y[k, -1])[0]  # that begins behind the border of a phase
     defect = f + EMBEDDED @ (Y - before[:, None]) / widths[:, None]
     chambers = pitch.N // pitch.n
     own = J.reshape(-1, chambers, pitch.n, chambers, pitch.n)[:, range(chambers), :, range(chambers)].swapaxes(0, 1)
@@ -234,7 +238,7 @@ def linearised(cycle: Closed, changes: Sequence[Change], injected: Sources) -> L
     pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
     pitch.put(at)
     unknowns = [_moved(pitch, at, met, j) for j in range(len(met))]
-    linear = Linear(pitch, Y, cycle.slopes, [*unknowns, *changes], injected)
+    linear = Linear(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
     by_unknowns, by_changes = (linear.first.of(columns) for columns in (slice(len(met)), slice(len(met), None)))
     back = made_of(pitch, Read(cycle.start, Y, cycle.sums, at), by_unknowns, met, 0)
     return Linearised(by_changes, by_unknowns, back, _given(back))

@@ -1,4 +1,8 @@
-"""Where flows turn round: a chamber's pressure passes that of what it is open to, its oil's gas is in equilibrium."""
+"""Where flows turn round or rates jump.
+
+A chamber's pressure passes that of what it is open to, its oil's gas is in equilibrium, its gas passes the border of
+its phases.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.phases import border_crossings
 from screwsim.derivatives.pitch import Pitch
-from screwsim.derivatives.slices import SHARES, Crossing
+from screwsim.derivatives.slices import CORNERED, SHARES, Crossing
 from screwsim.effects.base import FlowPath
 from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
@@ -19,7 +24,6 @@ PLACED = 1e-10  # of the distance between two of these, and of the angle: how we
 OF_LAYER = 1e-6  # of its regularisation, the pressure difference at which a crossing is placed well enough
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
 LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
-CORNERED = 1e-2  # rad: what a corner of a rate counts as, whose slope jumps; the slice before it ends 1e-6 rad from it
 STEEP = 1.0  # of a slice: layers of gaps that are wider are resolved anyway
 
 
@@ -46,13 +50,15 @@ class Turn(NamedTuple):
 def crossings(pitch: Pitch) -> list[Crossing]:
     """Return where flows turn round in the last history, by their angles: through ports, steep ones of gaps, from oil.
 
-    What a gap carries is little, but near its turn as steep in the pressures as that of a port.
+    And where the gas passes the border of its phases. What a gap carries is little, but near its turn as steep in the
+    pressures as that of a port.
     """
     slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
     wide = np.repeat(slices.widths, len(LOOKED))
     turns = list(_turning(pitch, angles, wide))
-    return sorted({*_placed(pitch.machinery.trajectory, turns), *_equilibria(pitch, angles)})
+    others = (*_equilibria(pitch, angles), *border_crossings(pitch, angles))
+    return sorted({*_placed(pitch.machinery.trajectory, turns), *others})
 
 
 def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:

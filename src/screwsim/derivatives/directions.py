@@ -116,14 +116,24 @@ class Directions:
             rates = (there - self.breakpoints) / by
             edges = moved(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None
             return Change(numbers, edges)
-        way = float(np.sign(by * self._ways(there, float(self.cycle.at.P[P_PITCH]))))
-        return Change(numbers, None, way or 1.0)
+        ways = np.sign(by) * self._ways(there, float(self.cycle.at.P[P_PITCH]))
+        some = ways[ways != 0.0]
+        if not len(some) or (some == some[0]).all():
+            return Change(numbers, None, float(some[0]) if len(some) else 1.0)
+        return Change(numbers, None, np.where(ways == 0.0, 1.0, ways))
 
-    def _ways(self, breakpoints: Array, pitch: float) -> float:
-        """Return the sum of the distances of breakpoints from the nearest of the cycle's."""
+    def _ways(self, breakpoints: Array, pitch: float) -> Array:
+        """Return the sign of the way in which breakpoints leave the end of each slice; 0 where none does."""
         apart = (breakpoints[:, None] - self.breakpoints + 0.5 * pitch) % pitch - 0.5 * pitch
-        nearest = apart[np.arange(len(apart)), np.abs(apart).argmin(axis=1)]
-        return float(nearest[np.abs(nearest) > SAME].sum())
+        nearest = np.abs(apart).argmin(axis=1)
+        ways = np.zeros(len(self.breakpoints))
+        moves = apart[np.arange(len(apart)), nearest]
+        np.add.at(ways, nearest, np.where(np.abs(moves) > SAME, moves, 0.0))
+        ends, found = self.cycle.pitch.slices.edges[1:], np.zeros(self.cycle.pitch.count)
+        at = np.abs(ends[:, None] - self.breakpoints)
+        on = at.min(axis=1) < SAME
+        found[on] = np.sign(ways[at[on].argmin(axis=1)])
+        return found
 
     def _injected(self, numbers: Numbers, step: float) -> tuple[Array, Array]:
         """Return by how much states behind the injection and the cells it sets change with numbers."""

@@ -15,6 +15,7 @@ from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.beside import Asked, rates_of
 from screwsim.derivatives.blocks import Blocks, follow_once
+from screwsim.derivatives.phases import Border
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
@@ -82,12 +83,12 @@ class Change(NamedTuple):
     """A direction: of the numbers, of the edges of the slices [rad]; `side` is the sign of its differences.
 
     Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences go to the side on
-    which the nodes at the ends of slices stay in theirs.
+    which the nodes at the ends of slices stay in theirs: of each slice, where the number moves breakpoints either way.
     """
 
     numbers: Numbers
     edges: Array | None = None
-    side: float = 1.0
+    side: float | Array = 1.0
 
     @property
     def nothing(self) -> bool:
@@ -112,8 +113,9 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right:
     step, asked, of_asked = step_of(pitch), [Asked(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
-        signs = (1.0, -1.0) if changes[i].both else (side,)
-        of_asked += [(i, sign / (step * len(signs)), len(signs) == 1) for sign in signs]
+        both = changes[i].both
+        signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
+        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
         for sign in signs:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
             asked.append(Asked(at.plus(sign * step, numbers), there))
@@ -156,7 +158,7 @@ def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
 
 
 class Linear:
-    """The linearised pitch, at states Y and numbers as they stand.
+    """The linearised pitch, at states Y and numbers as they stand, its slices fixed, or led by the borders of phases.
 
     `first` is its response to changes, a column each: what is known beforehand costs little more than the matrices.
     `injected` are what the last of the changes make of states behind the injection and of the cells it sets.
@@ -169,6 +171,7 @@ class Linear:
         slopes: Slopes,
         changes: Sequence[Change] = (),
         injected: Sources | None = None,
+        borders: Sequence[Border] = (),
     ) -> None:
         self.pitch, self.slopes = pitch, slopes
         self.inject, self.noted = injection(pitch, Y)
@@ -181,8 +184,10 @@ class Linear:
         of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # rates side by side cost less
         right[..., N : self._known] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
-        followed = follow_once(*self._equations, np.eye(N, right.shape[-1]), right)
-        self._followed, self._sums = followed[..., :columns], self._summed(followed)[:, :columns]
+        cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
+        numbers = [*cells, *(each.numbers for each in changes)]
+        followed, at_borders = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
+        self._followed, self._sums = followed[..., :columns], (self._summed(followed) + at_borders)[:, :columns]
         self._sums[:, N:] += of_rates
         self._around = self._closing(self._followed[-1, -1, :, : self._known])
         self.first = self._responded(self._followed, self._sums, injected)
@@ -192,6 +197,29 @@ class Linear:
         """What the stage equations are factored from."""
         reach = max(self.pitch.machinery.composition.offsets, default=1)
         return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
+
+    def _through(
+        self, now: Array, right: Array, borders: Sequence[Border], numbers: Sequence[Numbers]
+    ) -> tuple[Array, Array]:
+        """Return changes at all nodes from those at the start, and what borders make of the quadratures.
+
+        `numbers` are the changes of the numbers that the columns behind those of states go with; `now` and `right` are
+        written over.
+        """
+        J, widths, states, reach = self._equations
+        sums, first = np.zeros((self.pitch.q - 1, right.shape[-1])), 0
+        for border in sorted(borders, key=lambda each: each.slice):
+            part = slice(first, border.slice + 1)
+            if part.stop > first:
+                follow_once(J[part], widths[part], states, reach, now, right[part])
+                now = right[border.slice, -1].copy()
+            delay = border.by_states @ now
+            delay[self.pitch.N : self.pitch.N + len(numbers)] += border.by_numbers(numbers)
+            now += np.outer(border.states, delay)
+            sums += np.outer(border.sums, delay)
+            first = part.stop
+        follow_once(J[first:], widths[first:], states, reach, now, right[first:])
+        return right, sums
 
     @once
     def blocks(self) -> Blocks:

@@ -141,6 +141,26 @@ class Pitch:
         self.machinery.together.slices__rates_at_all(*self._asked(Y, slices), f, g)
         return f.reshape(self.count, NODES, -1), g.reshape(self.count, NODES, -1)
 
+    def rates_in(self, phases: Array, edge: int, y: Array) -> tuple[Array, Array]:
+        """Return the rates of states and quadratures where a slice begins, chambers held in phases, states y."""
+        slices, f, g = self.slices, np.empty((1, self.N)), np.empty((1, self.q))
+        self._held()[:] = phases
+        asked = slices.edges[edge : edge + 1], slices.middles[edge : edge + 1], np.array(y[None])
+        self.machinery.together.slices__rates_at_all(*asked, *self._context, f, g)
+        self.free()
+        return f[0], g[0]
+
+    @property
+    def has_phases(self) -> bool:
+        """Can the gas of a chamber have two phases?"""
+        return self.problem.parts.gas.phased_state is not None
+
+    def phases_of(self, y: Array) -> Array:
+        """Return the phase of the gas at states of a chamber, a row each."""
+        c, found = self.machinery.composition, np.empty(len(y))
+        self.machinery.module.trace__phases(y, c.P, c.TAB, found)
+        return found.astype(int)
+
     def slopes(self, Y: Array) -> Slopes:
         """Return rates and their derivatives by the states at the nodes."""
         found = self._slopes(*self._asked(Y, self.slices))
@@ -179,8 +199,11 @@ class Pitch:
 
     def free(self) -> None:
         """Let the gas of no chamber be held in a phase."""
-        c = self.machinery.composition
-        self.machinery.coupled_space()["spaces"][0][(c.chambers + 1) * PORT_STATE :] = FREE
+        self._held()[:] = FREE
+
+    def _held(self) -> Array:
+        """Return where the phases stand in which the gas of chambers is held."""
+        return self.machinery.coupled_space()["spaces"][0][(self.machinery.composition.chambers + 1) * PORT_STATE :]
 
     # ---- reading -----------------------------------------------------------------------------------------------
 

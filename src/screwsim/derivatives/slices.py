@@ -48,10 +48,11 @@ RING = 0.3  # widths of a layer: the first slices on both sides of where a flow 
 AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
 WIDER = 2.5  # ... and each next one over the one before
 BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
+CORNERED = 1e-2  # rad: what a corner or a jump of a rate counts as; the slice before it ends 1e-6 rad from it
 
 
 class Crossing(NamedTuple):
-    """Where a flow turns round [rad of the pitch], and the width [rad] of the layer in which it is smoothed."""
+    """Where a flow turns round or a rate jumps [rad of the pitch], and the width [rad] of the layer that counts as."""
 
     angle: float
     layer: float

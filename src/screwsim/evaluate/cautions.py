@@ -16,6 +16,7 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
+from screwsim.model.compose import LINES
 from screwsim.model.slots import OF_ENERGY, OF_GAS, OF_OIL, OF_OIL_HEAT, R_OIL_BEFORE, SUCTION_OUT
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
@@ -52,16 +53,16 @@ def warnings(of: Evaluation) -> Iterator[str]:
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
-    flow = found["gas_mass_flow"]
+    flow, sucks = found["gas_mass_flow"], LINES[0] in plausible.lines_met(parts)  # else the scene's doubts tell why
     if flow == 0.0 and idle:
         nothing = "takes nothing in" if parts.plenums else "delivers nothing"
         yield idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}"
-    elif flow is not None and flow <= 0.0:
+    elif flow is not None and flow <= 0.0 and sucks:
         yield (
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
         )
-    if flow is not None and flow < 0.0 and of.problem.suction.changed:
+    if flow is not None and flow < 0.0 and of.problem.suction.changed and sucks:
         yield (
             "gas flows back to the suction line, which no throttle, filter or bypass before the machine lets: their "
             "pressures and shares are those of gas that is sucked (smaller leaks, a higher speed, or leave them out)"

@@ -147,9 +147,14 @@ def doubts(told: Told) -> tuple[Doubt, ...]:
     return tuple(doubt for ask in DOUBTS for doubt in ask(told))
 
 
+def lines_met(parts: Parts) -> set[str]:
+    """Return which lines and plenums ports or valves lead to."""
+    return {path.to for _, path in parts.all(FlowPath) if not path.beside}
+
+
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
     """Return that nothing leads from the suction line into a chamber, or from it to the discharge line."""
-    found, leads = [], {path.to for _, path in parts.all(FlowPath) if not path.beside}
+    found, leads = [], lines_met(parts)
     kind, roles = kind_of(scene.machine), (WAY_IN, WAY_OUT)
     ways = "from the suction line into", "to the discharge line out of"
     for line, role, way in zip(LINES, reversed(roles) if parts.geometry.expands else roles, ways, strict=True):

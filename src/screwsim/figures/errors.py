@@ -15,7 +15,8 @@ LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts
 def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, least_work: float = 0.0) -> Figures:
     """Return |found − better| of every figure over its `error_scale`; None where either is, or none is asked for.
 
-    Powers [W] and work [J] below the least ones are rounding.
+    Powers [W] and work [J] below the least ones are rounding. Where the better one is exactly nothing, as the flow of a
+    machine that sucks nothing, the scale is that of the other.
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
     errors: dict[str, float | None] = dict.fromkeys(found)
@@ -26,7 +27,7 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
             continue
         scale = (about.get(name) or declared(name, found)).scale
         if scale is ITSELF:  # most of them
-            size = abs(reference)
+            size = abs(reference) or abs(value)
         elif scale.unasked:
             continue
         elif scale.alone and scale.times:  # a power
@@ -36,6 +37,8 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
             continue
         else:
             size = error_scale(name, scale, known)
+            if size == 0.0:
+                size = error_scale(name, scale, {of: each or 0.0 for of, each in found.items()})
         least = least_work if name == "work_per_cycle" else 1e-300
         errors[name] = abs(value - reference) / (size if size > least and size > 1e-300 else max(size, least, 1e-300))
     of_power = errors.get("shaft_power")

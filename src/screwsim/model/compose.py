@@ -209,6 +209,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
         trace.port_oil: network.ported,
         trace.given_off_along: network.dissolves,
+        trace.phases: network.phases,
     }
     return tuple(each for each, wanted in asked.items() if wanted)
 

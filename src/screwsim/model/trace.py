@@ -19,6 +19,7 @@ from screwsim.model.slots import (
     add_outflow,
     around_chamber,
     films_into,
+    gas_phase,
     gas_state,
     given_off,
     mass_rate,
@@ -127,6 +128,13 @@ def pressures(y, P, TAB, out):
     """Fill out[i] with the gas pressure [Pa] at states y[i]."""
     for a in range(out.shape[0]):
         out[a] = gas_state(y[a, S_T], y[a, S_RHO], P, TAB)[0]
+
+
+@kernel
+def phases(y, P, TAB, out):
+    """Fill out[i] with the phase of the gas at states y[i]."""
+    for a in range(out.shape[0]):
+        out[a] = gas_phase(y[a, S_T], y[a, S_RHO], P, TAB)
 
 
 @kernel

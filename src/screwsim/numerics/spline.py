@@ -93,6 +93,20 @@ def features(angles: Array, areas: Array) -> tuple[float, ...]:
     return tuple(sorted({*found, *points[near].tolist(), *points[near + 1].tolist()}))
 
 
+def to_and_fro(x: Array, y: Array) -> tuple[float, float]:
+    """Return by how much of its largest slope that of a table jumps one way and back from row to row, at most; where.
+
+    A corner of a curve jumps once: the smaller of two jumps that follow each other counts.
+    """
+    slope = np.diff(y) / np.diff(x)
+    jumps, steepest = np.diff(slope), float(np.abs(slope).max())
+    if len(jumps) < 2 or steepest == 0.0:
+        return 0.0, float(x[0])
+    back = np.where(jumps[:-1] * jumps[1:] < 0.0, np.minimum(np.abs(jumps[:-1]), np.abs(jumps[1:])), 0.0)
+    worst = int(back.argmax())
+    return float(back[worst]) / steepest, float(x[worst + 1])
+
+
 def _turns(areas: Array) -> list[int]:
     """Return the rows of tops and bottoms from which areas turn by `SEEN` of the largest."""
     least, found, top, bottom = SEEN * float(np.max(areas)), [], 0, 0

@@ -15,10 +15,12 @@ from typing import Any
 
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
-from screwsim.inputs.declare import ANY, KINDS
+from screwsim.inputs.declare import ANY, KINDS, VOLUME
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import Profile, unread
+from screwsim.machine.settings import VolumeLaw
 from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.spline import read_curve, to_and_fro
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, GAS_COOLER, GAS_COOLER_P, P_D, T_S
@@ -28,12 +30,14 @@ from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
 
 MEANT = "is it meant?"
 USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
+ROUGH = 0.25  # of its largest, by which the slope of a table hardly jumps to and fro: digits cut off make half of that
 PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
 
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """Return what of a scene that `cross_check` finds in order hardly is so, each in one line led by its path."""
-    found = [*_fields(scene), *_profile(scene), *size_warnings(scene), *_lines(scene), *_oil(scene)]
+    of_machine = *_volume(scene), *_profile(scene), *size_warnings(scene)
+    found = [*_fields(scene), *of_machine, *_lines(scene), *_oil(scene)]
     return tuple(f"{path}: {what}; {MEANT}" for path, what in found)
 
 
@@ -113,6 +117,22 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
             here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
             what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas from {until} on"
             yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
+
+
+def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield that the volume of a table goes to and fro, with which its gas would be worked on in jerks."""
+    law = getattr(scene.machine, "volume", None)
+    if law is not None and law.file is not None:
+        yield from _of_table(law)
+
+
+@Remembered
+def _of_table(law: VolumeLaw) -> tuple[tuple[str, str], ...]:
+    share, at = to_and_fro(*read_curve(str(law.file), VOLUME))
+    if share <= ROUGH:
+        return ()
+    what = f"the slope of the volume jumps to and fro from row to row, at {math.degrees(at):.4g} deg by {share:.0%}"
+    return (("machine.volume.file", f"{what} of the largest (a smoother table, more digits, or fewer rows)"),)
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
