@@ -14,7 +14,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import calibrate, read_fit
-from screwsim.study.calibration.design import chosen, covariance, greedy, spread
+from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
 from screwsim.study.calibration.fit import Measured, Prior
 from screwsim.study.calibration.plan import candidates_of, plan, typical
 from screwsim.study.calibration.single import whitener
@@ -60,6 +60,13 @@ def test_the_points_are_the_best_of_all_subsets():
         assert ours <= volume(known, pieces, greedy(known, pieces, 3, range(8), 3), 3) + 1e-12
         hits += ours == pytest.approx(min(every), abs=1e-9)
     assert hits >= 19  # an exchange of one point may end beside the best of all
+
+
+def test_all_pieces_at_once_spread_as_each_alone():
+    rows = np.random.default_rng(4).normal(size=(50, 2, 4))
+    pieces, known = np.einsum("nij,nik->njk", rows, rows), 0.1 * np.eye(4)
+    alone = [spread(known + piece, 3) for piece in pieces]
+    assert spreads(known, pieces, 3) == pytest.approx(alone, abs=1e-12)
 
 
 def test_the_first_point_is_the_one_that_tells_most():
