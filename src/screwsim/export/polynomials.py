@@ -156,6 +156,9 @@ def _powers(n: int) -> list[tuple[int, float]]:
     return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
+KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # of a document
+
+
 def document(found: Polynomials) -> dict[str, Any]:
     """Return polynomials as what JSON holds."""
     return {

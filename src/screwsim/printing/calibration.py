@@ -14,7 +14,8 @@ from screwsim.printing import write_json
 from screwsim.printing.fits import print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
-from screwsim.results.atomic import keep_others, make_folder, write_text
+from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.kept import keep_in, keep_other_documents
 from screwsim.results.warned import kinds_of
 from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE, Parameter, Prior
@@ -272,8 +273,9 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 
 def check_folder(folder: Path) -> None:
-    """Raise UsageError where a folder holds a scene that no calibration wrote, under the name of the fitted one."""
-    keep_others(folder / SCENE, BEGINS.encode())
+    """Raise UsageError where a folder holds what no calibration wrote, under the name of its scene or document."""
+    keep_in(folder, {SCENE: BEGINS})
+    keep_other_documents(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 
 def write_calibration(found: Calibration, folder: Path) -> list[str]:

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering
-from screwsim.inputs.faults import UsageError
 from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
-from screwsim.results.atomic import OTHERS, check_target_kind, make_folder
+from screwsim.results.atomic import make_folder
+from screwsim.results.kept import keep_other_documents
 from screwsim.results.warned import kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
@@ -114,9 +114,7 @@ def keep_other_maps(path: Path) -> None:
     if path.suffix.lower() == ".csv":
         keep_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
         return
-    check_target_kind(path)
-    if path.exists() and f'"formula": "{FORMULA[:6]}' not in path.read_text(encoding="utf-8", errors="replace"):
-        raise UsageError(OTHERS.format(path))
+    keep_other_documents(path, "file", "formula", "maps")
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:

@@ -17,6 +17,7 @@ from screwsim.machine.rotors.settings import SlideValve
 from screwsim.report.slide_valve import slide_figure
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.kept import keep_other_beginnings
 
 MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
@@ -40,9 +41,8 @@ def draw_rotors(
     }
     if slide is not None:
         plans["slide_valve"] = partial(slide_figure, rotors, volume_ratio, axial_ratio, slide)
-    written = write_all(plans, target)
     male, female = outlines(rotors.pair, rotors.chain)
-    files = {
+    texts = {
         "coefficients.csv": coefficients_csv(rotors),
         "male_lobe.csv": lobe_csv(rotors),
         "male.csv": profile_csv(*male),
@@ -51,8 +51,11 @@ def draw_rotors(
         "female.dxf": outline_dxf(*female),
         **{f"curves/{name}": text for name, text in curves_csv(curves).items()},
     }
+    files = {target / name: text for name, text in texts.items()}
+    keep_other_beginnings(files)
+    written = write_all(plans, target)
     make_folder(target / "curves")
-    return written + [write_text(target / name, text) for name, text in files.items()]
+    return written + [write_text(path, text) for path, text in files.items()]
 
 
 def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:

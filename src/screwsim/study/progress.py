@@ -119,7 +119,7 @@ class Bar(Progress):
 
 
 class Seldom(Progress):
-    """A line on stderr after `first` [s], and again whenever twice as long has passed: for logs, of long studies alone."""
+    """A line on stderr after `first` [s], and again whenever twice as long has passed: for logs of long studies."""
 
     def __init__(self, title: str, first: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
         self._title = title
