@@ -143,6 +143,14 @@ def test_what_has_no_solution_is_told_and_not_chosen(tmp_path):
     assert {step.point.name for step in found.steps} == {"1000 rpm", "2000 rpm"}
 
 
+@pytest.mark.parametrize(("own", "told"), [("1e300", "tells nothing"), ("1e-300", "no measurement is sure of")])
+def test_a_candidate_whose_uncertainty_is_none_is_told(own, told, tmp_path):
+    fit = fit_of(tmp_path)
+    (tmp_path / "grid.csv").write_text(f"operation.speed [rpm],shaft_power_uncertainty [kW]\n3000,{own}\n", "utf-8")
+    with pytest.raises(UsageError, match=f"shaft_power: its uncertainty is .* of the value, which {told}"):
+        plan(fit, candidates_of(fit, tmp_path / "grid.csv"), count=1, jobs=1, simulate=plane)
+
+
 def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
     fit = read_fit(ROOT / "configs" / "calibration" / "leakage.fit.yaml")
     fit = replace(fit, points=fit.points[2:3])  # at 2000 rpm

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declaration, unpacked
+from screwsim.inputs.arguments import FILE, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, ITSELF, STATUSES, Figure, Variable
 from screwsim.outputs.display import About, Brief, Shown, value_text
@@ -130,7 +132,8 @@ class Results(Brief):
         return name, least, most, about.long_name
 
 
-def open_results(path: str | Path) -> Results:
+@takes(path=FILE)
+def open_results(path: str | os.PathLike[str]) -> Results:
     """Return the results in a file; raise UsageError if screwsim did not write it."""
     path = Path(path)
     with opened(path) as file:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.inputs.arguments import CALLED, FILE, FLAG, JOBS, PROGRESS, REAL, TEXT, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
@@ -72,8 +73,21 @@ class SweepSummary:
     path: Path
 
 
+@takes(
+    output=FILE,
+    jobs=JOBS,
+    scheduler=TEXT,
+    case_limit=REAL,
+    restart=FLAG,
+    batch=FLAG,
+    gpu=FLAG,
+    simulate=CALLED,
+    simulate_many=CALLED,
+    warm_up=CALLED,
+    progress=PROGRESS,
+)
 def run_sweep(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     output: str | Path,
     *,
     jobs: int | None = None,
@@ -101,8 +115,7 @@ def run_sweep(
     """
     began = time.perf_counter()
     check_limit(case_limit)
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: is no number of workers (write 1 or more, or leave it out for all cores)")
+    scene = scene_of(scene)
     if batch and gpu:
         raise UsageError("--batch and --gpu are two ways to solve points side by side (choose one of the two)")
     output = Path(output)
@@ -124,6 +137,7 @@ def run_sweep(
     return _finished(output, began, parts, reused)
 
 
+@takes(jobs=JOBS, progress=PROGRESS)
 def sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     jobs: int | None = None,
