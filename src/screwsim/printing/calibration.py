@@ -300,7 +300,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
         of = [each for each in found.compared if each.figure == figure]
         factor, unit = units_of(figure, max(abs(each.measured.value) for each in of))
         unit = {"%": "points", "°C": "K"}.get(unit, unit)
-        label = f"{shown_name(figure)} [{unit}]" if unit else shown_name(figure)
+        label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
         panels[label] = []
         for each in of:
             number, (value, uncertainty) = names.index(each.point.name), each.measured

@@ -227,7 +227,7 @@ def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
     if unit == "mm" and spread.median < 1e-3:
         per, zero, unit = 1e6, 0.0, "um"
     name = fit.fit.short_names()[number].replace("_", " ")
-    label = f"{name} [{unit.replace('um', 'µm')}]" if unit else name
+    label = f"{name} ({unit.replace('um', 'µm')})" if unit else name
     assert found.samples is not None
     low, high = per * ends + zero
     return Drawn(label, per * found.samples[:, number] + zero, float(low), float(high))
