@@ -18,9 +18,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, keep_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
-
-FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
+from screwsim.study.performance_map import FORMULA, NAMES, PerformanceMap, conditions
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 
+from screwsim.outputs.customary import raised
+
 WIDTH = 80
 
 
@@ -13,7 +15,7 @@ def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int =
 
     Columns stand two spaces apart, one where they would be wider than the terminal; heads break between words.
     """
-    body = [list(row) for row in rows]
+    body = [[raised(cell) for cell in row] for row in rows]
     widths = [max((len(row[i]) for row in body), default=0) for i in range(len(heads))]
     words = [_broken(head, width) for head, width in zip(heads, widths, strict=True)]
     deep = max(map(len, words))
