@@ -96,7 +96,7 @@ def test_what_is_wrong_and_what_to_pass_is_told(name, given, told):
 
 
 def test_numbers_of_numpy_are_numbers():
-    assert JOBS.holds(np.int64(2)) and NUMBER.holds(np.float64(0.5)) and FLAG.holds(np.True_)
+    assert JOBS.holds(np.int64(2)) and JOBS.holds(None) and NUMBER.holds(np.float64(0.5)) and FLAG.holds(np.True_)
     assert not JOBS.holds(np.float64(2.0)) and not NUMBER.holds(np.nan)
 
 

@@ -121,7 +121,10 @@ def _progress(given: Any) -> bool:
     return isinstance(given, bool) or all(hasattr(given, name) for name in ("start", "advance", "stop"))
 
 
-JOBS = whole(1, "no number of workers (pass 1 or more, or None for all cores)")
+JOBS = Kind(
+    lambda given: given is None or (_whole(given) and given >= 1),
+    "no number of workers (pass 1 or more, or None for all cores)",
+)
 SEED = whole(0, "no seed (pass a whole number from 0 on)")
 FLAG = Kind(lambda given: type(given).__name__ in ("bool", "bool_"), "neither True nor False")
 REAL = Kind(_real, "no number")  # also NaN, of which the function itself tells
