@@ -31,7 +31,7 @@ SHARE, KELVIN, ZERO_CELSIUS = 0.005, 0.5, 273.15  # noise: of flow and power, of
 SHARES = (0.3, 0.8)  # of the way to the bound that a fault goes
 ROUGH = ("numerics.error=none",)
 NOTHING = "nothing"
-MACHINES = {  # scene, speeds [rpm], discharge, {parameter: lower bound, upper bound in its unit, which way a fault goes}
+MACHINES = {  # scene, speeds [rpm], discharge, {parameter: both bounds in its unit, which way a fault goes}
     "r134a": (
         ROOT / "tests" / "plain" / "r134a.yaml",
         (1500.0, 2950.0, 4500.0),

@@ -51,7 +51,7 @@ def test_a_sample_agrees_where_figures_are_linear_and_warns_where_they_are_not()
 
 
 def test_a_sample_has_the_moments_that_the_tolerances_state():
-    """Three err together, one of them by a factor: means, standard uncertainties and correlations are those asked for."""
+    """Three err together, one of them by a factor: means, standard uncertainties and correlations are as asked."""
     radius, ratio = "effects.oil_heat.droplet_radius", "oil_supply.ratio"
     together = f"uncertainty.correlated=[[{GAP}, {SPEED}, {radius}]]"
     given = [f"{GAP}=27.5 um ± 5 um", f"{SPEED}=1000 rpm ± 3 %", f"{radius}=9.5 um ×/÷ 2", f"{ratio}=3 ± 10 %"]
