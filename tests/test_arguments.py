@@ -95,6 +95,32 @@ def test_what_is_wrong_and_what_to_pass_is_told(name, given, told):
         getattr(screwsim, name)(**{**CALLS[name], **given})
 
 
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda scene, results: scene.with_(3), "values: 3 is no dict"),
+        (
+            lambda scene, results: results.to_xarray("figures"),
+            "group: 'figures' is none of None, 'inputs', 'performance'",
+        ),
+        (lambda scene, results: results.to_pandas(None), "group: None is none of 'inputs', 'performance'"),
+        (lambda scene, results: screwsim.plot.curves(results, 3), "figure: 3 is no text"),
+        (lambda scene, results: screwsim.plot.contours(results, ["x"]), r"figure: \['x'\] is no text"),
+    ],
+)
+def test_methods_and_drawings_tell_it_too(call, told, tmp_path):
+    scene = screwsim.load(POINT, ["numerics.error=none", "numerics.accuracy=1e-2"])
+    results = results_in(scene, tmp_path / "out.h5")
+    with pytest.raises(screwsim.UsageError, match=told):
+        call(scene, results)
+
+
+def results_in(scene, path):
+    swept = scene.with_({"sweep": {"oil_supply.ratio": [1.0, 2.0]}})
+    screwsim.run_sweep(swept, path, jobs=1)
+    return screwsim.open_results(path)
+
+
 def test_numbers_of_numpy_are_numbers():
     assert JOBS.holds(np.int64(2)) and JOBS.holds(None) and NUMBER.holds(np.float64(0.5)) and FLAG.holds(np.True_)
     assert not JOBS.holds(np.float64(2.0)) and not NUMBER.holds(np.nan)
