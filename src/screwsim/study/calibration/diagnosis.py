@@ -147,17 +147,16 @@ def diagnose(
         prior = Beforehand(unchanged, odds, none, tuple(one.log_evidence for one in singles))
         curves, misfits = curves_of(here_, start, columns, singles), [none, *(one.misfit for one in singles)]
         doubles = _doubles(asked, white, simulate, curves, prior, misfits, jobs)
-        fits = [by_chance(one.misfit, max(count - 1, 1)) for one in singles]
-        fits += [by_chance(one.misfit, max(count - 2, 1)) for one in doubles.values()]
+        rows, left = _hypotheses(asked, before, singles, doubles, set(solved), prior, count)
+        first = max(rows, key=lambda one: one.probability)
         likely = [i for i in range(len(by_slopes)) if i not in solved]
-        if not likely or max(fits) >= CHANCE:
+        if not likely or by_chance(first.misfit, first.freedom) >= CHANCE:
             break  # else slopes may have dismissed what fits
         solutions += sum(one.solutions for one in doubles.values())
         failed += sum(one.failed for one in doubles.values())
     every = [*(one for one in solved.values() if one), *doubles.values()]
     solutions += sum(one.solutions for one in every)
     failed += sum(one.failed for one in every)
-    rows, left = _hypotheses(asked, before, singles, doubles, set(solved), prior, len(residuals))
     for i, one in enumerate(singles):
         left[(i,)] = one.residuals if isinstance(one, Profile) else straight(one, start[i], here_, columns[i])
     ranked = tuple(sorted(rows, key=lambda each: -each.probability))
