@@ -107,7 +107,7 @@ def run_sweep(
     scheduler file. A case that takes longer than `case_limit` [s] (default: 300, but none in this process) is failed,
     and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
     lies in `output.parts` and is not computed again, unless `restart`. With `batch` the blocks of a worker are
-    simulated side by side, in the lanes of its core, with `gpu` on a GPU that all workers share (docs/how-to/sweeps.md).
+    simulated side by side, in the lanes of its core, with `gpu` on a GPU of all workers (docs/how-to/sweeps.md).
     What simulates one scene, or consecutive ones each from the one before it, and what warms up, default to those of
     `screwsim.simulate`; `progress` is as of `sweep`. Raise UsageError when the file or its parts belong to another
     scene, or cannot be written, when the scheduler cannot be reached, or where there is no GPU.
