@@ -36,11 +36,11 @@ ROUNDED = ("male_tip", "female_tip", "flank", "root")
 MM, DEG = 1e-3, math.pi / 180.0
 SHADES = ("#3b2a8c", "#c2561a", "#9dc9e6", "#e8e8e8")
 AXES = {
-    "wrap angle": "wrap angle [°]",
+    "wrap angle": "wrap angle (°)",
     "L/D": "length over diameter",
-    "female tip radius mm": "female tip radius [mm]",
-    "clearance um, all gaps": "all clearances [µm]",
-    "tip speed m/s": "tip speed [m/s]",
+    "female tip radius mm": "female tip radius (mm)",
+    "clearance um, all gaps": "all clearances (µm)",
+    "tip speed m/s": "tip speed (m/s)",
 }
 
 
@@ -150,7 +150,7 @@ def _profiles_figure(results: dict[str, Result]) -> Any:
         bars = left.bar(places + 0.4 * (j - 0.5), heights, 0.38, color=SHADES[2 * j], edgecolor="black", label=text)
         left.bar_label(bars, [f"{height:.1f}" for height in heights], fontsize=SMALL)
     left.set_xticks(places, [f"({name})" for name in results])
-    left.set(ylim=(70.0, 106.0), yticks=range(70, 101, 5), ylabel="efficiency [%]")
+    left.set(ylim=(70.0, 106.0), yticks=range(70, 101, 5), ylabel="efficiency (%)")
     left.legend(loc="upper left")
     base = np.zeros(len(results))
     for j, loss in enumerate(LOSSES):
@@ -161,7 +161,7 @@ def _profiles_figure(results: dict[str, Result]) -> Any:
         base += shares
     right.set_yticks(places, [f"({name}) {NAMES[name]}" for name in results])
     right.set(xlim=(0.0, 1.04 * base.max()), ylim=(len(results) - 0.5, -2.0))
-    right.set_xlabel("exergy destroyed [% of the shaft power]")
+    right.set_xlabel("exergy destroyed (% of the shaft power)")
     right.legend(loc="upper center", ncols=3)
     return figure
 
@@ -177,7 +177,7 @@ def _studies_figure(studies: dict[str, list[tuple[float, float, float]]]) -> Any
         plain_ticks(axes.xaxis, most=5)
         plain_ticks(axes.yaxis, most=6)
     for row in (panels[0], panels[3]):
-        row.set_ylabel("efficiency [%]")
+        row.set_ylabel("efficiency (%)")
     panels[0].legend(loc="lower left")
     return figure
 

@@ -10,9 +10,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from screwsim.inputs.arguments import FILE, FLAG, JOBS, MAPPING, NUMBER, PROGRESS, QUANTITY, TEXT, TEXTS, takes, whole
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
-from screwsim.report.datasheet import write_sheet
+from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_of
 from screwsim.study import optimum as _optimum
@@ -29,13 +30,14 @@ from screwsim.study.calibration.predict import points_to_predict
 from screwsim.study.calibration.predict import sampled as _sampled
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import Sheet, sheet_of
-from screwsim.study.progress import for_program
+from screwsim.study.progress import Progress, shown
 from screwsim.study.sweep import run_sweep
 
 SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
 ResultsLike = Results | str | os.PathLike[str]
 
 
+@takes(path=TEXT, figure=TEXT, low=QUANTITY, high=QUANTITY, minimum=FLAG, jobs=JOBS, progress=PROGRESS)
 def optimum(
     scene: SceneLike,
     path: str = _optimum.OIL_RATIO,
@@ -45,7 +47,7 @@ def optimum(
     high: float | str | None = None,
     minimum: bool = False,
     jobs: int | None = None,
-    progress: bool | None = None,
+    progress: Progress | bool | None = None,
 ) -> list[_optimum.Best]:
     """Return the best value of a path for each point of the scene's other axes (`screwsim optimum`).
 
@@ -57,9 +59,19 @@ def optimum(
     at = scene_of(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
     asked = _optimum.question(at, path, figure, minimum=minimum, **ends)
-    return _optimum.optimum(at, asked, jobs=jobs, progress=for_program("optimum", progress))
+    return _optimum.optimum(at, asked, jobs=jobs, progress=shown("optimum", progress))
 
 
+@takes(
+    evaporating=TEXT,
+    condensing=TEXT,
+    suction=TEXT,
+    discharge=TEXT,
+    limits=TEXTS,
+    output=FILE,
+    jobs=JOBS,
+    progress=PROGRESS,
+)
 def datasheet(
     scene: SceneLike,
     *,
@@ -70,7 +82,7 @@ def datasheet(
     limits: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
-    progress: bool | None = None,
+    progress: Progress | bool | None = None,
 ) -> Sheet:
     """Return the data sheet of a compressor, an expander or an air package (`screwsim datasheet`).
 
@@ -78,7 +90,9 @@ def datasheet(
 
     `sheet.document` is the sheet in SI units, as `--json` prints it; a page or a PDF is written to `output`.
     """
-    bar = for_program("datasheet", progress)
+    if output is not None:
+        check_sheet(Path(output))
+    bar = shown("datasheet", progress)
     ranges = {"evaporating": evaporating, "condensing": condensing, "suction": suction, "discharge": discharge}
     found = sheet_of(scene_of(scene), **ranges, limits=limits, jobs=jobs, progress=bar)
     if output is not None:
@@ -86,6 +100,7 @@ def datasheet(
     return found
 
 
+@takes(figures=TEXTS)
 def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES) -> list[_map.PerformanceMap]:
     """Return the ten-coefficient maps of a sweep over both temperatures, one for each point of its other axes.
 
@@ -95,19 +110,21 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES)
     return _map.performance_maps(results_of(results), listed(figures))
 
 
+@takes(jobs=JOBS, progress=PROGRESS)
 def calibrate(
-    fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: bool | None = None
+    fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: Progress | bool | None = None
 ) -> Calibration:
     """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a fit, or the path of its file."""
-    return _calibrate(_read(fit), jobs=jobs, progress=for_program("calibrate", progress))
+    return _calibrate(_read(fit), jobs=jobs, progress=shown("calibrate", progress))
 
 
+@takes(predict=FILE, jobs=JOBS, progress=PROGRESS)
 def posterior(
     fit: Calibration | Fit | str | os.PathLike[str],
     *,
     predict: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
-    progress: bool | None = None,
+    progress: Progress | bool | None = None,
 ) -> Posterior:
     """Return the posterior distribution of parameters given measured points (`screwsim calibrate --posterior`).
 
@@ -124,9 +141,10 @@ def posterior(
     asked = fit.fit if isinstance(fit, Calibration) else _read(fit)
     points = () if predict is None else points_to_predict(asked, predict)
     found = fit if isinstance(fit, Calibration) else calibrate(asked, jobs=jobs, progress=progress)
-    return _sampled(found, points, jobs=jobs, progress=for_program("posterior", progress))
+    return _sampled(found, points, jobs=jobs, progress=shown("posterior", progress))
 
 
+@takes(scene=FILE, data=FILE, unchanged=NUMBER, pairs=NUMBER, jobs=JOBS, progress=PROGRESS)
 def diagnose(
     fit: Fit | str | os.PathLike[str],
     *,
@@ -135,7 +153,7 @@ def diagnose(
     unchanged: float = UNCHANGED,
     pairs: float = PAIRS,
     jobs: int | None = None,
-    progress: bool | None = None,
+    progress: Progress | bool | None = None,
 ) -> Diagnosis:
     """Return which parameters of a fit's machine have changed, one or two, with probabilities (`screwsim diagnose`).
 
@@ -143,9 +161,19 @@ def diagnose(
     changed, `pairs` the prior odds of two changes at once against one (0: only single changes).
     """
     asked = _fit_of(fit, scene, data)
-    return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=for_program("diagnose", progress))
+    return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=shown("diagnose", progress))
 
 
+@takes(
+    candidates=FILE,
+    ranges=MAPPING,
+    levels=whole(2, "no number of values (pass 2 or more)"),
+    count=whole(1, "no number of points (pass 1 or more)"),
+    scene=FILE,
+    data=FILE,
+    jobs=JOBS,
+    progress=PROGRESS,
+)
 def plan(
     fit: Fit | str | os.PathLike[str],
     *,
@@ -156,7 +184,7 @@ def plan(
     scene: str | os.PathLike[str] | None = None,
     data: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
-    progress: bool | None = None,
+    progress: Progress | bool | None = None,
 ) -> Plan:
     """Return which candidates to measure next, the most informative first (`screwsim plan`).
 
@@ -166,11 +194,11 @@ def plan(
     """
     asked = _fit_of(fit, scene, data)
     for path, ends in (ranges or {}).items():
-        if isinstance(ends, str) or len(ends) != 2:
+        if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
             raise UsageError(f"ranges[{path!r}]: {ends!r} is no pair (pass e.g. ('1000 rpm', '4000 rpm'))")
     texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
     points = candidates_of(asked, candidates, texts, levels)
-    return _plan(asked, points, count=count, jobs=jobs, progress=for_program("plan", progress))
+    return _plan(asked, points, count=count, jobs=jobs, progress=shown("plan", progress))
 
 
 def _read(fit: Any) -> Fit:

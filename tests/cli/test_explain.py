@@ -184,5 +184,5 @@ def test_gauge_pressure_displacement_and_tip_speed_are_told_as_stated(folder):
     words = " ".join(str(explain(screwsim.load("small.yaml", changes))).split())
     assert "discharge line 12.0132 bar (11 bar(g) over 1.01325 bar of the surroundings)" in words
     assert "speed 2984.155183 rpm (tips at 25 m/s)" in words
-    assert "displacement 600 m^3/h at 2950 rpm, from which the chambers' volume follows" in words
-    assert "max 847.458 cm^3 (follows)" in words
+    assert "displacement 600 m³/h at 2950 rpm, from which the chambers' volume follows" in words
+    assert "max 847.458 cm³ (follows)" in words

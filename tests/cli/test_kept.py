@@ -1,6 +1,8 @@
 """What lies where a study would write stays, unless it is of the same kind: measured data, results of a sweep."""
 
+import itertools
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -75,11 +77,16 @@ def test_a_plan_does_not_replace_what_was_measured(tmp_path, capsys):
     assert "9850" in planned.read_text(encoding="utf-8")
 
 
-def test_a_map_replaces_no_other_document(tmp_path, capsys):
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
     axes = "sweep={operation.evaporating_temperature: {from: -10 degC, to: 10 degC, count: 4}, "
     axes += "operation.condensing_temperature: {from: 35 degC, to: 50 degC, count: 4}}"
-    plain, swept = str(Path(__file__).parents[1] / "plain" / "r134a.yaml"), str(tmp_path / "map.h5")
-    assert exit_code(["sweep", plain, "--set", axes, *ROUGH, "--jobs", "1", "-o", swept]) == 0
+    plain, file = str(Path(__file__).parents[1] / "plain" / "r134a.yaml"), tmp_path_factory.mktemp("map") / "map.h5"
+    assert exit_code(["sweep", plain, "--set", axes, *ROUGH, "--jobs", "1", "-o", str(file)]) == 0
+    return str(file)
+
+
+def test_a_map_replaces_no_other_document(swept, tmp_path, capsys):
     for ending, text in ((".csv", "my,data\n"), (".json", "{}\n")):
         mine = tmp_path / f"mine{ending}"
         mine.write_text(text, encoding="utf-8")
@@ -89,3 +96,77 @@ def test_a_map_replaces_no_other_document(tmp_path, capsys):
         assert mine.read_text(encoding="utf-8") == text
         for _ in range(2):
             assert exit_code(["map", swept, "-o", str(tmp_path / f"own{ending}")]) == 0
+
+
+def unit_of_another(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", '<fmiModelDescription generationTool="another"/>')
+
+
+BUILDING = '{"Version": {}, "Curve:Bicubic": {}, "Refrigeration:Compressor": {}, "Zone": {}}'
+EXPORTS = {  # the command, and what another program may have under such a name
+    "fmu": (["fmu", "--sources-only"], ".fmu", None),
+    "modelica": (["modelica"], ".mo", 'package Plant "mine"\nend Plant;\n'),
+    "csv": (["csv"], ".csv", "temperature [K],mass_flow [kg/s]\n280,0.1\n"),
+    "tespy": (["tespy"], ".json", '{"fluid": "R134a", "maps": []}'),
+    "idf": (["energyplus"], ".idf", "! my building\n"),
+    "epJSON": (["energyplus"], ".epJSON", BUILDING),
+    "en12900 csv": (["en12900"], ".csv", "table,map\n"),
+    "en12900 json": (["en12900"], ".json", '["formula", "maps"]'),
+}
+
+
+@pytest.mark.parametrize("kind", EXPORTS)
+def test_an_export_replaces_its_own_file_and_no_other(kind, swept, tmp_path, capsys):
+    (command, *more), ending, text = EXPORTS[kind]
+    mine, own = tmp_path / f"mine{ending}", tmp_path / f"own{ending}"
+    unit_of_another(mine) if text is None else mine.write_text(text, encoding="utf-8")
+    before = mine.read_bytes()
+    assert exit_code(["export", command, swept, *more, "-o", str(mine)]) == 2
+    assert f"{mine}: {OTHERS}" in capsys.readouterr().err
+    assert mine.read_bytes() == before
+    for _ in range(2):  # 4: the map of four values an axis does not know its error
+        assert exit_code(["export", command, swept, *more, "-o", str(own)]) in (0, 4)
+    assert own.stat().st_size > 0 and "is there, and not" not in capsys.readouterr().err
+
+
+def test_documents_of_one_export_are_not_taken_for_those_of_another(swept, tmp_path, capsys):
+    for first, second in itertools.permutations(("tespy", "en12900", "map"), 2):
+        file = tmp_path / f"{first}_{second}.json"
+        for command, code in ((first, 0), (second, 2)):
+            kind = ["map"] if command == "map" else ["export", command]
+            assert exit_code([*kind, swept, "-o", str(file)]) == code
+    assert capsys.readouterr().err.count("is there, and not") == 6
+
+
+ROTORS = str(CONFIGS / "rotors" / "a.yaml")
+DRIVE = str(CONFIGS / "drive" / "point.yaml")
+FOLDERS = {  # the command, and files that it would write, of which each is somebody's
+    "calibrate": (["calibrate", FIT, "--posterior"], ["fit.json", "scene.yaml", "posterior.csv", "predicted.h5"]),
+    "startup": (["startup", DRIVE], ["startup.csv"]),
+    "accuracy": (["accuracy", POINT, "--quick"], ["accuracy.csv", "accuracy.h5"]),
+    "rotors": (["rotors", ROTORS], ["coefficients.csv", "curves/volume.csv", "rotors.html", "table/scene.yaml"]),
+    "loads": (["export", "loads", POINT], ["loads.json", "flows.csv", "flows_spectrum.csv"]),
+    "validate": (["validate", "exact"], ["validation.json"]),
+}
+
+
+@pytest.mark.parametrize(("command", "name"), [(each, name) for each, (_, names) in FOLDERS.items() for name in names])
+def test_what_is_written_into_a_folder_replaces_nothing_of_others(command, name, tmp_path, capsys):
+    mine = tmp_path / name
+    mine.parent.mkdir(exist_ok=True)
+    mine.write_text("mine\n", encoding="utf-8")
+    assert exit_code([*FOLDERS[command][0], "-o", str(tmp_path)]) == 2
+    assert f"{mine}: {OTHERS}" in capsys.readouterr().err
+    assert mine.read_text(encoding="utf-8") == "mine\n"
+    assert [each for each in tmp_path.rglob("*") if each.is_file()] == [mine]
+
+
+@pytest.mark.parametrize(
+    "command", [["rotors", ROTORS], ["export", "loads", POINT, *ROUGH], ["startup", DRIVE, "--longest", "0.02"]]
+)
+def test_what_is_written_into_a_folder_is_written_again(command, tmp_path):
+    before = exit_code([*command, "-o", str(tmp_path)])
+    written = sorted(tmp_path.rglob("*"))
+    assert exit_code([*command, "-o", str(tmp_path)]) == before != 2
+    assert written and sorted(tmp_path.rglob("*")) == written

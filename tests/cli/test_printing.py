@@ -10,6 +10,7 @@ from screwsim.figures.engineering import SCALES, scale
 from screwsim.outputs import Figures, Result
 from screwsim.printing import engineering, plain, print_result
 from screwsim.printing.stages import print_stages
+from screwsim.printing.tables import plain_table
 from screwsim.study.stages import ChainResult
 
 
@@ -107,3 +108,17 @@ def test_a_machine_through_which_more_flows_back_says_so_in_its_first_line(capsy
 def test_what_is_left_out_stands_below_the_numerics(capsys):
     print_result("a title", Result("ok", performance=Figures(FEW)), ["leaks simulated: tip only; typical scenes name"])
     assert capsys.readouterr().out.splitlines()[-1] == "leaks simulated: tip only; typical scenes name"
+
+
+def test_a_name_that_leaves_its_row_no_room_stands_above_it():
+    rows = [("short.name", *["123.45"] * 6), ("effects.separator.cooler.discharge_temperature", *["+0.12345"] * 6)]
+    lines = plain_table(["", *["head"] * 6], rows, 1)
+    assert max(map(len, lines)) <= 80 and len(lines) == 4
+    assert lines[2] == "effects.separator.cooler.discharge_temperature"
+    assert lines[1].split() == list(rows[0]) and lines[3].split() == list(rows[1][1:])
+    assert {len(line) for line in (lines[0], lines[1], lines[3])} == {len(lines[0])}
+
+
+def test_what_fits_stays_in_one_line():
+    lines = plain_table(["", "head"], [("a" * 60, "1"), ("b", "2")], 1)
+    assert [len(line.split()) for line in lines] == [1, 2, 2]

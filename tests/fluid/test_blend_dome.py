@@ -13,6 +13,7 @@ from screwsim.fluid.composition import own_blend
 from screwsim.fluid.description import describe
 from screwsim.fluid.dome import equilibrium_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
+from screwsim.fluid.phase_envelope import _followed
 from screwsim.fluid.real_gas import RealGas
 
 FLUID = "R454B"
@@ -147,3 +148,10 @@ def test_enthalpy_and_entropy_at_a_pressure_find_their_state():
     assert "followed from" in gas.why_outside(350.5, 350.0).what
     beyond = gas.first_outside(np.array([320.0, 350.5, 300.0]), np.array([400.0, 350.0, 900.0]))
     assert beyond == 1 and not math.isnan(gas.state(350.5, 350.0)[0])
+
+
+def test_an_envelope_is_the_same_to_the_last_bit_whenever_it_is_found():
+    """Found from scratch twice: random numbers of the process, as an interpolation may draw them, change nothing."""
+    known = describe("R454B")
+    found = [(one.T_m, one.log_z_m, one.columns.c.tobytes()) for one in (_followed(known), _followed(known))]
+    assert found[0] == found[1]

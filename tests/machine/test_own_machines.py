@@ -64,8 +64,8 @@ def test_a_module_that_is_not_there_is_refused():
 FLAWS = {
     "life": "its life of 396 deg is no whole number of pitches of 60 deg",
     "injection": "its injection_angle of 198 deg is not a whole number of pitches of 60 deg inside its life",
-    "swept": "its swept_volume is 0.0016 m^3, and its volume changes by 0.0008 m^3",
-    "thin": "its volume is -1.5e-05 m^3 at 0 deg, which cannot be",
+    "swept": "its swept_volume is 0.0016 m³, and its volume changes by 0.0008 m³",
+    "thin": "its volume is -1.5e-05 m³ at 0 deg, which cannot be",
     "slope": "its volume_slope is not the slope of its volume up to 4 deg",
 }
 

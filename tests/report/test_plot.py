@@ -1,6 +1,7 @@
 """Figures in axes of one's own: what is drawn is what was computed, and what cannot be drawn says why."""
 
 import math
+import re
 
 import matplotlib
 import numpy as np
@@ -112,3 +113,20 @@ def test_axes_must_be_axes(closed):
 def test_an_unknown_figure_is_told_with_those_there(swept, axes):
     with pytest.raises(screwsim.UsageError, match="--figure powr"):
         plot.curves(swept, "powr", ax=axes)
+
+
+def test_units_stand_in_parentheses_behind_what_they_are_of():
+    """As in most drawings of the package: no label has its unit in square brackets, which mean 'the unit of'."""
+    import ast
+    from pathlib import Path
+
+    import screwsim.report as package
+
+    bracketed = []
+    for path in sorted(Path(package.__file__).parent.glob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        documents = {id(each.value) for each in ast.walk(tree) if isinstance(each, ast.Expr)}
+        texts = [each for each in ast.walk(tree) if isinstance(each, ast.Constant) and id(each) not in documents]
+        shown = [each.value for each in texts if isinstance(each.value, str)]
+        bracketed += [f"{path.name}: {text}" for text in shown if re.search(r"[\w$}±] \[[^\]\[]+\]", text)]
+    assert not bracketed

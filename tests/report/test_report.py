@@ -401,6 +401,12 @@ def note_of(figure) -> str:
     return " ".join(figure.get_suptitle().split())
 
 
+@pytest.mark.parametrize(("entry", "told"), [(-500.0, True), (500.0, False)])
+def test_a_bar_that_gives_back_is_explained_by_its_colour(entry, told):
+    found = {**LEDGER, "exergy_destroyed_oil_supply": entry}
+    assert ("green: gives back what others count as lost" in note_of(ledger._draw(found, "x"))) == told
+
+
 def test_cases_left_out_are_counted(of_kind):
     note = note_of(of_kind("some cases fail")["efficiency"])
     assert "10 of 100 cases without a result left out" in note and "not closed (5)" in note

@@ -225,7 +225,7 @@ def test_a_table_of_areas_in_another_unit_is_refused(tmp_path):
     (tmp_path / "area.csv").write_text(rows)
     port = f"machine.suction_port={{law: table, area: null, phi_B: null, file: {tmp_path / 'area.csv'}}}"
     line = said(CONFIGS / "paper" / "point.yaml", port)
-    assert "its largest area of 104 m^2 is 404 times the area of both bores and their ends, which cannot be" in line
+    assert "its largest area of 104 m² is 404 times the area of both bores and their ends, which cannot be" in line
 
 
 CYLINDER = CONFIGS / "slider_crank" / "air.yaml"

@@ -99,6 +99,20 @@ def test_probabilities_are_those_of_bayes_rule(tmp_path):
         assert 0.01 < found[path].probability < 0.99  # of three that are all possible
 
 
+def test_a_change_that_slopes_dismiss_is_solved_where_nothing_else_fits(tmp_path, monkeypatch):
+    """The power rises with the square of the gap's change, so that its slope is nothing; the capacity does not fit."""
+
+    def bowl(scene):
+        gap, capacity, n = coordinates(scene)
+        power = 5.0 + capacity * n + 0.3 * (gap - 5.0) ** 2 / n
+        return Result("ok", performance=Figures(shaft_power=1e3 * power))
+
+    monkeypatch.setattr("screwsim.study.calibration.diagnosis.FIRST", 1)
+    found = asked(tmp_path, points(lambda n: 5.0 + 2.0 * n + 0.3 * 3.0**2 / n), bowl, pairs=0.0)
+    assert found.hypotheses[0].path == GAP and found.hypotheses[0].linear == ""
+    assert found.hypotheses[0].probability > 0.9 and found.chance > 0.01
+
+
 def test_a_machine_that_has_not_changed_is_found_unchanged(tmp_path):
     first = []
     for seed in range(12):

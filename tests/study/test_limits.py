@@ -15,7 +15,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results import atomic
 from screwsim.scene.grid import MOST_CASES
-from screwsim.study.progress import Silent, Surviving, for_terminal
+from screwsim.study.progress import Seldom, Silent, Surviving, for_terminal
 from screwsim.study.sensitivity import Range, sensitivity
 from screwsim.study.sweep import run_sweep
 
@@ -42,7 +42,7 @@ def test_limits_that_are_times_hold(limit, tmp_path):
 
 @pytest.mark.parametrize("jobs", [0, -1])
 def test_no_workers_are_refused(jobs, tmp_path):
-    with pytest.raises(UsageError, match=f"--jobs {jobs}: is no number of workers"):
+    with pytest.raises(UsageError, match=f"jobs: {jobs} is no number of workers"):
         run_sweep(grid_scene(), tmp_path / "out.h5", jobs=jobs, simulate=forbidden)
 
 
@@ -186,3 +186,29 @@ def test_without_a_stderr_nothing_is_told(monkeypatch):
     closed.close()
     monkeypatch.setattr(sys, "stderr", closed)
     assert isinstance(for_terminal(), Silent)
+
+
+def test_a_log_gets_a_line_of_a_long_study_whenever_twice_as_long_has_passed(capsys):
+    now = [0.0]
+    told = Seldom("plan", clock=lambda: now[0])
+    told.start(202, 2)
+    for second in range(1, 101):
+        now[0] = float(second)
+        told.advance(2, int(second == 15))
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == [
+        "screwsim: plan: 22 of 202 in 10 s, about 90 s left",
+        "screwsim: plan: 42 of 202 in 20 s, 1 not ok, about 80 s left",
+        "screwsim: plan: 82 of 202 in 40 s, 1 not ok, about 60 s left",
+        "screwsim: plan: 162 of 202 in 80 s, 1 not ok, about 20 s left",
+    ]
+
+
+def test_a_study_whose_first_case_takes_long_gives_a_sign_of_life(capsys):
+    now = [0.0]
+    told = Seldom("sweep", clock=lambda: now[0])
+    told.start(3, 0)
+    now[0] = 35.0
+    told.tick()
+    told.tick()
+    assert capsys.readouterr().err == "screwsim: sweep: 0 of 3 in 35 s\n"

@@ -14,7 +14,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import calibrate, read_fit
-from screwsim.study.calibration.design import chosen, covariance, greedy, spread
+from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
 from screwsim.study.calibration.fit import Measured, Prior
 from screwsim.study.calibration.plan import candidates_of, plan, typical
 from screwsim.study.calibration.single import whitener
@@ -60,6 +60,13 @@ def test_the_points_are_the_best_of_all_subsets():
         assert ours <= volume(known, pieces, greedy(known, pieces, 3, range(8), 3), 3) + 1e-12
         hits += ours == pytest.approx(min(every), abs=1e-9)
     assert hits >= 19  # an exchange of one point may end beside the best of all
+
+
+def test_all_pieces_at_once_spread_as_each_alone():
+    rows = np.random.default_rng(4).normal(size=(50, 2, 4))
+    pieces, known = np.einsum("nij,nik->njk", rows, rows), 0.1 * np.eye(4)
+    alone = [spread(known + piece, 3) for piece in pieces]
+    assert spreads(known, pieces, 3) == pytest.approx(alone, abs=1e-12)
 
 
 def test_the_first_point_is_the_one_that_tells_most():
@@ -134,6 +141,14 @@ def test_what_has_no_solution_is_told_and_not_chosen(tmp_path):
     found = plan(fit, candidates_of(fit, paths=[SPEEDS], levels=5), count=3, jobs=1, simulate=torn)
     assert found.status == "failed" and set(found.reasons) == {"3000 rpm", "4000 rpm", "5000 rpm"}
     assert {step.point.name for step in found.steps} == {"1000 rpm", "2000 rpm"}
+
+
+@pytest.mark.parametrize(("own", "told"), [("1e300", "tells nothing"), ("1e-300", "no measurement is sure of")])
+def test_a_candidate_whose_uncertainty_is_none_is_told(own, told, tmp_path):
+    fit = fit_of(tmp_path)
+    (tmp_path / "grid.csv").write_text(f"operation.speed [rpm],shaft_power_uncertainty [kW]\n3000,{own}\n", "utf-8")
+    with pytest.raises(UsageError, match=f"shaft_power: its uncertainty is .* of the value, which {told}"):
+        plan(fit, candidates_of(fit, tmp_path / "grid.csv"), count=1, jobs=1, simulate=plane)
 
 
 def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):

@@ -241,7 +241,7 @@ def test_the_pairs_are_drawn_within_the_picture_in_the_units_that_people_write(t
 
     found, wide = sampled(tmp_path, points(3, 8, 0, 0.1), most_steps=300)
     two = [_drawn(found, wide, i) for i in range(2)]
-    assert [each.label for each in two] == ["gap [µm]", "heat capacity [kJ/(kg K)]"]
+    assert [each.label for each in two] == ["gap (µm)", "heat capacity (kJ/(kg K))"]
     assert np.median(two[0].samples) == pytest.approx(1e6 * wide.parameters[0].median)
     assert two[1].low == pytest.approx(1e-3 * wide.parameters[1].low)
     with journal():

@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.study.uncertain import checked, uncertainty
+from screwsim.scene.fields import value_at
+from screwsim.study.uncertain import _drawn, checked, uncertainty
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"
@@ -46,6 +48,30 @@ def test_a_sample_agrees_where_figures_are_linear_and_warns_where_they_are_not()
     wide = screwsim.load(POINT, ["oil_supply.ratio=1 ×/÷ 6", "numerics.error=none"])
     found = checked(wide, uncertainty(wide), 32, jobs=1)
     assert found.sampled["oil_ratio"].wrong  # a lognormal of that width spreads 1.8 times as far as its logarithm
+
+
+def test_a_sample_has_the_moments_that_the_tolerances_state():
+    """Three err together, one of them by a factor: means, standard uncertainties and correlations are as asked."""
+    radius, ratio = "effects.oil_heat.droplet_radius", "oil_supply.ratio"
+    together = f"uncertainty.correlated=[[{GAP}, {SPEED}, {radius}]]"
+    given = [f"{GAP}=27.5 um ± 5 um", f"{SPEED}=1000 rpm ± 3 %", f"{radius}=9.5 um ×/÷ 2", f"{ratio}=3 ± 10 %"]
+    scene = screwsim.load(POINT, [*given, together])
+    drawn = _drawn(scene, 1024)
+    deviations = []
+    for path, tolerance in scene.uncertain.items():
+        nominal = float(value_at(scene, path))
+        values = np.array([each[path] for each in drawn]) / nominal
+        off = np.log(values) if tolerance.factor else values - 1.0
+        standard = tolerance.standard if tolerance.factor else tolerance.standard_at(nominal) / nominal
+        assert off.mean() == pytest.approx(0.0, abs=0.01 * standard)
+        assert off.std(ddof=1) == pytest.approx(standard, rel=0.01)
+        deviations.append(off / standard)
+    names = list(scene.uncertain)
+    found = np.corrcoef(deviations)
+    for i, one in enumerate(names):
+        for j, other in enumerate(names):
+            asked = 1.0 if ratio not in (one, other) or one == other else 0.0
+            assert found[i, j] == pytest.approx(asked, abs=0.01)
 
 
 def test_a_scene_without_tolerances_is_refused_in_one_line():

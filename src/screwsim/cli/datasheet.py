@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded, option
 from screwsim.screen import say
 
@@ -40,7 +39,9 @@ def datasheet(
     """Rate a machine over the states of its lines, at part load, by limits; an air package by ISO 1217."""
     scene = loaded(scene_file, overrides, without)
     if output is not None:
-        options.check_sheet(output)
+        from screwsim.report.datasheet import check_sheet
+
+        check_sheet(output)
     from screwsim.printing import print_json
     from screwsim.printing.datasheet import print_sheet
     from screwsim.study.datasheet import sheet_of

@@ -121,10 +121,10 @@ def fmu(
 ) -> int:
     """Write a functional mock-up unit for co-simulation: C, without Python where it runs."""
     options.check_target(output, ".fmu")
-    from screwsim.export.fmu import compiler, write_fmu
-    from screwsim.results.atomic import keep_others, make_folder
+    from screwsim.export.fmu import compiler, keep_other_units, write_fmu
+    from screwsim.results.atomic import make_folder
 
-    keep_others(output, b"PK\x03\x04")
+    keep_other_units(output)
     if not sources_only:
         compiler()  # is asked for before the map is simulated
     told = _told_of_polynomials if kind == "polynomial" else None
@@ -153,8 +153,10 @@ def modelica(
 ) -> int:
     """Write a Modelica package of a map of two inputs: tables of the standard library, and polynomials."""
     options.check_target(output, ".mo")
-    from screwsim.export.modelica import identifier, package
+    from screwsim.export.modelica import WRITTEN, identifier, package
+    from screwsim.results.kept import keep_without
 
+    keep_without(output, WRITTEN)
     table = made(source, over, figures, wanted, most, overrides, without, jobs)
     return ended(table, [_written(output, package(table, identifier(output.stem)))], as_json)
 
@@ -174,8 +176,10 @@ def comma_separated(
 ) -> int:
     """Write the nodes of a map as a table, SI units."""
     options.check_target(output, ".csv")
-    from screwsim.export.csv_table import csv_table
+    from screwsim.export.csv_table import BETWEEN, csv_table
+    from screwsim.results.kept import keep_without
 
+    keep_without(output, BETWEEN)
     table = made(source, over, figures, wanted, most, overrides, without, jobs)
     return ended(table, [_written(output, csv_table(table))], as_json)
 
@@ -194,7 +198,9 @@ def tespy(
     options.check_target(output, ".json")
     from screwsim.export.polynomials import swept
     from screwsim.export.tespy import FIGURES, tespy_document
+    from screwsim.results.kept import keep_other_documents
 
+    keep_other_documents(output, "for", "fluid", "maps")
     with swept(source, over or (), overrides or (), without or (), jobs, _progress(), _told) as results:
         document = tespy_document(results)
         rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
@@ -215,6 +221,8 @@ def energyplus(
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
     from screwsim.export.polynomials import document
+
+    made_for.keep_other_objects(output)
 
     def figures(here: list[str]) -> list[str]:
         return [made_for.power_of(here), made_for.CAPACITY]
@@ -241,7 +249,9 @@ def en12900(
 ) -> int:
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
-    from screwsim.export.en12900 import BESIDE, FIGURES, en12900_csv, en12900_document
+    from screwsim.export.en12900 import BESIDE, FIGURES, en12900_csv, en12900_document, keep_other_coefficients
+
+    keep_other_coefficients(output)
 
     def figures(here: list[str]) -> list[str]:
         return [*FIGURES, *(name for name in BESIDE if name in here)]
@@ -276,11 +286,12 @@ def loads(
 ) -> int:
     """Write loads and sound: forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
     options.check_drawer(output)
-    from screwsim.export.loads import document, loads, write_loads
+    from screwsim.export.loads import document, keep_other_loads, loads, write_loads
     from screwsim.export.run_of import run_of, spans_of
     from screwsim.printing import print_json
     from screwsim.printing.export import print_loads
 
+    keep_other_loads(output)
     spans, through = spans_of(bearings), spans_of(shafts, "shafts")
     scene, result = run_of(source, overrides or (), without or ())
     if not result.cycle:

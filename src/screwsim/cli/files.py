@@ -83,10 +83,13 @@ def validate(
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
+    from screwsim.results.kept import keep_other_documents
     from screwsim.study.progress import for_terminal
     from screwsim.study.validation import document, errors_of, folder_of, run_sources
     from screwsim.study.validation.words import errors_report, report
 
+    if output is not None:
+        keep_other_documents(output / "validation.json", "version", "verdicts", "sources")
     outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"), jobs)
     found, errors = document(outcomes), errors_of(outcomes)
     if as_json:

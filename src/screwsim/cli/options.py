@@ -84,19 +84,6 @@ def check_page(output: Path) -> None:
         raise UsageError(f"-o {output}: a page is written, which ends in {' or '.join(PAGES)} (write -o {good})")
 
 
-def check_sheet(output: Path) -> None:
-    """Raise UsageError where the name of a sheet is neither that of a page nor of a PDF, or a file lies there."""
-    from screwsim.results.atomic import keep_others
-
-    if output.suffix.lower() == ".pdf":
-        keep_others(output, b"%PDF")
-        return
-    if output.suffix.lower() not in PAGES:
-        good = " or ".join(str(output.with_suffix(ending)) for ending in (PAGES[0], ".pdf"))
-        raise UsageError(f"-o {output}: a sheet is a page or a PDF (write -o {good})")
-    check_page(output)
-
-
 def check_drawer(folder: Path | None) -> None:
     """Raise UsageError where the name of a folder is that of a file, by its ending or because one is there."""
     if folder is not None and (folder.suffix.lower() in FILES or folder.is_file()):

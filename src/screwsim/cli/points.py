@@ -262,6 +262,7 @@ def accuracy(
 
     if folder is not None:
         make_folder(folder)
+        files.keep_others_of(folder)
     try:
         found = study(scene, QUICK if quick else Extent(), for_terminal("accuracy"))
     except NoReference as error:

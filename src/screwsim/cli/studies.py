@@ -240,7 +240,7 @@ def calibrate(
     options.check_drawer(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
-    from screwsim.printing.posterior import posterior_document, print_posterior, write_posterior
+    from screwsim.printing.posterior import keep_other_samples, posterior_document, print_posterior, write_posterior
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit
@@ -252,6 +252,8 @@ def calibrate(
     if folder is not None:
         make_folder(folder)
         check_folder(folder)
+        if posterior or asked:
+            keep_other_samples(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
     wide = None
     if (posterior or asked) and found.status != "interrupted":
@@ -324,19 +326,20 @@ def startup(
     options.check_drawer(folder)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
-    from screwsim.printing.startup import text, write_traces
+    from screwsim.printing.startup import TRACES, keep_other_traces, text, write_traces
     from screwsim.report.drive import draw_start
     from screwsim.results.atomic import make_folder
     from screwsim.solve.start_up import start_up
 
     if folder is not None:
         make_folder(folder)
+        keep_other_traces(folder / TRACES)
     found = start_up(scene, creep * RPM, longest)
     if as_json:
         print_json(found.as_json())
     else:
         say(text(scene.title, found))
     if folder is not None and found.traces:
-        for path in (write_traces(folder / "startup.csv", found), *draw_start(found, scene.title, folder)):
+        for path in (write_traces(folder / TRACES, found), *draw_start(found, scene.title, folder)):
             say(path, err=as_json)
     return OK if found.status == "ok" else NOT_ALL_OK

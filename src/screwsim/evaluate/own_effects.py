@@ -173,7 +173,7 @@ def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iter
         wrong = np.flatnonzero(~(finite & (areas >= -slack)))
         if len(wrong):
             where = Point(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
-            yield _told(name, "area", "m^2", where, float(areas[wrong[0]]))
+            yield _told(name, "area", "m²", where, float(areas[wrong[0]]))
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
@@ -251,10 +251,10 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
             def film(point: Point, i=i) -> float:
                 return float(module.gap_film(i, point.p, oil_of(point), P))
 
-            yield Asked(name, "film of oil", "kg/(m^2 s)", film, 0.0)
+            yield Asked(name, "film of oil", "kg/(m² s)", film, 0.0)
         if path.resistance.drag is not None:
 
             def drag(point: Point, i=i) -> float:
                 return float(module.gap_drag(i, oil_of(point), P))
 
-            yield Asked(name, "dragged oil", "kg/(m^2 s)", drag, 0.0)
+            yield Asked(name, "dragged oil", "kg/(m² s)", drag, 0.0)

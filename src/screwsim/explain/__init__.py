@@ -41,6 +41,7 @@ from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.numerics.closings import CLOSINGS
+from screwsim.outputs.customary import raised
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
 from screwsim.scene.types import ActiveEffect, Scene
@@ -49,7 +50,7 @@ from screwsim.scene.units import readable_quantity
 
 STATE_MEANINGS = {
     "T": "gas temperature [K]",
-    "rho": "gas density [kg/m^3], gas mass over volume",
+    "rho": "gas density [kg/m³], gas mass over volume",
     "T_oil": "oil temperature [K]",
     "x_oil": "oil mass over gas mass",
     "w_gas": "gas dissolved in the oil, per oil",
@@ -70,7 +71,7 @@ class Explanation:
 
     def __str__(self) -> str:
         blocks = ["\n".join([heading, *lines]) for heading, lines in self.sections]
-        return "\n\n".join([self.title, *blocks] if self.title else blocks)
+        return raised("\n\n".join([self.title, *blocks] if self.title else blocks))
 
 
 def code(scene: Scene) -> str:
@@ -123,7 +124,7 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
         yield from _screws(scene.machine, parts)
     else:
         yield row("kind", f"{scene.machine.kind}, {scene.machine.mode}")
-        swept = f"swept volume {parts.geometry.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
+        swept = f"swept volume {parts.geometry.swept_volume * 1e6:.6g} cm³".replace(" ", NO_BREAK)
         yield row("parameters", f"{parameters_text(scene.machine, skip=('kind', 'mode'))}; {swept}")
     speed, tips = readable_quantity(KINDS["speed"], scene.operation.speed), scene.operation.tip_speed
     stated = "" if tips is None else f" (tips at {readable_quantity(KINDS['velocity'], tips)})"
@@ -134,7 +135,7 @@ def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
     yield row("kind", f"{machine.kind}, {machine.mode}")
     yield row("volume", f"crank and rod (S1, S5), {parameters_text(machine, skip=('kind', 'mode'))}")
     stroke = f"stroke {1e3 * machine.stroke:.6g} mm".replace(" ", NO_BREAK)
-    swept = f"swept volume {machine.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
+    swept = f"swept volume {machine.swept_volume * 1e6:.6g} cm³".replace(" ", NO_BREAK)
     yield row("", f"{stroke}, {swept}, clearance {machine.clearance_ratio:.3%} of it")
     yield row("", f"mean piston speed {machine.surface_speed(omega):.5g} m/s")
 
@@ -182,7 +183,7 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
     yield row("profile", parameters_text(machine.profile, skip=()))
     if laid.rotors.chain.faired:
         yield row("", laid.rotors.chain.faired)
-    swept = f"{laid.swept * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
+    swept = f"{laid.swept * 1e6:.6g} cm³".replace(" ", NO_BREAK)
     axial = "" if machine.axial_volume_ratio is None else f", of the axial port {machine.axial_volume_ratio:g}"
     yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}{axial}")
     if machine.slide_valve is not None:
@@ -292,7 +293,7 @@ def _paths(parts: Parts) -> Iterator[str]:
                 ends = f"chamber - {path.to} line"
             elif path.to in parts.plenums:
                 held = parts.plenums[path.to]
-                state = f"{held.p / 1e5:.6g} bar, {held.T:.6g} K, {held.rho:.6g} kg/m^3, {held.h / 1e3:.6g} kJ/kg"
+                state = f"{held.p / 1e5:.6g} bar, {held.T:.6g} K, {held.rho:.6g} kg/m³, {held.h / 1e3:.6g} kJ/kg"
                 ends = f"chamber - {path.to.replace('_', ' ')} plenum ({state})"
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"

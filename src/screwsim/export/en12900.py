@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.export.polynomials import Polynomials, document, in_fahrenheit, limits
+from screwsim.export.polynomials import KEYS, Polynomials, document, in_fahrenheit, limits
+from screwsim.results.kept import keep_other_documents, keep_without
 from screwsim.study.performance_map import NAMES, PerformanceMap
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
@@ -19,6 +21,7 @@ _IP = {
     "heating_capacity": ("Btu/h", 3600.0 / BTU),
     "gas_mass_flow": ("lb/h", 3600.0 / POUND),
 }
+HEAD = "table,map,figure,unit"  # of the coefficients
 STEPS = 6  # rated temperatures along each axis
 
 
@@ -30,7 +33,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# {document(found)['formula']}",
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *(f"# {path} = {value:.6g} (SI)" for path, value in found.conditions.items()),
-        "table,map,figure,unit," + ",".join(NAMES) + ",largest_error,left_out_error",
+        f"{HEAD}," + ",".join(NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:
         for figure, fit in one.fits.items():
@@ -43,6 +46,14 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     for one in found.maps:
         lines += [f"rating,{found.name(one)},{row}" for row in _rated(found, one, ip)]
     return "\n".join(lines) + "\n"
+
+
+def keep_other_coefficients(path: Path) -> None:
+    """Raise UsageError where a file lies at `path` that holds no such coefficients: it would be lost."""
+    if path.suffix.lower() == ".csv":
+        keep_without(path, HEAD)
+    else:
+        keep_other_documents(path, *KEYS, "maps", alone=True)
 
 
 def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:

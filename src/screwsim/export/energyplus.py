@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container
+from pathlib import Path
 from typing import Any
 
 from screwsim.export.polynomials import Polynomials, by_terms, limits, quadratic, rated
+from screwsim.results.kept import keep_other_documents, keep_without
 from screwsim.scene.operation import SUBCOOLING, SUPERHEAT
 
 CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # that of the motor where there is one
 BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms
 _CUBIC_KEYS = ("1_constant", "2_x", "3_x_2", "4_y", "5_y_2", "6_x_y", "7_x_3", "8_y_3", "9_x_2_y", "10_x_y_2")
 _KEYS = tuple(f"coefficient{key}" for key in _CUBIC_KEYS)
+CLASSES = ("Curve:Bicubic", "Curve:Biquadratic", "Refrigeration:Compressor")
+WRITTEN = "; written by screwsim"
 VERSION = "24.1"  # of EnergyPlus whose input data dictionary the names are of
 
 Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
@@ -24,7 +28,7 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
     The biquadratic curves are capacity, and power per capacity, over those at a rated point: CAPFT and EIRFT of a
     chiller that is written over saturation temperatures.
     """
-    objects: Objects = {"Curve:Bicubic": {}, "Curve:Biquadratic": {}, "Refrigeration:Compressor": {}}
+    objects: Objects = {name: {} for name in CLASSES}
     for one in found.maps:
         own = re.sub(r"[^\w.-]+", "_", f"{name} {found.name(one)}".strip())
         (s0, s1), (d0, d1) = limits(one)
@@ -45,6 +49,14 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
             "rated_subcooling": found.conditions.get(SUBCOOLING, 0.0),
         }
     return objects
+
+
+def keep_other_objects(path: Path) -> None:
+    """Raise UsageError where a file lies at `path` that is not of such objects alone: a building would be lost."""
+    if path.suffix.lower() == ".idf":
+        keep_without(path, WRITTEN)
+    else:
+        keep_other_documents(path, "Version", *CLASSES, alone=True)
 
 
 def power_of(figures: Container[str]) -> str:
@@ -111,7 +123,7 @@ def _text(value: Any) -> str:
 
 def notes(found: Polynomials) -> list[str]:
     """Return what stands before the objects: what they are, where they hold, how far they are off."""
-    lines = [f"{found.title}: {found.fluid}; written by screwsim"]
+    lines = [f"{found.title}: {found.fluid}{WRITTEN}"]
     y = f"saturated discharge temperature ({found.condensing})"
     lines.append(f"x: saturated suction temperature (dew), y: {y}, deg C; W")
     for one in found.maps:

@@ -24,7 +24,7 @@ from screwsim.export.inputs import Input, Output
 from screwsim.export.table import Table
 from screwsim.export.unit import BASE, DISPLAYS, exponents, plain
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import replacing
+from screwsim.results.atomic import OTHERS, check_target_kind, replacing
 
 ERROR, VALID = "error_estimate", "valid"
 _ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where nothing is known"
@@ -32,6 +32,7 @@ _VALID_MEANS = "inside the ranges, among points whose cycles closed"
 _BITS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 _SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib"), "win32": ("windows", "dll")}
 _OLD = {("linux", "x86_64"): "linux64", ("darwin", "x86_64"): "darwin64", ("windows", "x86_64"): "win64"}
+GENERATED = 'generationTool="screwsim"'
 _MOMENT = (1980, 1, 1, 0, 0, 0)  # of every file in the archive: the same map is the same archive
 
 
@@ -53,6 +54,20 @@ def write_fmu(table: Table, path: Path, version: str = "2", *, compiled: bool = 
         for file, content in held.items():
             archive.writestr(zipfile.ZipInfo(file, _MOMENT), content, zipfile.ZIP_DEFLATED)
     return list(held)
+
+
+def keep_other_units(path: Path) -> None:
+    """Raise UsageError where a file lies at `path` that is no unit of a map: it would be lost."""
+    check_target_kind(path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            ours = GENERATED.encode() in archive.read("modelDescription.xml")
+    except FileNotFoundError:
+        return
+    except (OSError, zipfile.BadZipFile, KeyError, RuntimeError):  # RuntimeError: of an archive with a password
+        ours = False
+    if not ours:
+        raise UsageError(OTHERS.format(path))
 
 
 def identifier(path: Path) -> str:
@@ -191,7 +206,7 @@ def _description2(table: Table, name: str, token: str) -> str:
     files = "".join(f'<File name="{file}"/>' for file in SOURCES["2"])
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{token}" description={_head(table)}
-    generationTool="screwsim" variableNamingConvention="flat">
+    {GENERATED} variableNamingConvention="flat">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"
       canSerializeFMUstate="true" canNotUseMemoryManagementFunctions="true" providesDirectionalDerivative="true">
     <SourceFiles>{files}</SourceFiles>
@@ -235,7 +250,7 @@ def _description3(table: Table, name: str, token: str) -> str:
     first = "\n".join(f'    <InitialUnknown valueReference="{i}" dependencies="{places}"/>' for i in unknowns)
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="{name}" instantiationToken="{token}" description={_head(table)}
-    generationTool="screwsim" variableNamingConvention="flat">
+    {GENERATED} variableNamingConvention="flat">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
       canSerializeFMUState="true" providesDirectionalDerivatives="true" providesAdjointDerivatives="true"/>
   <UnitDefinitions>

@@ -18,10 +18,12 @@ from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import lay
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder, write_csv, write_text
+from screwsim.results.kept import keep_in, keep_other_documents
 from screwsim.scene import Scene
 
 STEPS = 48  # of a turn of a rotor
 PIECES = 60  # of a pitch of the profile, on the surfaces that are written
+WHOLE, ANGLE, ORDER = "loads.json", "angle [deg]", "harmonic"  # a file of everything; first heads of the others
 _UNITS = {"force": "N", "bearing": "N", "torque": "N m", "mass_flow": "kg/s", "volume_flow": "m^3/s"}
 
 
@@ -60,17 +62,24 @@ def has_rotors(scene: Scene) -> bool:
     return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
 
 
+def keep_other_loads(folder: Path) -> None:
+    """Raise UsageError where a folder holds files of other kinds under the names of curves, spectra, or all of it."""
+    groups = ("flows", "forces")
+    keep_in(folder, {f"{group}.csv": ANGLE for group in groups} | {f"{group}_spectrum.csv": ORDER for group in groups})
+    keep_other_documents(folder / WHOLE, "lobe_frequency", "curves", "spectra")
+
+
 def write_loads(scene: Scene, result: Result, found: Exported, folder: Path, steps: int = STEPS) -> list[str]:
     """Write curves and spectra as CSV, all of it as JSON, the surfaces as XDMF; return the paths."""
     make_folder(folder)
     files = []
     for group, (angle, columns) in found.curves.items():
-        heads = ["angle [deg]", *(f"{name} [{unit_of(name)}]" for name in columns)]
+        heads = [ANGLE, *(f"{name} [{unit_of(name)}]" for name in columns)]
         rows = zip(np.degrees(angle).tolist(), *(values.tolist() for values in columns.values()), strict=True)
         files.append(write_csv(folder / f"{group}.csv", heads, rows))
         files.append(_write_spectra(folder / f"{group}_spectrum.csv", {name: found.spectra[name] for name in columns}))
     text = json.dumps(document(found), indent=1, allow_nan=False) + "\n"
-    files.append(write_text(folder / "loads.json", text))
+    files.append(write_text(folder / WHOLE, text))
     if has_rotors(scene):
         pressures = pressures_of(lay(twin_screw(scene.machine)), result)
         for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PIECES), strict=True):
@@ -79,7 +88,7 @@ def write_loads(scene: Scene, result: Result, found: Exported, folder: Path, ste
 
 
 def _write_spectra(path: Path, spectra: Mapping[str, Sequence[Harmonic]]) -> str:
-    heads = ["harmonic", "frequency [Hz]"]
+    heads = [ORDER, "frequency [Hz]"]
     for name in spectra:
         heads += [f"{name} amplitude [{unit_of(name)}]", f"{name} phase [rad]"]
     numbers = range(min(map(len, spectra.values())))

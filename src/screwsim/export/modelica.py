@@ -12,6 +12,7 @@ from screwsim.export.unit import plain
 from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 
+WRITTEN = "written by screwsim; error "  # in the first line of a package
 FINE = 25  # points along an axis to which polynomials are fitted
 _TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
 
@@ -22,7 +23,7 @@ def package(table: Table, name: str) -> str:
         inputs = ", ".join(one.name for one in table.inputs)
         what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
         raise UsageError(f"the map {what} (name two with --over; fmu takes any number)")
-    words = _quoted(f"{table.title or name}: written by screwsim; error {table.error_in_words}")
+    words = _quoted(f"{table.title or name}: {WRITTEN}{table.error_in_words}")
     return "\n".join(
         (
             f"package {name} {words}",

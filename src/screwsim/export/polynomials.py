@@ -20,7 +20,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, scene_text
 from screwsim.scene.operation import CONDENSING, EVAPORATING
-from screwsim.study.performance_map import TERMS, Fit, PerformanceMap, conditions, performance_maps
+from screwsim.study.performance_map import FORMULA, TERMS, Fit, PerformanceMap, conditions, performance_maps
 from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
 
@@ -156,12 +156,15 @@ def _powers(n: int) -> list[tuple[int, float]]:
     return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
 
 
+KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions")  # of a document
+
+
 def document(found: Polynomials) -> dict[str, Any]:
     """Return polynomials as what JSON holds."""
     return {
         "title": found.title,
         "fluid": found.fluid,
-        "formula": "X = C1 + C2 S + C3 D + C4 S^2 + C5 S D + C6 D^2 + C7 S^3 + C8 D S^2 + C9 S D^2 + C10 D^3",
+        "formula": FORMULA,
         "S": "evaporating temperature (dew point), degC",
         "D": f"condensing temperature ({found.condensing} point), degC",
         "units": found.units,

@@ -233,7 +233,7 @@ def _highest(log_z: Array, T: Array) -> tuple[float, float]:
 
     top = int(np.argmax(T))
     some = slice(max(top - 4, 0), top + 5)
-    curve = BarycentricInterpolator(log_z[some], T[some])
+    curve = BarycentricInterpolator(log_z[some], T[some], rng=np.random.default_rng(0))  # its weights' order of factors
     ends = float(log_z[max(top - 2, 0)]), float(log_z[min(top + 2, len(T) - 1)])
     found = minimize_scalar(lambda s: -float(curve(s)), bounds=ends, method="bounded", options={"xatol": 1e-9})
     return float(found.x), float(-found.fun)

@@ -85,16 +85,16 @@ def _impossible(geometry: MachineGeometry) -> str:
     V, slope = law.along(ends)[0], law.along(nodes.ravel())[1].reshape(nodes.shape)
     for phi, value in zip(ends.tolist(), V.tolist(), strict=True):
         if not (math.isfinite(value) and value > 0.0):
-            return f"its volume is {value:.6g} m^3 at {_degrees(phi)}, which cannot be"
+            return f"its volume is {value:.6g} m³ at {_degrees(phi)}, which cannot be"
     off = np.abs(V[0] + np.concatenate([[0.0], np.cumsum(half * slope.sum(axis=1))]) - V)
     if not off.max() <= SLACK * V.max():
         first = float(ends[np.argmax(off > SLACK * V.max())])
         return f"its volume_slope is not the slope of its volume up to {_degrees(first)}"
     if abs(V[-1] - V[0]) > SLACK * V.max():
-        return f"its volume ends at {V[-1]:.6g} m^3 and begins at {V[0]:.6g} m^3"
+        return f"its volume ends at {V[-1]:.6g} m³ and begins at {V[0]:.6g} m³"
     swept = float(V.max() - V.min())
     if not abs(geometry.swept_volume - swept) <= OFF * swept:
-        return f"its swept_volume is {geometry.swept_volume:.6g} m^3, and its volume changes by {swept:.6g} m^3"
+        return f"its swept_volume is {geometry.swept_volume:.6g} m³, and its volume changes by {swept:.6g} m³"
     return ""
 
 

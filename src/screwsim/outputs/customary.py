@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 ZERO_CELSIUS = 273.15  # [K]
 # SI unit -> (from this size on, factor, unit), largest first
@@ -55,3 +56,8 @@ def digits(value: float) -> str:
 def small(value: float | None) -> str:
     """Return an error or a residual; nothing where there is none."""
     return "" if value is None else f"{value:.1e}"
+
+
+def raised(text: str) -> str:
+    """Return a text with the powers of its units as they are printed: cm³, W/(m² K). A scene is written with cm^3."""
+    return re.sub(r"(?<=[a-z])\^([23])(?![0-9])", lambda found: "²³"[int(found[1]) - 2], text)

@@ -14,7 +14,8 @@ from screwsim.printing import write_json
 from screwsim.printing.fits import print_title
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
-from screwsim.results.atomic import keep_others, make_folder, write_text
+from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.kept import keep_in, keep_other_documents
 from screwsim.results.warned import kinds_of
 from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE, Parameter, Prior
@@ -272,8 +273,9 @@ def _correlations(found: Calibration) -> Iterator[str]:
 
 
 def check_folder(folder: Path) -> None:
-    """Raise UsageError where a folder holds a scene that no calibration wrote, under the name of the fitted one."""
-    keep_others(folder / SCENE, BEGINS.encode())
+    """Raise UsageError where a folder holds what no calibration wrote, under the name of its scene or document."""
+    keep_in(folder, {SCENE: BEGINS})
+    keep_other_documents(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 
 def write_calibration(found: Calibration, folder: Path) -> list[str]:
@@ -298,7 +300,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
         of = [each for each in found.compared if each.figure == figure]
         factor, unit = units_of(figure, max(abs(each.measured.value) for each in of))
         unit = {"%": "points", "°C": "K"}.get(unit, unit)
-        label = f"{shown_name(figure)} [{unit}]" if unit else shown_name(figure)
+        label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
         panels[label] = []
         for each in of:
             number, (value, uncertainty) = names.index(each.point.name), each.measured

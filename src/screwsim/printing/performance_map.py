@@ -8,19 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering
-from screwsim.inputs.faults import UsageError
 from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
-from screwsim.results.atomic import OTHERS, check_target_kind, make_folder
+from screwsim.results.atomic import make_folder
+from screwsim.results.kept import keep_other_documents
 from screwsim.results.warned import kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, keep_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
-
-FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
+from screwsim.study.performance_map import FORMULA, NAMES, PerformanceMap, conditions
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
@@ -114,9 +112,7 @@ def keep_other_maps(path: Path) -> None:
     if path.suffix.lower() == ".csv":
         keep_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
         return
-    check_target_kind(path)
-    if path.exists() and f'"formula": "{FORMULA[:6]}' not in path.read_text(encoding="utf-8", errors="replace"):
-        raise UsageError(OTHERS.format(path))
+    keep_other_documents(path, "file", "formula", "maps")
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:

@@ -10,10 +10,11 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import digits, figure_scales, shown_name
+from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.posterior import Drawn, draw
-from screwsim.results.atomic import write_csv
+from screwsim.results.atomic import OTHERS, write_csv
 from screwsim.scene import leaf_of
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
@@ -21,9 +22,10 @@ from screwsim.study.calibration.answers import LEVEL, Posterior, Predicted, Pred
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.posterior import UNTOLD
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.columns import Column, write_columns
+from screwsim.study.columns import Column, first_line, keep_other_columns, write_columns
 from screwsim.study.inputs import in_customary
 
+PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
 SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"
 _PARTS = {
     "median": "median of what would be measured",
@@ -150,7 +152,7 @@ def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
             if any(value is not None for value in values):
                 columns[f"{figure}_{end}"] = Column(values, units, f"{meaning} of {figure}")
     path = folder / PREDICTED
-    write_columns(path, "predictions of a calibration's posterior", columns)
+    write_columns(path, PREDICTIONS, columns)
     return [str(path)]
 
 
@@ -195,12 +197,20 @@ def _notes(found: Posterior) -> Iterator[str]:
     )
 
 
+def keep_other_samples(folder: Path) -> None:
+    """Raise UsageError where a folder holds what no posterior wrote under the name of its samples or predictions."""
+    heads = first_line(folder / SAMPLES)
+    if not all("." in head or head.startswith(WIDTH) for head in heads):  # paths of parameters, then widths
+        raise UsageError(OTHERS.format(folder / SAMPLES))
+    keep_other_columns(folder / PREDICTED, PREDICTIONS)
+
+
 def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[str]:
     """Write the samples, a row each, SI units; return the path."""
     if found.samples is None or found.widths is None:
         return []
     names = [each.path for each in fit.fit.parameters]
-    widths = [f"discrepancy_{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
+    widths = [f"{WIDTH}{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
     written += draw([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
@@ -217,7 +227,7 @@ def _drawn(fit: Calibration, found: Posterior, number: int) -> Drawn:
     if unit == "mm" and spread.median < 1e-3:
         per, zero, unit = 1e6, 0.0, "um"
     name = fit.fit.short_names()[number].replace("_", " ")
-    label = f"{name} [{unit.replace('um', 'µm')}]" if unit else name
+    label = f"{name} ({unit.replace('um', 'µm')})" if unit else name
     assert found.samples is not None
     low, high = per * ends + zero
     return Drawn(label, per * found.samples[:, number] + zero, float(low), float(high))

@@ -6,9 +6,10 @@ import math
 from pathlib import Path
 
 from screwsim.printing.tables import wrapped
-from screwsim.results.atomic import write_csv
+from screwsim.results.atomic import keep_others, write_csv
 from screwsim.solve.start_up import StartUp
 
+TRACES = "startup.csv"
 RPM = 30.0 / math.pi
 ROWS = (
     ("time", "s", 1.0),
@@ -43,6 +44,11 @@ def text(title: str, found: StartUp) -> str:
         if value is not None:
             lines.append(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
     return "\n".join(lines)
+
+
+def keep_other_traces(path: Path) -> None:
+    """Raise UsageError where a file lies at `path` that is none of such traces: it would be lost."""
+    keep_others(path, b"time,angle,speed,")
 
 
 def write_traces(path: Path, found: StartUp) -> str:

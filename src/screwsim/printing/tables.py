@@ -5,29 +5,39 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 
+from screwsim.outputs.customary import raised
+
 WIDTH = 80
+NARROWEST = 12  # of a first column beside which the others stand
 
 
 def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> list[str]:
     """Return the lines of a table: the first `left` columns aligned to the left, the others to the right.
 
-    Columns stand two spaces apart, one where they would be wider than the terminal; heads break between words.
+    Columns stand two spaces apart, one where they would be wider than the terminal; heads break between words. A name
+    in the first column that leaves no room for its row then stands on a line of its own, the row below it.
     """
-    body = [list(row) for row in rows]
+    body = [[raised(cell) for cell in row] for row in rows]
     widths = [max((len(row[i]) for row in body), default=0) for i in range(len(heads))]
     words = [_broken(head, width) for head, width in zip(heads, widths, strict=True)]
     deep = max(map(len, words))
     top = [[""] * (deep - len(lines)) + lines for lines in words]
-    table = [[column[i] for column in top] for i in range(deep)] + body
-    widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
+    head = [[column[i] for column in top] for i in range(deep)]
+    widths = [max(len(row[i]) for row in head + body) for i in range(len(heads))]
     gap = "  " if sum(widths) + 2 * len(widths) <= WIDTH + 1 else " "
-    return [
-        gap.join(
-            cell.ljust(width) if i < left else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in table
-    ]
+    rest = sum(widths[1:]) + len(gap) * (len(widths) - 1)
+    if left and widths[0] + rest > WIDTH and rest + NARROWEST <= WIDTH:
+        widths[0] = max(len(row[0]) for row in head + body if len(row[0]) + rest <= WIDTH or not row[0])
+    lines = []
+    for row in head + body:
+        if left and len(row[0]) > widths[0]:
+            lines.append(row[0])
+            row = ["", *row[1:]]
+        cells = (
+            cell.ljust(w) if i < left else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))
+        )
+        lines.append(gap.join(cells).rstrip())
+    return lines
 
 
 def _broken(head: str, width: int) -> list[str]:

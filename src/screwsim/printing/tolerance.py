@@ -37,7 +37,7 @@ def print_tolerance(scene: Scene, found: Tolerances) -> None:
     drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
     say("\n" + wrapped(drawn))
     say("\n".join(_spreads(found)))
-    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r^2)"))
+    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r²)"))
     if found.hits:
         say(wrapped(f"{found.hits} of {found.count} machines: the piston reaches the head (not simulated)"))
     if found.failed:

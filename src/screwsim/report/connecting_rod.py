@@ -47,23 +47,23 @@ def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
     degrees, z = np.degrees(bending.alpha), MM * bending.z
     panels[0].axhline(0.0, color=GREY, linewidth=0.4)
     panels[0].plot(degrees, bending.load, color=COLOURS[0])
-    panels[0].set_ylabel("axial load $P$ [N], tension +")
+    panels[0].set_ylabel("axial load $P$ (N), tension +")
     fields = (
-        (MM * bending.deflection, "deflection $V$ [mm]"),
-        (MM * bending.moment, "bending moment $M$ [N mm]"),
-        (MPA * bending.stress[0], "stress of the face $+h/2$ [MPa]"),
+        (MM * bending.deflection, "deflection $V$ (mm)"),
+        (MM * bending.moment, "bending moment $M$ (N mm)"),
+        (MPA * bending.stress[0], "stress of the face $+h/2$ (MPa)"),
     )
     for axes, (field, label) in zip(panels[1:], fields, strict=True):
         drawn = axes.contourf(degrees, z, field.T, levels=16, cmap="viridis")
         axes.contour(degrees, z, field.T, levels=[0.0], colors="white", linewidths=0.8)
         bar = figure.colorbar(drawn, ax=axes, pad=0.02)
         bar.ax.tick_params(labelsize=SMALL)
-        axes.set(title=label, ylabel="$z$ from the piston [mm]")
+        axes.set(title=label, ylabel="$z$ from the piston (mm)")
     places = np.array([MM * largest_moment_place(rod, float(load)) for load in bending.load])
     panels[2].plot(degrees, places, color=COLOURS[3], linestyle=DASHES[1], linewidth=1.4, label="$z_M$")
     panels[2].legend(loc="upper right", labelcolor="white")
     for axes in panels:
         axes.set(xlim=(degrees[0], 360.0), xticks=range(0, 361, 60))
     for axes in panels[2:]:
-        axes.set_xlabel("crank angle $α$ [°]")
+        axes.set_xlabel("crank angle $α$ (°)")
     return figure

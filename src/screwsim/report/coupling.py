@@ -58,9 +58,9 @@ def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0))
             lines[0].set_label(name)
         axes.legend(loc="center")
         axes.set_aspect("equal")
-        axes.set_xlabel("$x$ [mm]")
+        axes.set_xlabel("$x$ (mm)")
         plain_ticks(axes.xaxis, axes.yaxis)
-    panels[0].set_ylabel("$y$ [mm]")
+    panels[0].set_ylabel("$y$ (mm)")
     return figure
 
 
@@ -72,7 +72,7 @@ def crossing_figure(coupling: RubberCordCoupling) -> Any:
     angle = [math.degrees(crossing_angle(float(r), coupling.lean_plus, coupling.inner_radius)) for r in radii]
     axes.plot(MM * radii, angle, color=COLOURS[0])
     plain_ticks(axes.xaxis, axes.yaxis)
-    axes.set(xlabel="radius of the crossing $r$ [mm]", ylabel="crossing angle $γ$ [°]")
+    axes.set(xlabel="radius of the crossing $r$ (mm)", ylabel="crossing angle $γ$ (°)")
     axes.set_xlim(MM * radii[0], MM * radii[-1])
     return figure
 
@@ -95,10 +95,10 @@ def torque_figure(
         right.plot(degrees, [1e-3 * each.stiffness(float(theta)) for theta in twists], **look)
     left.axhline(1e-3 * nominal, color=GREY, linewidth=0.5, linestyle=DASHES[1])
     left.annotate("nominal", (degrees[-1], 1e-3 * nominal), xytext=(-6, -3), textcoords="offset points", **_LOWER_RIGHT)
-    left.set_ylabel("torque $M$ [kN m]")
-    right.set_ylabel("tangent stiffness d$M$/d$Θ$ [kN m/rad]")
+    left.set_ylabel("torque $M$ (kN m)")
+    right.set_ylabel("tangent stiffness d$M$/d$Θ$ (kN m/rad)")
     for axes in (left, right):
-        axes.set(xlim=(0.0, degrees[-1]), ylim=(0.0, None), xlabel="twist $Θ$ [°]")
+        axes.set(xlim=(0.0, degrees[-1]), ylim=(0.0, None), xlabel="twist $Θ$ (°)")
         axes.legend(loc="upper left" if axes is left else "lower right")
         plain_ticks(axes.xaxis, axes.yaxis)
     return figure

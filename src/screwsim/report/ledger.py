@@ -94,7 +94,8 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
     axes.set_xlabel(f"exergy ({unit})")
     what = "the shaft power" if ledger["shaft_power"] > 0.0 else "the exergy that the gas gives"
     ambient = f"what is left of {what}, exergy at {TEMPERATURE.of(ledger['ambient_temperature']):.2f} °C"
-    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"))
+    green = "green: gives back what others count as lost" if any(bar.colour == _GAIN for bar in bars) else ""
+    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"), green)
     return figure
 
 

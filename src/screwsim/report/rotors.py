@@ -17,6 +17,7 @@ from screwsim.machine.rotors.settings import SlideValve
 from screwsim.report.slide_valve import slide_figure
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.kept import keep_other_beginnings
 
 MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
@@ -40,9 +41,8 @@ def draw_rotors(
     }
     if slide is not None:
         plans["slide_valve"] = partial(slide_figure, rotors, volume_ratio, axial_ratio, slide)
-    written = write_all(plans, target)
     male, female = outlines(rotors.pair, rotors.chain)
-    files = {
+    texts = {
         "coefficients.csv": coefficients_csv(rotors),
         "male_lobe.csv": lobe_csv(rotors),
         "male.csv": profile_csv(*male),
@@ -51,8 +51,11 @@ def draw_rotors(
         "female.dxf": outline_dxf(*female),
         **{f"curves/{name}": text for name, text in curves_csv(curves).items()},
     }
+    files = {target / name: text for name, text in texts.items()}
+    keep_other_beginnings(files)
+    written = write_all(plans, target)
     make_folder(target / "curves")
-    return written + [write_text(target / name, text) for name, text in files.items()]
+    return written + [write_text(path, text) for path, text in files.items()]
 
 
 def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
@@ -81,7 +84,7 @@ def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
     for name, point, way in (("H", (Hx, Hy), (0, 9)), ("S", S, (9, 2)), ("P", (pair.r1, 0.0), (-8, -9))):
         axes.plot(MM * point[0], MM * point[1], "o", color=COLOURS[2], markersize=2.6)
         axes.annotate(name, (MM * point[0], MM * point[1]), xytext=way, textcoords="offset points", ha="center")
-    axes.set(aspect="equal", xlabel="$x$ [mm]", ylabel="$y$ [mm]")
+    axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
     plain_ticks(axes.xaxis, most=9)
     plain_ticks(axes.yaxis)
     return figure
@@ -118,9 +121,9 @@ def sealing_figure(rotors: Rotors) -> Any:
         axes.text(x[i] + 1.0, y[i] + 1.0, z[i] + up, name)
     axes.set(xlim=(walls[0], x.max() + 4.0), ylim=(y.min() - 4.0, walls[1]), zlim=(walls[2], z.max() + 4.0))
     axes.set_box_aspect((np.ptp(x) + 8.0, np.ptp(y) + 8.0, np.ptp(z) + 8.0), zoom=0.86)
-    axes.set_xlabel("$x$ [mm]", labelpad=-2)
-    axes.set_ylabel("$y$ [mm]", labelpad=0)
-    axes.set_zlabel("$z$ [mm]", labelpad=-2)
+    axes.set_xlabel("$x$ (mm)", labelpad=-2)
+    axes.set_ylabel("$y$ (mm)", labelpad=0)
+    axes.set_zlabel("$z$ (mm)", labelpad=-2)
     axes.tick_params(pad=-1)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         plain_ticks(axis, most=4)
@@ -154,11 +157,11 @@ def volume_figure(curves: Curves) -> Any:
     upper, lower = figure.subplots(2, 1, sharex=True)
     degrees = np.degrees(curves.volume.angle)
     upper.plot(degrees, 1e6 * curves.volume.value, color=COLOURS[0])
-    upper.set(ylabel="$V$ [cm³]", ylim=(0.0, None))
+    upper.set(ylabel="$V$ (cm³)", ylim=(0.0, None))
     lower.axhline(0.0, color=GREY, linewidth=0.4)
     for curve, name, i in ((curves.volume_slope, "both rotors", 0), (curves.male_slope, "male rotor", 1)):
         lower.plot(np.degrees(curve.angle), 1e6 * curve.value, color=COLOURS[2 * i], linestyle=DASHES[i], label=name)
-    lower.set(xlabel="angle of the chamber's life [°]", ylabel=r"$\mathrm{d}V/\mathrm{d}\varphi$ [cm³/rad]")
+    lower.set(xlabel="angle of the chamber's life (°)", ylabel=r"$\mathrm{d}V/\mathrm{d}\varphi$ (cm³/rad)")
     lower.legend(loc="lower left")
     for axes in (upper, lower):
         _angle_axis(axes, curves.life)
@@ -177,18 +180,18 @@ def areas_figure(curves: Curves) -> Any:
         for way, curve in both.items()
     }
     lines = {path.name: path for path in curves.paths}
-    _panel(panels[0], {name: (c, 1e4) for name, c in ports.items()}, "port area [cm²]")
+    _panel(panels[0], {name: (c, 1e4) for name, c in ports.items()}, "port area (cm²)")
     names = {"sealing_line": "contact line", "sealing_line_over_tip": "over the male tip"}
     names |= {"male_tip": "male tip", "female_tip": "female tip"}
-    _panel(panels[1], {text: (lines[name].curve, MM) for name, text in names.items()}, "length [mm]")
+    _panel(panels[1], {text: (lines[name].curve, MM) for name, text in names.items()}, "length (mm)")
     holes = {"blow_hole": "discharge side", "suction_blow_hole": "suction side"}
-    _panel(panels[2], {text: (lines[name].curve, 1e6) for name, text in holes.items()}, "blow-hole area [mm²]")
+    _panel(panels[2], {text: (lines[name].curve, 1e6) for name, text in holes.items()}, "blow-hole area (mm²)")
     faces = {
         f"{path.offset} pitch{'es' if path.offset > 1 else ''} behind": (path.curve, MM)
         for path in curves.paths
         if path.name.startswith("end_face")
     }
-    _panel(panels[3], faces, "length on the end face [mm]")
+    _panel(panels[3], faces, "length on the end face (mm)")
     tops = max(c.value.max() for c in ports.values()) * 1e4, max(lines[n].curve.value.max() for n in holes) * 1e6
     for axes, top in zip((panels[0], panels[2]), tops, strict=True):
         axes.set(yscale="log", ylim=(0.1, 12.0 * top))
@@ -198,7 +201,7 @@ def areas_figure(curves: Curves) -> Any:
         if i % 2:
             plain_ticks(axes.yaxis, most=6)
             axes.set_ylim(0.0, 1.32 * axes.dataLim.y1)
-    figure.supxlabel("angle of the chamber's life [°]", fontsize=8.0)
+    figure.supxlabel("angle of the chamber's life (°)", fontsize=8.0)
     return figure
 
 

@@ -21,6 +21,7 @@ from screwsim.machine.rotors.export import curve_csv
 from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
 from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.kept import keep_other_beginnings
 from screwsim.scene import scene_text
 from screwsim.scene.types import Scene
 
@@ -118,11 +119,12 @@ def write(scene: Scene, folder: Path) -> list[str]:
     laid = laid_of(scene)
     machine = twin_screw(scene.machine)
     ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
-    written = draw_rotors(laid.rotors, ratio, folder, axial, machine.slide_valve)
     tables = folder / "table"
-    make_folder(tables)
     texts = {folder / "rotors.html": page(laid, scene.title)}
     texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
+    keep_other_beginnings(texts)
+    written = draw_rotors(laid.rotors, ratio, folder, axial, machine.slide_valve)
+    make_folder(tables)
     return written + [write_text(path, text) for path, text in texts.items()]
 
 

@@ -32,14 +32,14 @@ def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None,
         lower[0].plot(np.degrees(parts["axial"].angle), both, **style)
     axial = known[-1].discharge["axial"]
     line = lower[0].plot(np.degrees(axial.angle), CM2 * axial.value, color=GREY, linewidth=0.6)
-    for axes, label in ((upper[0], "slot to suction [cm²]"), (lower[0], "discharge port [cm²]")):
+    for axes, label in ((upper[0], "slot to suction (cm²)"), (lower[0], "discharge port (cm²)")):
         axes.set(xlim=(0.0, math.degrees(rotors.life)), ylim=(0.0, None), ylabel=label)
         axes.axvline(math.degrees(known[0].suction_closes), color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
         plain_ticks(axes.yaxis, most=5)
     upper[0].annotate(
         "largest volume", (math.degrees(known[0].suction_closes), 1.02), xycoords=("data", "axes fraction"), ha="center"
     )
-    lower[0].set_xlabel("angle of the chamber's life [°]")
+    lower[0].set_xlabel("angle of the chamber's life (°)")
     upper[0].legend(title="position", loc="upper left")
     lower[0].legend(line, ["axial part alone"], loc="upper left")
     _over_position(rotors, volume_ratio, axial_ratio, slide, (upper[1], lower[1]))
@@ -54,11 +54,11 @@ def _over_position(
         closed_in(rotors, make_curves(rotors, volume_ratio, axial_ratio, replace(slide, position=x))) for x in moved
     ]
     full = closed_in(rotors, make_curves(rotors, volume_ratio, axial_ratio))
-    labels = (100.0, "closed-in volume [% of the largest]"), (1.0, "volume ratio")
+    labels = (100.0, "closed-in volume (% of the largest)"), (1.0, "volume ratio")
     for axes, k, (factor, label) in zip(panels, (0, 1), labels, strict=True):
         axes.plot(100.0 * moved, [factor * each[k] for each in found], color=COLOURS[0])
         axes.plot(0.0, factor * full[k], "o", color=COLOURS[0], markersize=3.5, label="full load, slot shut")
         axes.set(ylabel=label, xlim=(-4.0, 100.0), ylim=(0.0, None))
         plain_ticks(axes.yaxis, most=5)
     panels[0].legend(loc="lower left")
-    panels[1].set_xlabel("position [% of the travel]")
+    panels[1].set_xlabel("position (% of the travel)")

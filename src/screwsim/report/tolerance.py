@@ -46,7 +46,7 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
     axes.plot(turned, MM * points[1], "o", markersize=2.6, color=COLOURS[3], label="printed table")
     plain_ticks(axes.yaxis)
     axes.set(xlim=(-180.0, 180.0), xticks=range(-180, 181, 60), ylim=(-120.0, 175.0))
-    axes.set(xlabel="crank angle $α$ [°]", ylabel="transfer function [mm/rad]")
+    axes.set(xlabel="crank angle $α$ (°)", ylabel="transfer function (mm/rad)")
     axes.legend(loc="upper center", ncols=2, columnspacing=0.8, handlelength=1.8)
     return figure
 
@@ -72,9 +72,9 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.plot_surface(cranks, rods, np.minimum(found, level), zorder=1, **look)
     axes.plot_surface(cranks, rods, np.full_like(found, level), color=GREY, alpha=0.35, linewidth=0.0, zorder=2)
     axes.plot_surface(cranks, rods, _above(found, level), zorder=3, **look)
-    axes.set_xlabel("error of the crank [%]", labelpad=-3)
-    axes.set_ylabel("error of the rod [%]", labelpad=-3)
-    axes.set_zlabel("standard deviation [mm/rad]", labelpad=-3)
+    axes.set_xlabel("error of the crank (%)", labelpad=-3)
+    axes.set_ylabel("error of the rod (%)", labelpad=-3)
+    axes.set_zlabel("standard deviation (mm/rad)", labelpad=-3)
     axes.tick_params(pad=-2)
     axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
     axes.view_init(elev=22.0, azim=-62.0)
@@ -97,7 +97,7 @@ def contour_figure(alpha: Array, nominal: Links) -> Any:
     for i, name in enumerate(("right", "tabulated")):
         _contours(panels[i], FUNCTIONS[name], alpha, nominal)
         panels[i].set_title(f"({'ab'[i]}) {_NAMES[name]}")
-    panels[0].set_ylabel("error of the crank [%]")
+    panels[0].set_ylabel("error of the crank (%)")
     return figure
 
 
@@ -109,7 +109,7 @@ def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
         at = 100 * errors
         lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
         axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
-    axes.set_xlabel("error of the rod [%]")
+    axes.set_xlabel("error of the rod (%)")
     plain_ticks(axes.xaxis, axes.yaxis)
 
 
@@ -129,7 +129,7 @@ def law_figure(nominal: Links) -> Any:
     solid.set_title("(a) d$x$/d$α$; plane: 5 % of it", y=0.97)
     flat = figure.add_axes((0.6, 0.15, 0.37, 0.72))
     _contours(flat, right, alpha, nominal)
-    flat.set(title="(b) the same, over the law", ylabel="error of the crank [%]")
+    flat.set(title="(b) the same, over the law", ylabel="error of the crank (%)")
     return figure
 
 
@@ -138,9 +138,9 @@ def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mappin
     figure = new_figure(DOUBLE, 78.0)
     left, right = figure.subplots(1, 2)
     numbers = [row.crank for row in table]
-    left.semilogy(numbers, [100.0 * row.error for row in table], color=COLOURS[0], label="error of the law [%]")
+    left.semilogy(numbers, [100.0 * row.error for row in table], color=COLOURS[0], label="error of the law (%)")
     heads = [1e3 * row.head for row in table]
-    left.semilogy(numbers, heads, color=COLOURS[1], linestyle=DASHES[1], label="dead centre, ± [mm]")
+    left.semilogy(numbers, heads, color=COLOURS[1], linestyle=DASHES[1], label="dead centre, ± (mm)")
     left.set_xticks(numbers[::2], [f"IT{number}" for number in numbers[::2]])
     left.set(xlabel="grade of crank and rod", title="(a) law of motion")
     left.legend(loc="upper left")
@@ -150,7 +150,7 @@ def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mappin
         right.plot(1e3 * shifts, 100.0 * deviations[name], MARKERS[i], **style)
     low, high = right.get_ylim()
     right.set_ylim(low, high + 0.35 * (high - low))  # room for the legend
-    right.set(xlabel="shift of the top dead centre [mm]", ylabel="deviation from the nominal machine [%]")
+    right.set(xlabel="shift of the top dead centre (mm)", ylabel="deviation from the nominal machine (%)")
     right.set_title("(b) machines drawn")
     right.legend(loc="upper left", ncols=2)
     plain_ticks(right.xaxis, right.yaxis)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declaration, unpacked
+from screwsim.inputs.arguments import FILE, one_of, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, ITSELF, STATUSES, Figure, Variable
 from screwsim.outputs.display import About, Brief, Shown, value_text
@@ -20,6 +22,7 @@ from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
 # the first two come with traces, the next of their studies, two of scenes with tolerances, the last where asked for
+_ALWAYS = ("inputs", "performance", "balance", "error", "numerics")
 _OPTIONAL = ("cycle", "ledger", "knock_out", "optimum", "uncertainty", "contributions", "derivatives")
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
@@ -102,12 +105,14 @@ class Results(Brief):
         self.performance.take(names)
         return [name for name in names if np.isfinite(self.performance[name]).any()]
 
+    @takes(group=one_of(None, *_ALWAYS, *_OPTIONAL))
     def to_xarray(self, group: str | None = "performance") -> Any:
         """Return one group as an xarray.Dataset; None: all in one, names of other groups with their prefix."""
         from screwsim.results.dataset import dataset
 
         return dataset(self, group)
 
+    @takes(group=one_of(*_ALWAYS, *_OPTIONAL))
     def to_pandas(self, group: str = "performance") -> Any:
         """Return one group as a pandas.DataFrame, a row a case: what varies, then the variables, SI units."""
         from screwsim.results.dataset import frame
@@ -130,7 +135,8 @@ class Results(Brief):
         return name, least, most, about.long_name
 
 
-def open_results(path: str | Path) -> Results:
+@takes(path=FILE)
+def open_results(path: str | os.PathLike[str]) -> Results:
     """Return the results in a file; raise UsageError if screwsim did not write it."""
     path = Path(path)
     with opened(path) as file:
@@ -152,8 +158,7 @@ def count_statuses(path: Path) -> tuple[int, ...]:
 
 def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
     axes = _axes(stored.member(file, "performance", dataset=False))
-    groups = ("inputs", "performance", "balance", "error", "numerics", *_OPTIONAL)
-    return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in groups))
+    return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in (*_ALWAYS, *_OPTIONAL)))
 
 
 def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:

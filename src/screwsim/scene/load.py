@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from screwsim.effects import catalogue
+from screwsim.inputs.arguments import FILE, TEXT, TEXTS, takes
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.listed import listed
@@ -33,6 +34,7 @@ SET = "--set "  # stands before an override where it is told of
 MOST_BASES = 32  # one above the other
 
 
+@takes(path=FILE, overrides=TEXTS, without=TEXTS, stage=TEXT)
 def load(
     path: str | os.PathLike[str], overrides: Iterable[str] = (), without: Iterable[str] = (), stage: str = ""
 ) -> Scene:
@@ -48,6 +50,7 @@ def load(
     return _finish(root, start, overrides, without, problems, stage)
 
 
+@takes(text=TEXT, name=TEXT, folder=FILE, overrides=TEXTS, without=TEXTS, told=TEXT)
 def loads(
     text: str,
     name: str = "<text>",

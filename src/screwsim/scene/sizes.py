@@ -79,7 +79,7 @@ def area_fault(scene: Scene, largest: float) -> str | None:
     size = kind_of(scene.machine).tables
     if size is None or largest <= size.most * size.of(scene.machine):
         return None
-    what = f"its largest area of {largest:.4g} m^2 is {_times(largest / size.of(scene.machine), size.what)}"
+    what = f"its largest area of {largest:.4g} m² is {_times(largest / size.of(scene.machine), size.what)}"
     return f"{what}, which cannot be (write m^2; is the unit right?)"
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilLine, OilSettings
+from screwsim.inputs.arguments import MAPPING, takes
 from screwsim.inputs.declare import Found, choice, number, quantity, word
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
@@ -323,6 +324,7 @@ class Scene(Brief):
         rows = [(name, ", ".join(self.effects) if name == "effects" else text) for name, text in _sections(self.text)]
         return About(f"Scene: {self.title or 'without a title'}", (), ("section", "states"), rows)
 
+    @takes(values=MAPPING)
     def with_(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """Return this scene with other values at dotted paths, read and checked as `--set` does; this one stays.
 

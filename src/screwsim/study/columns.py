@@ -11,8 +11,9 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Variable
-from screwsim.results.atomic import HDF5, OTHERS, check_target_kind, keep_others, make_folder, replacing, write_csv
+from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, replacing, write_csv
 from screwsim.results.identity import version
+from screwsim.results.kept import keep_other_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import variable_name
 
@@ -33,13 +34,11 @@ def keep_other_columns(path: Path, title: str, *names: str) -> None:
     Such a CSV has the columns `names`, such an HDF5 file a title that begins so.
     """
     if path.suffix.lower() != ".csv":
-        keep_others(path, HDF5)
-        ours = not path.exists() or _title(path).startswith(title)
-    else:
-        check_target_kind(path)
-        heads = first_line(path)
-        ours = not heads or set(names) <= {head.partition(" [")[0] for head in heads}
-    if not ours:
+        keep_other_hdf5(path, "title", title)
+        return
+    check_target_kind(path)
+    heads = first_line(path)
+    if heads and not set(names) <= {head.partition(" [")[0] for head in heads}:
         raise UsageError(OTHERS.format(path))
 
 
@@ -50,16 +49,6 @@ def first_line(path: Path) -> list[str]:
             return next(csv.reader([stream.readline(LONGEST)]), [])
     except (OSError, csv.Error):  # one that cannot be replaced either is told of then
         return []
-
-
-def _title(path: Path) -> str:
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            return str(file.attrs.get("title", ""))
-    except OSError:
-        return ""
 
 
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:

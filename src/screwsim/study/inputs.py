@@ -8,6 +8,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import shown_of
+from screwsim.outputs.customary import raised
 from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
 from screwsim.scene.units import NUMBER, customary_unit, to_customary
@@ -71,7 +72,7 @@ def shown_figure(name: str, value: float) -> str:
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
     """Return a value [SI] of a path with its customary unit."""
     number, unit = in_customary(scene, path, value)
-    return f"{number:.{digits}g} {unit}".strip() if isinstance(number, float) else str(number)
+    return f"{number:.{digits}g} {raised(unit)}".strip() if isinstance(number, float) else str(number)
 
 
 def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from screwsim.effects import catalogue
+from screwsim.inputs.arguments import NUMBER, TEXTS, takes
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.listed import listed
 from screwsim.results import Results, open_results
 from screwsim.scene.fields import leaf_paths, unknown
 from screwsim.scene.operation import CONDENSING, EVAPORATING
@@ -30,8 +32,9 @@ class MapPoint(NamedTuple):
     figures: Mapping[str, float]
 
 
+@takes(evaporating_temperature=NUMBER, condensing_temperature=NUMBER, figures=TEXTS)
 def evaluate_map(
-    results: Results | str | Path,
+    results: Results | str | os.PathLike[str],
     evaporating_temperature: float,
     condensing_temperature: float,
     figures: Sequence[str] = FIGURES,
@@ -43,7 +46,7 @@ def evaluate_map(
     UsageError outside the envelope, where the polynomial does not hold.
     """
     of = results if isinstance(results, Results) else open_results(results)
-    maps = performance_maps(of, tuple(figures))
+    maps = performance_maps(of, tuple(listed(figures)))
     asked = {EVAPORATING: evaporating_temperature, CONDENSING: condensing_temperature}
     asked |= {_axis(of, name): value for name, value in others.items()}
     return dict(at(maps, asked).figures)

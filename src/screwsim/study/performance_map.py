@@ -23,6 +23,7 @@ from screwsim.study.figures import figure_named
 Array = np.ndarray
 
 TERMS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))  # powers of S and D
+FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
 NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
 FIGURES = ("shaft_power", "gas_mass_flow", "cooling_capacity")
 VALUES = 4  # distinct temperatures that a cubic needs

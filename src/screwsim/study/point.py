@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from screwsim.inputs.arguments import one_of, takes
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import Derivatives
 from screwsim.scene.given import scene_of
@@ -16,6 +17,7 @@ from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated
 
 
+@takes(trace=one_of(True, False, "ledger"))
 def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
     """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 

@@ -118,6 +118,40 @@ class Bar(Progress):
             self._bar.stop()
 
 
+class Seldom(Progress):
+    """A line on stderr after `first` [s], and again whenever twice as long has passed: for logs of long studies."""
+
+    def __init__(self, title: str, first: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
+        self._title = title
+        self._clock = clock
+        self._next = first
+        self._cases = self._reused = self._done = self._failed = 0
+        self._began = 0.0
+
+    def start(self, cases: int, reused: int) -> None:
+        self._cases, self._reused, self._done = cases, reused, reused
+        self._began = self._clock()
+
+    def advance(self, cases: int, failed: int) -> None:
+        self._done += cases
+        self._failed += failed
+        self.tick()
+
+    def more(self, cases: int) -> None:
+        self._cases += cases
+
+    def tick(self) -> None:
+        passed = self._clock() - self._began
+        if passed < self._next or self._done >= self._cases:
+            return
+        while self._next <= passed:
+            self._next *= 2.0
+        new = self._done - self._reused
+        left = f", about {passed * (self._cases - self._done) / new:.0f} s left" if new else ""
+        failures = f", {self._failed} not ok" if self._failed else ""
+        tell(f"{self._title}: {self._done} of {self._cases} in {passed:.0f} s{failures}{left}")
+
+
 class Steps(Progress):
     """A line on stderr before each of a few steps, by its name: for what is no terminal."""
 
@@ -200,10 +234,12 @@ def digits(rate: float) -> str:
 
 
 def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
-    """Return a bar when stderr is a terminal, else a line for each of the steps that have `names`, or silence."""
+    """Return a bar when stderr is a terminal, else a line for each of the steps that have `names`, or seldom one."""
+    if sys.stderr is None:
+        return Silent()
     try:
-        if sys.stderr is not None and sys.stderr.isatty():
+        if sys.stderr.isatty():
             return Surviving(Bar(title))
     except ValueError:  # it is closed
         return Silent()
-    return Steps(title, names) if names else Silent()
+    return Steps(title, names) if names else Seldom(title)

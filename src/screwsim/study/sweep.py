@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.inputs.arguments import CALLED, FILE, FLAG, JOBS, PROGRESS, REAL, TEXT, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
@@ -72,8 +73,21 @@ class SweepSummary:
     path: Path
 
 
+@takes(
+    output=FILE,
+    jobs=JOBS,
+    scheduler=TEXT,
+    case_limit=REAL,
+    restart=FLAG,
+    batch=FLAG,
+    gpu=FLAG,
+    simulate=CALLED,
+    simulate_many=CALLED,
+    warm_up=CALLED,
+    progress=PROGRESS,
+)
 def run_sweep(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     output: str | Path,
     *,
     jobs: int | None = None,
@@ -93,16 +107,14 @@ def run_sweep(
     scheduler file. A case that takes longer than `case_limit` [s] (default: 300, but none in this process) is failed,
     and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
     lies in `output.parts` and is not computed again, unless `restart`. With `batch` the blocks of a worker are
-    simulated side by side, in the lanes of its core, with `gpu` on a GPU that all workers share (docs/how-to/sweeps.md;
-    raise UsageError where there is none). What simulates one scene, or consecutive
-    ones each from the one before it, and what warms up, default to those of `screwsim.simulate`; `progress` is as of
-    `sweep`. Raise UsageError when the file or its parts belong to another scene, or cannot be written, or when the
-    scheduler cannot be reached.
+    simulated side by side, in the lanes of its core, with `gpu` on a GPU of all workers (docs/how-to/sweeps.md).
+    What simulates one scene, or consecutive ones each from the one before it, and what warms up, default to those of
+    `screwsim.simulate`; `progress` is as of `sweep`. Raise UsageError when the file or its parts belong to another
+    scene, or cannot be written, when the scheduler cannot be reached, or where there is no GPU.
     """
     began = time.perf_counter()
     check_limit(case_limit)
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: is no number of workers (write 1 or more, or leave it out for all cores)")
+    scene = scene_of(scene)
     if batch and gpu:
         raise UsageError("--batch and --gpu are two ways to solve points side by side (choose one of the two)")
     output = Path(output)
@@ -124,6 +136,7 @@ def run_sweep(
     return _finished(output, began, parts, reused)
 
 
+@takes(jobs=JOBS, progress=PROGRESS)
 def sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     jobs: int | None = None,

@@ -78,7 +78,7 @@ def check_blow_holes(*areas: float) -> list[Fault]:
     """Return the fault of blow-holes [m²] without an area: where contact ends at the tip was not found."""
     if min(areas) > 0.0:
         return []
-    what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm^2: the tip's contact is lost in noise"
+    what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm²: the tip's contact is lost in noise"
     return [Fault(PATH, f"{what} ({OF_POINTS})")]
 
 

@@ -242,7 +242,7 @@ function angleMarks() {
 
 function markNames() {
   return marksOf().map(([name, where]) => ({
-    x: where, yref: "paper", y: 1, yanchor: "bottom", text: name, showarrow: false, font: { size: 12, color: colour("soft") },
+    x: where, xanchor: "right", xshift: -3, yref: "paper", y: 1, yanchor: "top", text: name, showarrow: false, font: { size: 12, color: colour("soft") },
   }));
 }
 
@@ -301,7 +301,8 @@ function drawLedger() {
   fillLedger(ledger, factor, unit);
   drawWaterfall(ledger, factor, unit);
   const ambient = ledger.ambient_temperature;
-  document.getElementById("ledger-note").textContent = `W/K: entropy generated; exergy at ${ambient.toFixed(2)} K (${(ambient - 273.15).toFixed(2)} °C).`;
+  const back = ledger.entries.some((entry) => entry.exergy_destroyed < 0) ? " Below zero (green): gives back what others count as lost." : "";
+  document.getElementById("ledger-note").textContent = `W/K: entropy generated; exergy at ${ambient.toFixed(2)} K (${(ambient - 273.15).toFixed(2)} °C).${back}`;
 }
 
 function fillLedger(ledger, factor, unit) {

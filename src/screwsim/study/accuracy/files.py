@@ -11,21 +11,29 @@ import numpy as np
 
 from screwsim.figures import declaration
 from screwsim.results.atomic import replacing, write_csv
+from screwsim.results.kept import keep_in, keep_other_hdf5
 from screwsim.study.accuracy.measure import NAMES, Measured
 from screwsim.study.accuracy.words import competing, front, sentence
 
 if TYPE_CHECKING:
     from screwsim.study.accuracy import Study
 
+TABLE, DATA = "accuracy.csv", "accuracy.h5"
 UNITS = {"time": "s", "estimating_time": "s", "efficiency": "percent"}
+
+
+def keep_others_of(folder: Path) -> None:
+    """Raise UsageError where a folder holds other files under the names of a study's: they would be lost."""
+    keep_in(folder, {TABLE: fields(Measured)[0].name})
+    keep_other_hdf5(folder / DATA, "sentence")
 
 
 def write(study: Study, folder: Path) -> list[str]:
     """Write both files and return their paths."""
-    columns, data = _of_cases(study), folder / "accuracy.h5"
+    columns, data = _of_cases(study), folder / DATA
     rows = zip(*columns.values(), strict=True)
     cells = (["" if isinstance(value, float) and np.isnan(value) else value for value in row] for row in rows)
-    table = write_csv(folder / "accuracy.csv", columns, cells)
+    table = write_csv(folder / TABLE, columns, cells)
     with replacing(data) as temporary:
         _write_hdf5(study, temporary)
     return [table, str(data)]

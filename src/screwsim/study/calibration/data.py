@@ -25,7 +25,7 @@ from screwsim.study.calibration.fit import Measured, Point
 
 MOST_POINTS = 10_000  # of one fit
 UNCERTAINTY = "_uncertainty"
-SMALLEST = 1e-9  # of a value: nothing is measured that well
+SMALLEST, LARGEST = 1e-9, 1e9  # of a value: nothing is measured that well, or is so badly that it tells nothing
 FITTED = {"": True, "fit": True, "check": False}
 # SI unit of a figure -> {unit: factor}; degrees Celsius apart
 UNITS = {
@@ -224,6 +224,16 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     return _Column("path", name, unit, leaf)
 
 
+def odd_uncertainty(value: float, own: float) -> str:
+    """Return why an uncertainty is none of a value, in one unit, with the remedy; '' where it may be."""
+    size = abs(value)
+    if SMALLEST * size <= own <= LARGEST * size or not size > 0.0:
+        return ""
+    what = "which no measurement is sure of" if own < size else "which tells nothing"
+    remedy = "state one standard deviation, in the unit of its column"
+    return f"its uncertainty is {own / size:.1g} of the value, {what} ({remedy})"
+
+
 def _point(
     row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem], candidates: bool
 ) -> tuple[Point, Place] | None:
@@ -243,10 +253,8 @@ def _point(
         found["figure"] = {name: found["figure"].get(name, math.nan) for name in found["uncertainty"]}
     for figure, value in found["figure"].items():
         own = found["uncertainty"].get(figure)
-        if own is not None and own < SMALLEST * abs(value):
-            what = f"its uncertainty is {own / abs(value):.1g} of the value, which no measurement is sure of"
-            remedy = "state one standard deviation, in the unit of its column"
-            problems.append(Problem(place, figure, f"{what} ({remedy})"))
+        if own is not None and (why := odd_uncertainty(value, own)):
+            problems.append(Problem(place, figure, why))
     for figure in found["figure"].keys() ^ found["uncertainty"].keys():
         problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
     if len(problems) > before:

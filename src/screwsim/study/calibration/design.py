@@ -29,31 +29,35 @@ def spread(information: Array, asked: int) -> float:
     return float(np.linalg.slogdet(covariance(information, asked))[1])
 
 
+def spreads(known: Array, pieces: Array, asked: int) -> Array:
+    """Return that logarithm with each of the `pieces` (n, unknowns, unknowns) added to what is known."""
+    return np.linalg.slogdet(np.linalg.inv(known + pieces)[:, :asked, :asked])[1]
+
+
 def chosen(known: Array, pieces: Sequence[Array], asked: int, count: int) -> list[int]:
     """Return the numbers of `count` pieces of information that make the spread least, the one that adds most first."""
     picked = greedy(known, pieces, asked, range(len(pieces)), count)
-    improved = True
+    every, improved = np.array(pieces), True
     while improved:
         improved = False
         for place in range(len(picked)):
             rest = known + sum((pieces[i] for k, i in enumerate(picked) if k != place), np.zeros_like(known))
             here = spread(rest + pieces[picked[place]], asked)
-            others = [i for i in range(len(pieces)) if i not in picked]
+            others = sorted(set(range(len(pieces))).difference(picked))
             if not others:
                 break
-            spreads = [spread(rest + pieces[i], asked) for i in others]
-            best = int(np.argmin(spreads))
-            if spreads[best] < here - BETTER:
+            found = spreads(rest, every[others], asked)
+            best = int(np.argmin(found))
+            if found[best] < here - BETTER:
                 picked[place], improved = others[best], True
     return greedy(known, pieces, asked, picked, count)
 
 
 def greedy(known: Array, pieces: Sequence[Array], asked: int, among: Sequence[int], count: int) -> list[int]:
     """Return up to `count` of the numbers `among`, each the one that then makes the spread least."""
-    left, picked, information = list(among), [], known
+    left, picked, information, every = list(among), [], known, np.array(pieces)
     while left and len(picked) < count:
-        spreads = [spread(information + pieces[i], asked) for i in left]
-        best = left.pop(int(np.argmin(spreads)))
+        best = left.pop(int(np.argmin(spreads(information, every[left], asked))))
         picked.append(best)
         information = information + pieces[best]
     return picked

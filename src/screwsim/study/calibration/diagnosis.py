@@ -138,17 +138,25 @@ def diagnose(
     by_slopes = [along(u, here_, column) for u, column in zip(start, columns, strict=True)]
     none = float(here_ @ here_)
     likely = _likely(none, by_slopes, unchanged)
-    call = partial(refined, asked, white, simulate, likely, start, columns)
-    solved = dict(zip(likely, each(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
-    singles = [solved.get(i) or one for i, one in enumerate(by_slopes)]
-    odds = pairs if len(singles) > 1 else 0.0
-    prior = Beforehand(unchanged, odds, none, tuple(one.log_evidence for one in singles))
-    curves = curves_of(here_, start, columns, singles)
-    doubles = _doubles(asked, white, simulate, curves, prior, [none, *(one.misfit for one in singles)], jobs)
+    odds, count = pairs if len(by_slopes) > 1 else 0.0, len(residuals)
+    solved: dict[int, Profile | None] = {}
+    while True:
+        call = partial(refined, asked, white, simulate, likely, start, columns)
+        solved |= dict(zip(likely, each(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
+        singles = [solved.get(i) or one for i, one in enumerate(by_slopes)]
+        prior = Beforehand(unchanged, odds, none, tuple(one.log_evidence for one in singles))
+        curves, misfits = curves_of(here_, start, columns, singles), [none, *(one.misfit for one in singles)]
+        doubles = _doubles(asked, white, simulate, curves, prior, misfits, jobs)
+        rows, left = _hypotheses(asked, before, singles, doubles, set(solved), prior, count)
+        first = max(rows, key=lambda one: one.probability)
+        likely = [i for i in range(len(by_slopes)) if i not in solved]
+        if not likely or by_chance(first.misfit, first.freedom) >= CHANCE:
+            break  # else slopes may have dismissed what fits
+        solutions += sum(one.solutions for one in doubles.values())
+        failed += sum(one.failed for one in doubles.values())
     every = [*(one for one in solved.values() if one), *doubles.values()]
     solutions += sum(one.solutions for one in every)
     failed += sum(one.failed for one in every)
-    rows, left = _hypotheses(asked, before, singles, doubles, set(likely), prior, len(residuals))
     for i, one in enumerate(singles):
         left[(i,)] = one.residuals if isinstance(one, Profile) else straight(one, start[i], here_, columns[i])
     ranked = tuple(sorted(rows, key=lambda each: -each.probability))

@@ -20,6 +20,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check, with_values
 from screwsim.study.calibration.conditions import Typical, points_of, typical
+from screwsim.study.calibration.data import odd_uncertainty
 from screwsim.study.calibration.design import chosen, covariance, spread
 from screwsim.study.calibration.fit import Fit, Measured, Point, prior_of
 from screwsim.study.calibration.machine import (
@@ -85,6 +86,7 @@ class Told(NamedTuple):
     why: str
     solutions: int = 0
     failed: int = 0
+    odd: str = ""  # what is wrong with an uncertainty that the point states
 
 
 def candidates_of(
@@ -150,6 +152,9 @@ def plan(
     points = [*there, *candidates]
     call = partial(told, asked, points, typical(fit), groups, values, simulate)
     found = each(call, len(points), died=_lost, jobs=jobs, failed=lambda one: bool(one.why), progress=progress)
+    for point, one in zip(points, found, strict=True):
+        if one.odd:
+            raise UsageError(f"{point.name}: {one.odd}")
     reasons = {point.name: one.why for point, one in zip(points, found, strict=True) if one.why}
     counts = sum(one.solutions for one in found), sum(one.failed for one in found)
     known, even = _known(fit, machine, values, len(groups))
@@ -210,6 +215,9 @@ def told(
     if why:
         return Told(np.zeros((0, len(places) + len(groups))), {}, why, asked.solutions, asked.failed)
     measured = _as_measured(points[number], result.performance, usual)
+    for name, one in measured.items():
+        if odd := odd_uncertainty(one.value, one.uncertainty):
+            return Told(np.zeros((0, len(places) + len(groups))), {}, "", odd=f"{name}: {odd}")
     point = replace(point, measured=measured)
     slopes = asked.point_slopes(point, places, result.performance)
     inputs = [by_tolerance(with_values(fit.machine(values), point.values), point, group) for group in groups]

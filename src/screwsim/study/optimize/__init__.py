@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.arguments import CALLED, FILE, FLAG, JOBS, PROGRESS, SEED, TEXTS, takes, whole
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
@@ -104,6 +104,18 @@ class Optimum(Brief):
         return replace(changed, text=scene_text(changed))
 
 
+@takes(
+    vary=TEXTS,
+    maximize=TEXTS,
+    minimize=TEXTS,
+    evaluations=whole(1, "no number of evaluations (pass 1 or more)"),
+    seed=SEED,
+    output=FILE,
+    jobs=JOBS,
+    restart=FLAG,
+    simulate=CALLED,
+    progress=PROGRESS,
+)
 def optimize(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     vary: Iterable[str] | Mapping[str, tuple[float, float]],
@@ -157,8 +169,6 @@ def run(
     progress: Progress | None = None,
 ) -> Optimum:
     """Return the answer to a question."""
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"--jobs {jobs}: is no number of workers (write 1 or more, or leave it out for all cores)")
     begin = asked.values([span.first for span in asked.spans])
     check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
     if simulate is None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from screwsim.inputs.arguments import ends_of, shown
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
@@ -78,6 +79,8 @@ def question(
             raise UsageError(f"--maximize, --minimize: {name} is an aim twice (remove one)")
     spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
     bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
+    if not isinstance(over, Points | str | None):
+        raise UsageError(f"over: {shown(over)} is no text (pass one as --over takes it)")
     points = over if isinstance(over, Points) else read_points(scene, over)
     both = {span.path for span in spans} & {path for point in points.points for path in point.values}
     if both:
@@ -94,16 +97,18 @@ def question(
 
 
 def _listed(given: Iterable[Any]) -> list[Any]:
-    return [given] if isinstance(given, str | Bound) else list(given)
+    found = [given] if isinstance(given, str | Bound) or not isinstance(given, Iterable) else list(given)
+    for each in found:
+        if not isinstance(each, str | Bound):
+            raise UsageError(f"{shown(each)} is neither an aim nor a bound (pass a text, or a list of texts)")
+    return found
 
 
 def _spans(scene: Scene, vary: Mapping[str, tuple[float, float]]) -> tuple[Span, ...]:
     found = []
-    for path, (low, high) in vary.items():
+    for path, ends in vary.items():
         check_continuous(scene, path)
-        if not low < high:
-            raise UsageError(f"{path}: the range {low:g} … {high:g} is empty (the lower value comes first)")
-        found.append(span_of(scene, path, low, high))
+        found.append(span_of(scene, path, *ends_of(path, ends)))
     if not found:
         raise UsageError("nothing varies (give one path or more with its range)")
     return tuple(found)

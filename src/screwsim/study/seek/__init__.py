@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from screwsim.inputs.arguments import CALLED, NUMBER, NUMBERS, PROGRESS, TEXTS, ends_of, takes
+from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
@@ -15,7 +17,7 @@ from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only
 from screwsim.study.each import each
 from screwsim.study.figures import figure_of
-from screwsim.study.goals import Goal, read_goals
+from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate
 from screwsim.study.progress import Progress, shown
@@ -33,7 +35,7 @@ __all__ = ["Found", "Question", "find", "find_each", "question"]
 EXPECTED = 10  # solutions for each path of a search that is told
 DIGITS = 7  # of a value that was found: far below its error
 Vary = Iterable[str] | Mapping[str, tuple[float, float] | None]
-Goals = Iterable[str] | Mapping[str, float]
+Goals = Iterable[str] | Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,8 @@ def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[f
     """Return what is asked; raise UsageError, in one line, of what makes no sense.
 
     `vary` are texts 'PATH' or 'PATH=LOW..HIGH', or {path: (low, high) [SI], None for the range that the scene or the
-    schema gives}; `goals` texts 'FIGURE=VALUE', or {figure: value [SI]}; `catalogue` a text or sizes [SI].
+    schema gives}; `goals` texts 'FIGURE=VALUE', or {figure: value [SI], or a text as '500 kW'}; `catalogue` a text or
+    sizes [SI].
     """
     vary = vary if isinstance(vary, Mapping) else listed(vary)
     wanted = _goals(scene, goals)
@@ -75,7 +78,17 @@ def _count(goals: Sequence[Goal]) -> str:
 def _goals(scene: Scene, goals: Goals) -> tuple[Goal, ...]:
     if not isinstance(goals, Mapping):
         return read_goals(scene, listed(goals))
-    return tuple(Goal(figure_of(scene, name, "goal"), float(value)) for name, value in goals.items())
+    named = {figure_of(scene, name, "goal"): value for name, value in goals.items()}
+    return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
+
+
+def _wanted(figure: str, value: Any) -> float:
+    """Return the value [SI] that a program states for a figure: a number, or a text as on the command line."""
+    if isinstance(value, str):
+        return read_figure(figure, value, f"goal {figure}")
+    if not NUMBER.holds(value):
+        raise UsageError(f"goal {figure}: {shown_argument(value)} is no number [SI] and no text as '500 kW'")
+    return float(value)
 
 
 def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tuple[Span, ...]:
@@ -83,12 +96,13 @@ def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tupl
     for path, ends in vary.items():
         check_continuous(scene, path)
         ends = ends or schema_range(scene, path)
-        if ends is None or not ends[0] < ends[1]:
+        if ends is None:
             raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
-        found.append(span_of(scene, path, *ends))
+        found.append(span_of(scene, path, *ends_of(path, ends)))
     return tuple(found)
 
 
+@takes(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS, simulate=CALLED, progress=PROGRESS)
 def find(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     vary: Vary,

@@ -1,0 +1,139 @@
+"""Arguments of public functions: each is held to its kind before anything begins, and told of in one line."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
+from numbers import Integral, Real
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+from screwsim.inputs.faults import UsageError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Kind(NamedTuple):
+    """What an argument may be: whether a value is such, and words for one that is not, with the remedy."""
+
+    holds: Callable[[Any], bool]
+    words: str
+
+
+def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Return what makes a function raise UsageError of an argument of another kind; a default of None passes.
+
+    Of a mapping, whose values the function reads itself, the kinds say nothing but that it is one.
+    """
+
+    def around(function: Callable[P, R]) -> Callable[P, R]:
+        parameters = inspect.signature(function).parameters
+        names = tuple(parameters)
+        open_to_none = {name for name, each in parameters.items() if each.default is None}
+        assert kinds.keys() <= parameters.keys()
+
+        @functools.wraps(function)
+        def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+            for name, value in (*zip(names, args, strict=False), *kwargs.items()):
+                kind = kinds.get(name)
+                if kind is not None and not (value is None and name in open_to_none) and not kind.holds(value):
+                    raise UsageError(f"{name}: {shown(value)} is {kind.words}")
+            return function(*args, **kwargs)
+
+        return checked
+
+    return around
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message shows it: its text where that is short, else the name of its type."""
+    text = repr(value)
+    return text if len(text) <= 40 and " object at " not in text else f"of type {type(value).__name__}"
+
+
+def one_of(*values: Any) -> Kind:
+    """Return the kind of which these are all: True is not 1 here."""
+    names = [repr(value) for value in values]
+    words = f"none of {', '.join(names)}"
+    return Kind(lambda given: any(type(given) is type(value) and given == value for value in values), words)
+
+
+def instance(kind: type, remedy: str) -> Kind:
+    """Return the kind of the objects of a class; `remedy` says what to pass."""
+    return Kind(lambda given: isinstance(given, kind), f"no {kind.__name__} (pass {remedy})")
+
+
+def whole(least: int, words: str) -> Kind:
+    """Return the kind of whole numbers from `least` on."""
+    return Kind(lambda given: _whole(given) and given >= least, words)
+
+
+def ends_of(path: str, given: Any) -> tuple[float, float]:
+    """Return the two ends of a range; raise UsageError where they are no pair of numbers, the lower one first."""
+    if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
+        raise UsageError(f"{path}: {shown(given)} is no range (pass two numbers [SI], the lower one first)")
+    ends = tuple(given)
+    if len(ends) != 2 or not all(map(_number, ends)) or not ends[0] < ends[1]:
+        raise UsageError(f"{path}: {shown(given)} is no range (pass two numbers [SI], the lower one first)")
+    return float(ends[0]), float(ends[1])
+
+
+def _whole(given: Any) -> bool:
+    return isinstance(given, Integral) and not isinstance(given, bool)
+
+
+def _real(given: Any) -> bool:
+    return isinstance(given, Real) and not isinstance(given, bool)
+
+
+def _number(given: Any) -> bool:
+    return _real(given) and math.isfinite(given)
+
+
+def _text(given: Any) -> bool:
+    return isinstance(given, str) and bool(given.strip())
+
+
+def _file(given: Any) -> bool:
+    return isinstance(given, str | os.PathLike) and _text(os.fspath(given))
+
+
+def _texts(given: Any) -> bool:
+    """Tell whether these are texts, or one alone; what can be read but once is not looked into."""
+    if isinstance(given, str):
+        return _text(given)
+    if isinstance(given, list | tuple | set | frozenset | Mapping):
+        return all(isinstance(each, str) for each in given)
+    return isinstance(given, Iterable) and not isinstance(given, bytes | bytearray)
+
+
+def _numbers(given: Any) -> bool:
+    """Tell whether these are numbers, or a text of some."""
+    if isinstance(given, str | bytes):
+        return isinstance(given, str) and _text(given)
+    return isinstance(given, Iterable) and all(map(_number, given))
+
+
+def _progress(given: Any) -> bool:
+    return isinstance(given, bool) or all(hasattr(given, name) for name in ("start", "advance", "stop"))
+
+
+JOBS = Kind(
+    lambda given: given is None or (_whole(given) and given >= 1),
+    "no number of workers (pass 1 or more, or None for all cores)",
+)
+SEED = whole(0, "no seed (pass a whole number from 0 on)")
+FLAG = Kind(lambda given: type(given).__name__ in ("bool", "bool_"), "neither True nor False")
+REAL = Kind(_real, "no number")  # also NaN, of which the function itself tells
+NUMBER = Kind(_number, "no number")
+QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number nor a text as '3000 rpm'")
+TEXT = Kind(lambda given: isinstance(given, str), "no text")
+TEXTS = Kind(_texts, "neither a text nor a list of texts")
+FILE = Kind(_file, "no path of a file")
+CALLED = Kind(callable, "nothing that can be called")
+PROGRESS = Kind(_progress, "no progress (pass True, False or None)")
+NUMBERS = Kind(_numbers, "neither a text as '140, 163 mm' nor a list of numbers")
+MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
