@@ -68,6 +68,7 @@ def optimum(
     suction=TEXT,
     discharge=TEXT,
     limits=TEXTS,
+    heating=FLAG,
     output=FILE,
     jobs=JOBS,
     progress=PROGRESS,
@@ -80,6 +81,7 @@ def datasheet(
     suction: str | None = None,
     discharge: str | None = None,
     limits: Sequence[str] = (),
+    heating: bool = False,
     output: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     progress: Progress | bool | None = None,
@@ -88,13 +90,23 @@ def datasheet(
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
-    `sheet.document` is the sheet in SI units, as `--json` prints it; a page or a PDF is written to `output`.
+    `sheet.document` is the sheet in SI units, as `--json` prints it; a page or a PDF is written to `output`. With
+    `heating` it also tells the heating capacity and its COP, of a heat pump.
     """
     if output is not None:
         check_sheet(Path(output))
     bar = shown("datasheet", progress)
-    ranges = {"evaporating": evaporating, "condensing": condensing, "suction": suction, "discharge": discharge}
-    found = sheet_of(scene_of(scene), **ranges, limits=limits, jobs=jobs, progress=bar)
+    found = sheet_of(
+        scene_of(scene),
+        evaporating=evaporating,
+        condensing=condensing,
+        suction=suction,
+        discharge=discharge,
+        limits=limits,
+        heating=heating,
+        jobs=jobs,
+        progress=bar,
+    )
     if output is not None:
         write_sheet(found, Path(output))
     return found

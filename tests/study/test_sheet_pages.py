@@ -22,6 +22,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 SLIDE = "machine.slide_valve={position: 0.1, travel: 90 mm, male_span: 70 deg, female_span: 60 deg}"
 SHIPPED = {  # what is asked of each: the scene, changes, options
     "refrigeration": ("control/point", (), {"limits": ["discharge_temperature<110 degC"]}),
+    "heat pump": ("control/point", (), {"heating": True, "condensing": "40 degC..55 degC"}),
     "map": ("r134a/map", (), {}),
     "slide valve": ("rotors/b", (SLIDE, "effects.slide_valve={}", "numerics.accuracy=1e-3"), {}),
     "air, variable speed": ("air/variable_speed_7", (), {}),
