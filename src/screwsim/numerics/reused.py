@@ -16,7 +16,14 @@ Array = np.ndarray
 LEAST = 1 << 14  # numbers from which on this pays
 MOST = 1 << 23  # numbers kept by a thread, 64 MiB
 WIDER = 1.25  # room of a new block, over what is asked: pages that are never written cost nothing
-FREE = 3  # references to a block that nobody holds: the list's, the loop's, that of the count
+
+
+def _references(blocks: list[Array]) -> list[int]:
+    """Return how many references there are to each block, those of this list and of the count itself among them."""
+    return [sys.getrefcount(block) for block in blocks]
+
+
+FREE = _references([np.empty(1)])[0]  # to a block that nobody holds: how many is Python's matter
 
 
 class _Kept(threading.local):
@@ -34,11 +41,11 @@ def empty(*shape: int) -> Array:
     size = prod(shape)
     if size < LEAST:
         return np.empty(shape)
-    blocks, best = _kept.blocks, None
-    for block in blocks:
-        if sys.getrefcount(block) == FREE and block.size >= size:
-            best = block if best is None or block.size < best.size else best
-    if best is None:
+    blocks = _kept.blocks
+    free = [i for i, count in enumerate(_references(blocks)) if count == FREE and blocks[i].size >= size]
+    if free:
+        best = blocks[min(free, key=lambda i: blocks[i].size)]
+    else:
         best = np.empty(int(WIDER * size))
         blocks.append(best)
         while sum(each.size for each in blocks) > MOST:
