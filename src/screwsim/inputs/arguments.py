@@ -6,7 +6,7 @@ import functools
 import inspect
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from numbers import Integral, Real
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
@@ -111,10 +111,10 @@ def _texts(given: Any) -> bool:
 
 
 def _numbers(given: Any) -> bool:
-    """Tell whether these are numbers, or a text of some."""
+    """Tell whether these are numbers, or a text of some; what can be read but once is not looked into."""
     if isinstance(given, str | bytes):
         return isinstance(given, str) and _text(given)
-    return isinstance(given, Iterable) and all(map(_number, given))
+    return isinstance(given, Iterable) and (isinstance(given, Iterator) or all(map(_number, given)))
 
 
 def _progress(given: Any) -> bool:
