@@ -29,10 +29,10 @@ def test_an_effect_that_returns_what_can_be_is_solved():
 
 
 WRONG = {
-    "a negative area": ({"area": -1}, "its area is -1e-07 m^2 at 40"),
-    "an area that is no number": ({"level": -1}, "its area is nan m^2 at 40"),
-    "an infinite area": ({"spread": 0}, "its area is inf m^2 at 40"),
-    "a narrow window": ({"area": -1, "opens": "413.2 deg", "closes": "413.4 deg"}, "its area is -1e-07 m^2 at 413."),
+    "a negative area": ({"area": -1}, "its area is -1e-07 m² at 40"),
+    "an area that is no number": ({"level": -1}, "its area is nan m² at 40"),
+    "an infinite area": ({"spread": 0}, "its area is inf m² at 40"),
+    "a narrow window": ({"area": -1, "opens": "413.2 deg", "closes": "413.4 deg"}, "its area is -1e-07 m² at 413."),
     "a negative flow coefficient": ({"coefficient": -0.7}, "its flow_coefficient is -0.7"),
     "a negative conductance": ({"gain": -1}, "its conductance is -0.001 W/K at 4"),
     "heat that is no number": ({"hot": "320 K"}, "its heat rate is nan W at "),

@@ -101,7 +101,7 @@ def test_closing_does_not_slow_down_with_the_machine(of):
 EVERY_SPEED = {  # evaluations by which a point closes, and is estimated too, at any speed
     "ideal": (10_000, 10_000),
     "carried": (14_200, 18_400),
-    "real": (12_000, 15_300),
+    "real": (13_800, 21_000),
 }
 
 

@@ -5,11 +5,12 @@ import pytest
 from scenes import DROP, make
 
 from screwsim.build import build_parts
-from screwsim.effects import tip_leakage
+from screwsim.effects import base, tip_leakage
 from screwsim.fluid import nozzle
 from screwsim.model import compose as composing
 from screwsim.model.compiled import module_name
 from screwsim.model.compose import compose
+from screwsim.model.network import network
 from screwsim.numerics import rodas
 from screwsim.numerics.kernel import kernel
 
@@ -129,3 +130,8 @@ def test_breakpoints_are_sorted_and_inside_the_life():
 
 def test_oil_is_injected_at_a_breakpoint():
     assert np.min(np.abs(composition().breakpoints - 2 * np.pi)) == 0.0  # bit for bit: the jump is looked for there
+
+
+def test_texts_and_effects_call_the_lines_alike():
+    """Texts are written by code that knows no effects: what it is made of is all in the digest by which it is kept."""
+    assert network.SYMBOLS == base.LINES

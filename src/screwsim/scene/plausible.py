@@ -121,8 +121,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield that the volume of a table goes to and fro, with which its gas would be worked on in jerks."""
-    law = getattr(scene.machine, "volume", None)
-    if law is not None and law.file is not None:
+    law = getattr(scene.machine, "volume", None)  # of a machine of one's own it may be anything
+    if isinstance(law, VolumeLaw) and law.file is not None:
         yield from _of_table(law)
 
 
