@@ -201,7 +201,7 @@ def _points(found: Calibration) -> list[str]:
         measured = digits(_shown(each.figure, each.measured.value, factor))
         head = [each.point.name + ("" if each.point.fitted else " *"), shown_name(each.figure)]
         rows.append([*head, measured, f"{factor * each.measured.uncertainty:.2g}", ours, unit, residual])
-    lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual/±"], rows, 2)
+    lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual /±"], rows, 2)
     if not all(each.point.fitted for each in found.compared):
         lines.append("* not fitted: predicted")
     return lines
