@@ -108,6 +108,15 @@ FILMS: dict[str, Any] = {  # all gaps full of oil where the upstream chamber has
     "effects.end_face_leakage": {"gap": "50 um", "length": "80 mm", **FILM},
 }
 SPEEDS = (5000, 3000, 1000, 500, 250)
+RATED: dict[str, Any] = {  # saturation temperatures in place of pressures
+    "operation": {
+        "speed": "3000 rpm",
+        "evaporating_temperature": "2 degC",
+        "condensing_temperature": "45 degC",
+        "superheat": "10 K",
+    },
+    "oil_supply.temperature": "330 K",
+}
 DROP = object()  # as a value: the field is left out
 OIL_PORT["effects.oil_pump"] = DROP
 TOGETHER = {**ECONOMIZER, **OIL_PORT, **OIL_VOLUME}

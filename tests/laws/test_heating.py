@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from CoolProp.CoolProp import PropsSI
-from scenes import make, run
+from scenes import RATED, make, run
 
 from screwsim.build import build_gas
 from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating
@@ -12,15 +12,6 @@ from screwsim.scene import lines, load, refrigerating_effect
 from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-RATED = {
-    "operation": {
-        "speed": "3000 rpm",
-        "evaporating_temperature": "2 degC",
-        "condensing_temperature": "45 degC",
-        "superheat": "10 K",
-    },
-    "oil_supply.temperature": "330 K",
-}
 
 
 @pytest.fixture(scope="module", params=["point", "separator"])

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from scenes import DROP, make, run
+from scenes import DROP, RATED, make, run
 
 from screwsim.build import build_gas
 from screwsim.evaluate.performance import refrigeration
@@ -11,15 +11,6 @@ from screwsim.figures.errors import relative_errors
 from screwsim.outputs import Figures
 from screwsim.scene import lines, refrigerating_effect, suction_enthalpy
 
-RATED = {
-    "operation": {
-        "speed": "3000 rpm",
-        "evaporating_temperature": "2 degC",
-        "condensing_temperature": "45 degC",
-        "superheat": "10 K",
-    },
-    "oil_supply.temperature": "330 K",
-}
 ALGEBRA = 1e-12
 COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity", "heating_capacity", "heating_cop")
 

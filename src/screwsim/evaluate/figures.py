@@ -57,7 +57,9 @@ def figures_of(
     station()
     drawn = performance.drawn(parts, streams, rate)
     found, notes = performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn)
-    found = {**found, **losses, **_of_machine(problem, life, q, streams, flow)}
+    mean = discharge_enthalpy(streams)
+    leaving = None if mean is None else mean[0]
+    found = {**found, **losses, **_of_machine(problem, life, q, leaving, flow)}
     found |= {"indicated_power": known.indicated_power, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
     notes |= WHY_NONE
 
@@ -77,8 +79,8 @@ def figures_of(
     take(*humidity.figures(problem, life, streams, found, circuit))
     take(*performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
     if problem.refrigerating_effect is not None:
-        condensed, mean = flow + sum(net for net, _ in drawn), discharge_enthalpy(streams)
-        take(*performance.heating(found, condensed, *_rejected(problem, circuit, mean)))
+        condensed = flow + sum(net for net, _ in drawn)
+        take(*performance.heating(found, condensed, *_rejected(problem, circuit, leaving)))
     take(*saturation.figures(problem, found))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
@@ -98,14 +100,19 @@ def figures_of(
     return Performance(values, about), none
 
 
-def _of_machine(problem: Problem, life: Trajectory, q: Array, streams: Array, flow: float) -> dict[str, float | None]:
-    """Return the figures that every machine has, of a net gas flow [kg/s], beside its powers and efficiencies."""
+def _of_machine(
+    problem: Problem, life: Trajectory, q: Array, leaving: float | None, flow: float
+) -> dict[str, float | None]:
+    """Return the figures that every machine has, beside its powers and efficiencies.
+
+    `leaving` is the mean enthalpy [J/kg] of what flows out to discharge, None where nothing does; `flow` the net gas
+    flow [kg/s].
+    """
     parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
-    mean = discharge_enthalpy(streams)
     return {
         "volumetric_efficiency": flow / (problem.inlet.density * geometry.swept_volume * rate),
         "gas_mass_flow": flow,
-        "discharge_temperature": None if mean is None else parts.gas.temperature(lines.p_d, mean[0]),
+        "discharge_temperature": None if leaving is None else parts.gas.temperature(lines.p_d, leaving),
         "peak_pressure": life.peak_pressure(geometry.life if geometry.expands else geometry.widest_discharge()),
         "work_per_cycle": float(q[Q_WORK]),
         "trapped_mass": float(life.R[R_TRAPPED]),
@@ -189,19 +196,17 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
     }
 
 
-def _rejected(
-    problem: Problem, circuit: Circuit | str | None, mean: tuple[float, float, float] | None
-) -> tuple[float | None, str]:
+def _rejected(problem: Problem, circuit: Circuit | str | None, leaving: float | None) -> tuple[float | None, str]:
     """Return what a kilogram of gas gives off in the condenser [J/kg] (M410), or None and why.
 
-    The gas comes from the separator, or without one from the chambers, of which `mean` tells the enthalpy.
+    The gas comes from the separator, or without one from the chambers, with the enthalpy `leaving`.
     """
     effect, parted = problem.refrigerating_effect, problem.parts.all(Separator)
     if isinstance(circuit, str) and parted:
         return None, circuit
-    if mean is None or effect is None:
+    if leaving is None or effect is None:
         return None, NONE_LEAVES
-    h = mean[0]
+    h = leaving
     if isinstance(circuit, Circuit) and parted:
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
     return effect + h - problem.inlet.enthalpy, ""

@@ -68,7 +68,7 @@ def _group(scene: Scene, text: str) -> Left:
         names += own
     if not names:
         raise UsageError(f"--together {text}: names nothing (write e.g. --together leaks)")
-    return Left("+".join(text.replace(" ", "").strip(",").split(",")), tuple(dict.fromkeys(names)))
+    return Left(text.replace(" ", "").strip(",").replace(",", "+"), tuple(dict.fromkeys(names)))
 
 
 def knock_out(

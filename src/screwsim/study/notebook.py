@@ -12,7 +12,7 @@ from collections.abc import Callable
 from html import escape
 from typing import Any
 
-from screwsim.study.progress import Progress, digits
+from screwsim.study.progress import Counted, digits
 
 Publish = Callable[..., Any]  # of data, metadata, transient, update, as IPython's publish_display_data
 BAR = (
@@ -21,30 +21,20 @@ BAR = (
 )
 
 
-class NotebookBar(Progress):
+class NotebookBar(Counted):
     """A bar with rate, time left and failures, drawn at most five times a second."""
 
     def __init__(self, title: str, publish: Publish | None = None, every: float = 0.2) -> None:
-        self._title = title
+        super().__init__(title, time.monotonic)
         self._publish = publish
         self._every = every
         self._name = uuid.uuid4().hex
-        self._cases = self._done = self._reused = self._failed = 0
-        self._began = self._drawn = 0.0
+        self._drawn = 0.0
         self._there = False
 
     def start(self, cases: int, reused: int) -> None:
-        self._cases, self._done, self._reused = cases, reused, reused
-        self._began = time.monotonic()
+        super().start(cases, reused)
         self._draw([])
-
-    def advance(self, cases: int, failed: int) -> None:
-        self._done += cases
-        self._failed += failed
-        self.tick()
-
-    def more(self, cases: int) -> None:
-        self._cases += cases
 
     def tick(self) -> None:
         if self._there and time.monotonic() - self._drawn >= self._every:

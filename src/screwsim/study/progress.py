@@ -118,13 +118,12 @@ class Bar(Progress):
             self._bar.stop()
 
 
-class Seldom(Progress):
-    """A line on stderr after `first` [s], and again whenever twice as long has passed: for logs of long studies."""
+class Counted(Progress):
+    """What counts cases, and the time [s] since it began; each that is done gives a sign of life."""
 
-    def __init__(self, title: str, first: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, title: str, clock: Callable[[], float]) -> None:
         self._title = title
         self._clock = clock
-        self._next = first
         self._cases = self._reused = self._done = self._failed = 0
         self._began = 0.0
 
@@ -139,6 +138,14 @@ class Seldom(Progress):
 
     def more(self, cases: int) -> None:
         self._cases += cases
+
+
+class Seldom(Counted):
+    """A line on stderr after `first` [s], and again whenever twice as long has passed: for logs of long studies."""
+
+    def __init__(self, title: str, first: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__(title, clock)
+        self._next = first
 
     def tick(self) -> None:
         passed = self._clock() - self._began

@@ -78,9 +78,9 @@ def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: floa
     }
 
 
-def _motor(power: float) -> dict[str, str]:
-    rated = sizes.motor_for(power)
-    return {"rated": f"{rated:g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
+def _motor(rated: float) -> dict[str, str]:
+    """Return what a scene states of a motor of so many kW."""
+    return {"rated": f"{rated:.6g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
 
 
 def _air_duty(asked: Asked) -> Duty:
@@ -102,10 +102,8 @@ def air(asked: Asked) -> str:
     flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
-    motor = _motor(gas_flow * duty.work / ETA)
-    if asked.motor is not None:
-        rated = 1e-3 * asked.motor
-        motor = {"rated": f"{rated:.6g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
+    rated = sizes.motor_for(gas_flow * duty.work / ETA) if asked.motor is None else 1e-3 * asked.motor
+    motor = _motor(rated)
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **motor,
@@ -174,7 +172,7 @@ def booster(asked: Asked) -> str:
     ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * WARMED)) / 2.0
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
-        **_motor(gas_flow * taken),
+        **_motor(sizes.motor_for(gas_flow * taken)),
         "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
         "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not is_blend(fluid) else "",
@@ -193,7 +191,7 @@ def expander(asked: Asked) -> str:
     inlet = flow / (asked.ratio or sizes.matching(duty.ratio, duty.k, 1.0))
     values = {
         **common,
-        **_motor(inlet * duty.density * duty.work),
+        **_motor(sizes.motor_for(inlet * duty.density * duty.work)),
         "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
         "fluid": fluid,
         "gap": sizes.um(DRY * size.clearance),
