@@ -252,6 +252,16 @@ def test_a_file_that_changes_while_the_sweep_runs_ends_it_and_no_case_of_after_i
     assert run_sweep(swept, output, jobs=jobs, simulate=fake_simulate).reused > 0
 
 
+def test_a_worker_that_starts_after_a_file_changed_here_is_not_to_blame(tmp_path, monkeypatch):
+    file = with_area(tmp_path)
+    swept = loads(AREA_SCENE + "output: {keep: performance}\n", folder=str(tmp_path))
+    monkeypatch.setattr("screwsim.study.workers.start_method", lambda: "spawn")
+    edits = Edits(file, 1)
+    monkeypatch.setattr(edits, "start", lambda *_: edits.advance(0, 0))  # before any worker is there
+    with pytest.raises(UsageError, match=r"this machine has another area\.csv: it was changed while the sweep ran"):
+        run_sweep(swept, tmp_path / "out.h5", jobs=2, simulate=fake_simulate, progress=edits)
+
+
 def test_a_file_with_a_new_date_alone_ends_no_sweep(tmp_path):
     file = with_area(tmp_path)
     swept = loads(AREA_SCENE, folder=str(tmp_path))

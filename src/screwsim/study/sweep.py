@@ -256,6 +256,9 @@ class _Sweep:
             else:
                 task = partial(run_packed, packed(job), self._wanted)
                 settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
+        except UsageError:
+            self._watch.look()  # a worker that started after a file changed here finds another one, and is not to blame
+            raise
         finally:
             self._progress.stop()
 
