@@ -11,7 +11,7 @@ import numpy as np
 from screwsim.export.table import Table
 
 SOURCES = {"2": ("map.c", "model.c", "fmi2.c"), "3": ("map.c", "model.c", "fmi3.c")}
-HEADERS = ("map.h", "model.h")
+HEADERS = ("map.h", "model.h", "fmi.h")
 DATA = "map_data.h"
 _A_LINE = 6  # numbers
 
