@@ -8,15 +8,7 @@ from typing import Any, NamedTuple
 
 from screwsim.build.gas import asked_of, build_gas
 from screwsim.build.site import around_of
-from screwsim.effects.base import (
-    ChamberState,
-    FlowPath,
-    HeatRate,
-    LineLeak,
-    Made,
-    Scaled,
-    Wall,
-)
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Wall
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.models import find_gas_model
 from screwsim.fluid.settings import GasSettings

@@ -8,12 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.build import sought
-from screwsim.effects.base import (
-    CoolsOil,
-    InSeparator,
-    LosesPressure,
-    PressureLosses,
-)
+from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure, PressureLosses
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS

@@ -277,8 +277,7 @@ def loads(
         option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'."),
     ] = None,
     shafts: Annotated[
-        str | None,
-        option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'."),
+        str | None, option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'.")
     ] = None,
     overrides: Overrides = None,
     without: Without = None,

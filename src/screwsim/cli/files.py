@@ -37,8 +37,7 @@ def rotors(
 
 
 def plot(
-    results_file: ResultsFile,
-    folder: Annotated[str | None, option("DIR", "Where the figures go.", "-o")] = None,
+    results_file: ResultsFile, folder: Annotated[str | None, option("DIR", "Where the figures go.", "-o")] = None
 ) -> None:
     """Draw the figures of a results file."""
     options.check_drawer(Path(folder) if folder is not None else None)
@@ -69,10 +68,7 @@ def validate(
     ] = None,
     folder: Annotated[
         Path | None,
-        option(
-            "DIR",
-            "Where the sources lie, programs that are run (default: those of the package that is running).",
-        ),
+        option("DIR", "Where the sources lie, programs that are run (default: those of the package that is running)."),
     ] = None,
     output: Annotated[Path | None, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,
     jobs: Jobs = None,

@@ -139,8 +139,5 @@ EFFECT = Effect(
     needs=frozenset({ROTORS}),
     figures=(power_figure("bearing_power", "friction of the bearings"),),
     usual={ROTORS: FRICTION},
-    sizes=(
-        Sized("bore", DIAMETER, 10.0, (0.05, 1.0)),
-        Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5)),
-    ),
+    sizes=(Sized("bore", DIAMETER, 10.0, (0.05, 1.0)), Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5))),
 )

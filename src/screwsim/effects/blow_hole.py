@@ -102,8 +102,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({BLOW_HOLE}),
     usual={ROTORS: LEAK},
-    sizes=(
-        Sized("area", SQUARE, 0.2, (0.0, 0.02)),
-        Sized("suction_area", SQUARE, 0.2, (0.0, 0.04)),
-    ),
+    sizes=(Sized("area", SQUARE, 0.2, (0.0, 0.02)), Sized("suction_area", SQUARE, 0.2, (0.0, 0.04))),
 )

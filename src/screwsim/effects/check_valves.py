@@ -75,8 +75,5 @@ EFFECT = Effect(
     needs=frozenset({CYLINDER}),
     roles={WAY_IN: "", WAY_OUT: ""},
     figures=VALVE_LOSSES,
-    sizes=(
-        Sized("suction_area", PISTON, 100.0, (0.0, 1.0)),
-        Sized("discharge_area", PISTON, 100.0, (0.0, 1.0)),
-    ),
+    sizes=(Sized("suction_area", PISTON, 100.0, (0.0, 1.0)), Sized("discharge_area", PISTON, 100.0, (0.0, 1.0))),
 )

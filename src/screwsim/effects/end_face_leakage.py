@@ -75,8 +75,5 @@ EFFECT = Effect(
     numbers=numbers,
     needs=frozenset({END_GAP}),
     usual={ROTORS: LEAK},
-    sizes=(
-        Sized("gap", LOBE, 1.0, (0.0, 0.1)),
-        Sized("length", SPAN, 30.0, (0.01, 3.0)),
-    ),
+    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)), Sized("length", SPAN, 30.0, (0.01, 3.0))),
 )

@@ -53,8 +53,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({CYLINDER}),
     usual={CYLINDER: LEAK},
-    sizes=(
-        Sized("gap", BORE, 0.5, (0.0, 0.01)),
-        Sized("area", PISTON, 1.0, (0.0, 0.01)),
-    ),
+    sizes=(Sized("gap", BORE, 0.5, (0.0, 0.01)), Sized("area", PISTON, 1.0, (0.0, 0.01))),
 )

@@ -126,8 +126,5 @@ EFFECT = Effect(
     check=check,
     check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
-    sizes=(
-        Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)),
-        Sized("radial_area", SHELL, WIDEST, (0.0, 0.5)),
-    ),
+    sizes=(Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)), Sized("radial_area", SHELL, WIDEST, (0.0, 0.5))),
 )

@@ -134,8 +134,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
-    sizes=(
-        Sized("axis_distance", DIAMETER, 10.0, (0.5, 1.2)),
-        Sized("bearing_distance", SPAN, 100.0, (0.0, 2.0)),
-    ),
+    sizes=(Sized("axis_distance", DIAMETER, 10.0, (0.5, 1.2)), Sized("bearing_distance", SPAN, 100.0, (0.0, 2.0))),
 )

@@ -28,12 +28,7 @@ NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes 
 
 
 def efficiencies(
-    gas: Gas,
-    lines: Lines,
-    inlet: Inlet,
-    flow: float,
-    shaft_power: float,
-    drawn: Sequence[tuple[float, Reservoir]] = (),
+    gas: Gas, lines: Lines, inlet: Inlet, flow: float, shaft_power: float, drawn: Sequence[tuple[float, Reservoir]] = ()
 ) -> tuple[dict[str, float | None], dict[str, str]]:
     """Return isothermal and isentropic efficiency (M35, M36), or None with the reason.
 

@@ -251,12 +251,7 @@ def _doubled(x: Array) -> Array:
 
 
 def _inserted(
-    solve: _Solver,
-    inputs: Sequence[Input],
-    nodes: Sequence[Array],
-    axis: int,
-    finer: Array,
-    known: tuple[Array, Array],
+    solve: _Solver, inputs: Sequence[Input], nodes: Sequence[Array], axis: int, finer: Array, known: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """Return values and soundness on the grid with the nodes between those of an axis, which alone are simulated."""
     between = finer[1::2]

@@ -7,15 +7,7 @@ from __future__ import annotations
 
 from screwsim.figures.registry import declared
 from screwsim.outputs import EFFICIENCY, Figure
-from screwsim.outputs.customary import (
-    SCALES,
-    ZERO_CELSIUS,
-    digits,
-    engineering_temperature,
-    quantity,
-    scale,
-    small,
-)
+from screwsim.outputs.customary import SCALES, ZERO_CELSIUS, digits, engineering_temperature, quantity, scale, small
 
 __all__ = [
     "SCALES",

@@ -28,7 +28,4 @@ def wall_speeds(machine: TwinScrew) -> dict[str, float]:
     tips = male, ratio * female  # speeds over that of the male rotor [m]
     lines = sum(hypot(speed, lead) for speed in tips)
     faces = 0.5 * (male + centres - female), 0.5 * ratio * (female + centres - male)  # at the middle of the lobes
-    return {
-        TIP_GAP: lead * sum(tips) / (lines * male),
-        END_GAP: 0.5 * sum(faces) / male,
-    }
+    return {TIP_GAP: lead * sum(tips) / (lines * male), END_GAP: 0.5 * sum(faces) / male}

@@ -159,13 +159,7 @@ def part_load(
 
 
 def _at_best(
-    scene: Scene,
-    control: Control,
-    known: Sequence[Step],
-    step: Step,
-    full: float,
-    among: Sequence[float],
-    aim: Aim,
+    scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float], aim: Aim
 ) -> Step:
     """Return a step with the ratio of its best COP: between those tried by a parabola, at the same load."""
     solve, cop = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}

@@ -166,10 +166,7 @@ def _drive(fluid: str, duty: Duty) -> dict[str, str]:
 def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
     drop = duty.p_d - duty.p_s
     bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(WARM), drop)
-    return {
-        "bore": sizes.mm(bore, 2),
-        "jet": f"{1e-5 * drop:.2g} bar",
-    }
+    return {"bore": sizes.mm(bore, 2), "jet": f"{1e-5 * drop:.2g} bar"}
 
 
 def _reference(duty: Duty) -> tuple[float, float]:

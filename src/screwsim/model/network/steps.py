@@ -38,10 +38,7 @@ def step_texts(network: Network) -> list[str]:
 
 def step_kernels(network: Network) -> list[Kernel]:
     """Return what those functions call, and those of port states and of gas between two steps."""
-    asked = {
-        share_before_border: network.phases,
-        share_before_switch: any(port.one_way for port in network.ports),
-    }
+    asked = {share_before_border: network.phases, share_before_switch: any(port.one_way for port in network.ports)}
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
     return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
 

@@ -13,16 +13,7 @@ from screwsim.inputs.faults import UsageError
 __all__ = ["report"]
 
 _NEEDED = ("jinja2", "plotly")
-_SCRIPTS = (
-    "numbers.js",
-    "theme.js",
-    "unpack.js",
-    "drawing.js",
-    "overview.js",
-    "ledger.js",
-    "case.js",
-    "start.js",
-)
+_SCRIPTS = ("numbers.js", "theme.js", "unpack.js", "drawing.js", "overview.js", "ledger.js", "case.js", "start.js")
 _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
 
 

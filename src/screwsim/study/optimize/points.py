@@ -89,10 +89,7 @@ def points_of(scene: Scene, standard: Standard) -> Points:
     points = []
     for name, rating in zip("ABCD", standard.ratings, strict=True):
         condensing = max(rating.entering + warm * rating.load, LEAST_CONDENSING)
-        values = {
-            EVAPORATING: WATER - cold * rating.load + ZERO_CELSIUS,
-            CONDENSING: condensing + ZERO_CELSIUS,
-        }
+        values = {EVAPORATING: WATER - cold * rating.load + ZERO_CELSIUS, CONDENSING: condensing + ZERO_CELSIUS}
         points.append(OperatingPoint(name, values, rating.weight, rating.load))
     return Points(standard.name, tuple(points), standard.energy, SPEED, tuple(_told(standard, cold, warm)))
 
