@@ -231,9 +231,6 @@ class LaneOperations(Expressions):
             found = self.new(f"insertelement {REAL} {found}, double {one}, i64 {lane}")
         return Value(FLOATS, (found,))
 
-    def _kernel(self, name: str, values: Sequence[Value]) -> Value:
-        raise NotImplementedError
-
     def _abs(self, values: Sequence[Value], node: ast.Call) -> Value:
         if values[0].kind in (FLOAT, FLOATS):
             return self.called("fabs", values)
