@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.arguments import TEXT, takes
+from screwsim.inputs.arguments import takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle, families, maps, sweeps
@@ -54,7 +54,7 @@ def mass_flows(result: CycleLike, ax: Any = None) -> Any:
     return _drawn(cycle.draw_flows, result, ax)
 
 
-@takes(figure=TEXT)
+@takes()
 def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure over one axis of a sweep, one curve for each value of a second; return the axes.
 
@@ -84,7 +84,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     return axes
 
 
-@takes(figure=TEXT)
+@takes()
 def contours(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure as filled contours over two axes of a sweep, with a colour bar; return the axes."""
     found = _results(results)

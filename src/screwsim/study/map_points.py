@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import NUMBER, TEXTS, takes
+from screwsim.inputs.arguments import NUMBER, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
 from screwsim.results import Results, open_results
@@ -32,7 +32,7 @@ class MapPoint(NamedTuple):
     figures: Mapping[str, float]
 
 
-@takes(evaporating_temperature=NUMBER, condensing_temperature=NUMBER, figures=TEXTS)
+@takes(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
 def evaluate_map(
     results: Results | str | os.PathLike[str],
     evaporating_temperature: float,

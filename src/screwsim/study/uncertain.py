@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.arguments import JOBS, PROGRESS, instance, takes
+from screwsim.inputs.arguments import instance, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
@@ -116,7 +116,7 @@ class Uncertainty(Brief):
         }
 
 
-@takes(result=instance(Result, "what simulate returned"), jobs=JOBS, progress=PROGRESS)
+@takes(result=instance(Result, "what simulate returned"))
 def uncertainty(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     *,
