@@ -291,7 +291,7 @@ def loads(
     from screwsim.printing.export import print_loads
 
     keep_other_loads(output)
-    spans, through = spans_of(bearings), spans_of(shafts, "shafts")
+    spans, through = spans_of(bearings), spans_of(shafts, "--shafts")
     scene, result = run_of(source, overrides or (), without or ())
     if not result.cycle:
         return options.complain(f"{source}: {result.told}", NOT_ALL_OK)
