@@ -1,7 +1,5 @@
 """The parts that the composer takes: geometry, gas, oil, effects, and how they are made ready for a sweep."""
 
-from __future__ import annotations
-
 from screwsim.build.gas import build_gas
 from screwsim.build.site import build_site
 from screwsim.build.stock import Stock

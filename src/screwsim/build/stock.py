@@ -1,7 +1,5 @@
 """Machine, gas and effects of a scene, kept for the next one of a sweep."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """A scene completed by what is found with its cycle: temperatures of oil and separator, losses of a package."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace

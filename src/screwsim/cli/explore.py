@@ -1,7 +1,5 @@
 """The command that shows a machine as a live page: settings under sliders, solved anew while one looks."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

@@ -1,7 +1,5 @@
 """The commands that show: rotors, results as figures and as a page, the comparison with sources, schemas."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

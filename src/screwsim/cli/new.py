@@ -1,7 +1,5 @@
 """The command that begins: a complete, commented scene of a realistic machine, to be changed by hand."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

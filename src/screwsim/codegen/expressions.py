@@ -1,7 +1,5 @@
 """Expressions of a text in LLVM's language: names, choices, elements and parts of arrays, calls of kernels."""
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Callable, Sequence

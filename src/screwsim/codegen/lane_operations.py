@@ -4,8 +4,6 @@ A whole number that is the same in all lanes stays one: indices of loops, places
 a number of the text.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Sequence
 

@@ -4,8 +4,6 @@ Lanes are written when they are first asked for, in seconds, and kept: what runs
 before, so that one scene has one answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 

@@ -4,8 +4,6 @@ A name with a dot (`my_package.my_effect`) is imported from the user's own code,
 here.
 """
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from functools import cache

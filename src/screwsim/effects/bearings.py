@@ -9,8 +9,6 @@ The loss heats nothing that the chamber model sees: it is dissipated at ambient 
 Parameters: friction, load, the loads or areas, friction_coefficient and bore, or mean_diameter, f_0, f_1, count.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot, pi
 

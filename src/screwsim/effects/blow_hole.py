@@ -12,8 +12,6 @@ Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (a
 four not with a profile), flow_coefficient; area_file (of the high-pressure cusp's, or of a profile's both).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -9,8 +9,6 @@ integrators know no such ends of steps: for them the opening rises by a C1 cubic
 Parameters: suction_area, discharge_area, flow_coefficient.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath, Reading

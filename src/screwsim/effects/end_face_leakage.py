@@ -11,8 +11,6 @@ Parameters: gap, length and suction_share (not with a profile), flow_coefficient
 chamber).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

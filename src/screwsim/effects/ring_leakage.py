@@ -7,8 +7,6 @@ leaks into it comes back as suction gas of the line's state; one equivalent gap 
 Parameters: gap (of the joints and flanks, around the bore), or area; flow_coefficient.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

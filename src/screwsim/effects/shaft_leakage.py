@@ -12,8 +12,6 @@ Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient; mod
 gas_viscosity.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

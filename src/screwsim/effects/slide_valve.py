@@ -10,8 +10,6 @@ Assumptions: straight motion of both edges with x; `machine.discharge_port` is t
 Parameters: flow_coefficient; position, slot_area, closes; radial_area, radial_opens, radial_opens_moved; or area_file.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -12,8 +12,6 @@ back than is sucked, the rest leaves by the line, mixed as it came.
 Parameters: none.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, SuctionLine

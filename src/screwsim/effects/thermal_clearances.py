@@ -12,8 +12,6 @@ Parameters: reference_temperature, rotor_expansion, housing_expansion, axis_dist
 rotor_temperature, housing_temperature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Figures of an expander: power out, its isentropic efficiency, filling (docs/model.md M151, M152)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

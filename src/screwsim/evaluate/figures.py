@@ -1,7 +1,5 @@
 """The performance figures that a scene calls for, of a closed cycle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -7,8 +7,6 @@ state in which it did. It is the compiled kernels that are asked, with the numbe
 nothing is asked.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45, M410)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache

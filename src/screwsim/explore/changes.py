@@ -4,8 +4,6 @@ A change comes from a browser, and so it is read as a value of its field and wri
 becomes YAML.
 """
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections.abc import Iterable, Mapping

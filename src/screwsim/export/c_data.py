@@ -1,7 +1,5 @@
 """The numbers of a map as a C header, and the C sources that read it."""
 
-from __future__ import annotations
-
 import hashlib
 import uuid
 from importlib import resources

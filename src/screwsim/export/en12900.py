@@ -1,7 +1,5 @@
 """Rating tables and coefficients as EN 12900 and AHRI 540 have them, as text with commas, in SI or inch-pound units."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A run with its cycle, of a scene that is simulated or of a file that keeps one; and lengths of an option."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

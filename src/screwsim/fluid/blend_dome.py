@@ -5,8 +5,6 @@ is a derivative):
     p = −f_v,  s = −f_T,  h = f − T f_T − v f_v,  c_v = −T f_TT,  T p_T = −T f_Tv,  w² = v² (f_vv + T f_Tv²/c_v).
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

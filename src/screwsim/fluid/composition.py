@@ -5,8 +5,6 @@ pseudo-pure fluid has the short one (`R407C.mix`), and of one's own `R32/R1234yf
 `(mole 0.8/0.2)`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from functools import cache, lru_cache

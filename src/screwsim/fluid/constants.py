@@ -7,8 +7,6 @@ grows with a sweep over conditions: a process leaves its first answers to others
 next process, and the oldest answers in memory make room.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
 import threading

@@ -4,8 +4,6 @@ A scene names a model of one's own as it names an effect of one's own, `gas.mode
 variable `GAS`, a `GasModel` that makes a gas (`fluid.gas`) of what the scene says.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """What a scene says of the gas and of the oil (typed, SI units)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

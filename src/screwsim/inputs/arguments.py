@@ -1,7 +1,5 @@
 """Arguments of public functions: each is held to its kind before anything begins, and told of in one line."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 import math

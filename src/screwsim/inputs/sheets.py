@@ -5,8 +5,6 @@ begin with # say nothing. A row with more or fewer cells than there are names is
 have made two cells of one number.
 """
 
-from __future__ import annotations
-
 import csv
 import os
 from dataclasses import dataclass

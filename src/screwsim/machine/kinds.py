@@ -1,7 +1,5 @@
 """The registry of machines: the built-in kinds by name, those of a user's own by the dotted name of their module."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

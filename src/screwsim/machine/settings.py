@@ -1,7 +1,5 @@
 """What a scene says of a twin-screw machine (typed, SI units), and the checks that its geometry demands."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

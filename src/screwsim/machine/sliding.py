@@ -4,8 +4,6 @@ Source: docs/model.md M256; kinematics of helical rotors (textbook). The tips of
 angle each, the lobes' end faces lie between root and outer circle.
 """
 
-from __future__ import annotations
-
 from math import hypot, radians
 
 from screwsim.machine.protocol import END_GAP, TIP_GAP

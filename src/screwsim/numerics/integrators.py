@@ -5,8 +5,6 @@ integrates the coupled chambers from where our own method closed. Another one is
 which a scene names as it names an effect of its own: `numerics.integrator: my_integrators.rodasp`.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """What a scene says of the numerical solution."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.inputs.declare import choice, number

@@ -1,7 +1,5 @@
 """Try a call in a child process first: what kills a process kills that one, and is told."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import signal

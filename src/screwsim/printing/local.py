@@ -1,7 +1,5 @@
 """What `screwsim sensitivity --local` prints and writes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What a knock-out found, in the results of one run: figures over the effects that were left out in turn."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

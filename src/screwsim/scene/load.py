@@ -1,7 +1,5 @@
 """Load a scene: file, base, overrides, typed sections, cross-checks; every fault at once."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable

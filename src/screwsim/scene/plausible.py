@@ -4,8 +4,6 @@ Of a single value by the bounds that its field declares (`hardly=`), of sizes by
 lines by the fluid. The scene is solved as it is written.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress

@@ -5,8 +5,6 @@ the wanted loads are interpolated, solved, and once corrected. Where the built-i
 load is met again at the ratio of the best COP there.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

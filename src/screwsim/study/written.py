@@ -1,7 +1,5 @@
 """A scene that a study found, as a file: its base, and the paths that differ from it; whole where that says not all."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Sizes scale from machines that the program knows (`template.sizes`); every number of the text says where it is from.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 

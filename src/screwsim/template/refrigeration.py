@@ -1,7 +1,5 @@
 """A screw compressor of a refrigeration plant or a heat pump: that of configs/r134a/compact.yaml in another size."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@
 the volume ends at φ = τ. A chamber's own angle counts from the beginning of its life. Units SI.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 import os

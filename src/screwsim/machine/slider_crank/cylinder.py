@@ -1,7 +1,5 @@
 """The cylinder of a slider-crank as model and effects ask for it: one chamber, whose life is one turn of the crank."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

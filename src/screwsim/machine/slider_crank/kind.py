@@ -1,7 +1,5 @@
 """Slider-crank machines: what they offer to effects, and what of their sizes can be."""
 
-from __future__ import annotations
-
 from operator import attrgetter
 
 from screwsim.machine.protocol import BORE, CYLINDER, PISTON, MachineKind, Measure, Size, Speed

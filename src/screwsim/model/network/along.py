@@ -8,8 +8,6 @@ parameters, by which tests hold the text's derivatives along every number, and w
 Source: docs/model.md M1–M13; docs/explanation/numerics.md, derivatives by the numbers of a scene.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

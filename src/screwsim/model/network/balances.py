@@ -3,8 +3,6 @@
 Source: docs/model.md M1–M9, M104–M110, M170, M230, M253, M257. `network.chamber` and `network.chambers` write them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope

@@ -4,8 +4,6 @@ Source: docs/model.md M10–M13, M184–M186, M190, M250–M252, M256. A flow [k
 has the port state that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.fluid.nozzle import flow

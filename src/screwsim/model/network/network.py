@@ -4,8 +4,6 @@ Cells are the chambers, both lines and the plenums of effects. Connections are p
 gaps (two chambers), oil ports, oil that gives off gas, heat rates and walls. What is not named is not there.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field, fields
 from functools import cache

@@ -3,8 +3,6 @@
 Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 from screwsim.model.borders import share_before_border, share_before_switch
 from screwsim.model.closing_ports import closes, stiff
 from screwsim.model.network.cell import Cell

@@ -1,7 +1,5 @@
 """The page: one HTML file that shows a results file to a person, without a network and without this program."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from importlib import resources
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """The fitted machine as a scene file: its base, and the paths that the fit changed."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path

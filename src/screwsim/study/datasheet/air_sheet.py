@@ -1,7 +1,5 @@
 """The rating of an air package as a sheet: in the trade's order, metric beside American units."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

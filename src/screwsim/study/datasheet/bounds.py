@@ -1,7 +1,5 @@
 """Limits of a machine, FIGURE<VALUE or FIGURE>VALUE, and the envelope within which all of them hold."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The rating of a gas compressor or an expander as a sheet: what it says, draws and gives to programs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

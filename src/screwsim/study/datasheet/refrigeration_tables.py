@@ -1,7 +1,5 @@
 """The tables of a refrigeration machine's sheet: figures over both temperatures, part load, envelope."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from screwsim.figures.engineering import quantity

@@ -1,7 +1,5 @@
 """Lines and notes of sheets of several kinds: motor, oil, limits, the highest of figures, what points warn of."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 

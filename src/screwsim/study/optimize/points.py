@@ -1,7 +1,5 @@
 """Operating points over which figures are weighted: of a CSV file, or of a seasonal figure by its name."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -5,8 +5,6 @@ the stored cases of an interrupted one are its first answers. A batch is cut int
 other; the cut depends on the batch alone, so that answers depend neither on the number of workers nor on interruptions.
 """
 
-from __future__ import annotations
-
 import pickle
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """An optimisation on disk: all its cases as results of a sweep are, and what was aimed at over the evaluations."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager

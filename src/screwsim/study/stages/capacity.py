@@ -1,7 +1,5 @@
 """Cooling and heating capacity of two stages in a row, and the COP of both (docs/model.md M203, M410)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

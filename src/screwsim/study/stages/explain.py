@@ -1,7 +1,5 @@
 """What a file of stages simulates, in words: what lies between both, then each stage as a scene."""
 
-from __future__ import annotations
-
 import textwrap
 
 from screwsim.explain import WIDTH, explain

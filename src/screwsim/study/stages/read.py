@@ -1,7 +1,5 @@
 """Read STAGES.yaml: the scenes of both stages and what lies between them; every fault at its line."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass

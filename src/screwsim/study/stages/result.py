@@ -1,7 +1,5 @@
 """What comes of two stages together."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

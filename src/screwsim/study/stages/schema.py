@@ -1,7 +1,5 @@
 """JSON Schema of a file of stages, for editors and other programs, from the declarations that read it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from screwsim.scene.fields import Leaf, section_of

@@ -1,7 +1,5 @@
 """The intermediate pressure of two stages, and the figures of the whole (docs/model.md M200–M203)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
