@@ -119,7 +119,8 @@ def tabulate(
         if checked and max(errors) <= SAFE * wanted:
             break
         axis = _coarsest(nodes, values, sound, outputs)
-        finer = _doubled(nodes[axis])
+        x = nodes[axis]
+        finer = np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
         if math.prod(len(x) if i != axis else len(finer) for i, x in enumerate(nodes)) > most:
             break
         known = _inserted(solve, inputs, nodes, axis, finer, known)
@@ -244,10 +245,6 @@ def _axis_error(
 def _coarsest(nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequence[Output]) -> int:
     """Return the axis along which leaving out nodes errs most; one of few nodes counts as its errors are, larger."""
     return int(np.argmax([np.max(_axis_error(nodes, values, sound, outputs, axis)[0]) for axis in range(len(nodes))]))
-
-
-def _doubled(x: Array) -> Array:
-    return np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
 
 
 def _inserted(

@@ -64,21 +64,19 @@ def gas_sheet(rated: Rating) -> Sheet:
     heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_words(rated))}"
     meant = MEANT.replace("of ISO 1217 ", "") if expands else MEANT
     notes = [*notes_of(rated, _own_point(rated), meant)]
+    if not expands:
+        notes[-1:-1] = [NORMAL, *([PACKAGE] if scene.gas.name.lower() == "air" else [])]
     return Sheet(
         heading=heading,
         title=scene.title,
         lines=list(_lines(rated)),
         tables=list(_tables(rated)),
         verdict=None,
-        notes=notes if expands else [*notes[:-1], *_of_gas(scene), notes[-1]],
+        notes=notes,
         drawings=list(_drawings(rated)),
         document=_document(rated),
         ok=rated.ok,
     )
-
-
-def _of_gas(scene: Scene) -> list[str]:
-    return [NORMAL, PACKAGE] if scene.gas.name.lower() == "air" else [NORMAL]
 
 
 def _expands(rated: Rating) -> bool:
