@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, option
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, option
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -117,3 +117,25 @@ def schema(
     else:
         from screwsim.scene import schema as wanted
     print_json(wanted())
+
+
+Port = Annotated[int | None, option("N", "Port (default: 8421, or any that is free).", "--port", min=0, max=65535)]
+
+
+def explore(
+    scene_file: SceneFile,
+    overrides: Overrides = None,
+    without: Without = None,
+    port: Port = None,
+    host: Annotated[
+        str, option("ADDRESS", "Address to listen on; any but the loopback one asks for a token.", "--host")
+    ] = "127.0.0.1",
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
+) -> None:
+    """Show a scene as a live page in the browser: sliders, rotors that turn, p–V that follows; Ctrl-C ends it."""
+    from screwsim.explore import check_extra
+
+    check_extra()
+    from screwsim.explore.serve import serve
+
+    serve(scene_file, overrides or (), without or (), host, port, browser, say)

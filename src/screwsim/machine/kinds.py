@@ -9,7 +9,7 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine import twin_screw as _twin_screw
 from screwsim.machine.protocol import MachineGeometry, MachineKind, MachineSettings
 from screwsim.machine.settings import TwinScrew
-from screwsim.machine.slider_crank import kind as _slider_crank
+from screwsim.machine.slider_crank import cylinder as _slider_crank
 from screwsim.numerics.trial import found_in
 
 STEP = math.radians(0.5)  # at which a law of the user's own is looked at

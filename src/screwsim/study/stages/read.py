@@ -1,4 +1,4 @@
-"""Read STAGES.yaml: the scenes of both stages and what lies between them; every fault at its line."""
+"""Read STAGES.yaml: the scenes of both stages and what lies between, every fault at its line; its JSON Schema."""
 
 import os
 from collections.abc import Iterable
@@ -12,8 +12,9 @@ from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.scene import Scene, load
-from screwsim.scene.fields import section_of
+from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy
+from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
@@ -182,3 +183,24 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
         what = f"{what}: its liquid feeds the tank"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))
+
+
+def stages_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a file of stages; the scenes that it names have their own."""
+    section = section_of(Intercooler)
+    leaves = {name: leaf_schema(leaf) for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
+    cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
+    between = mapping(leaves, (), section.doc) | {
+        "if": cooled,
+        "then": {"required": ["outlet_temperature"]},
+        "else": {"properties": {"outlet_temperature": {"type": "null"}}},
+    }
+    files = {
+        "type": "array",
+        "description": f"the scenes of the {' and the '.join(NAMES)} stage, relative to this file",
+        "items": {"type": "string"},
+        "minItems": len(NAMES),
+        "maxItems": len(NAMES),
+    }
+    properties = {"title": {"type": ["string", "null"]}, KEY: files, "intercooler": between}
+    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [KEY])
