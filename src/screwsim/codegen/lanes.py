@@ -65,11 +65,11 @@ class LaneEmitter(LaneExpressions, Emitter):
 
     apart = True  # do lanes differ in what is stored?
 
-    def _put(self, part: str, register: str, slot: str, masked: bool | None = None) -> None:
+    def _put(self, part: str, register: str, place: str, masked: bool | None = None) -> None:
         if (self.split > 0 if masked is None else masked) and part[0] == "<":
-            before = self.new(f"load {part}, ptr {slot}")
+            before = self.new(f"load {part}, ptr {place}")
             register = self.new(f"select {MASK} {self.mask()}, {part} {register}, {part} {before}")
-        self.add(f"store {part} {register}, ptr {slot}")
+        self.add(f"store {part} {register}, ptr {place}")
 
     def masks(self, first: str) -> str:
         """Return room for a mask."""

@@ -138,6 +138,6 @@ PROGRESS = Kind(_progress, "no progress (pass True, False or None)")
 NUMBERS = Kind(_numbers, "neither a text as '140, 163 mm' nor a list of numbers")
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
 # arguments that mean the same wherever they are taken
-USUAL = dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
+USUAL: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
+USUAL |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
 USUAL |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLED)
-USUAL |= {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
