@@ -13,8 +13,6 @@ is 71.8 %. The second command gives the rest back: all four leaks go the same sh
 sample's to the upper bounds. No leak alone can: the widest tips leave 69.8 %.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor

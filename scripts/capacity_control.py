@@ -7,8 +7,6 @@ full load), as `screwsim datasheet` finds them (`study.part_load`).
     scripts/capacity_control.py [-o FOLDER]      writes capacity_control.csv and .png, .pdf (default: results/control)
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 from functools import partial

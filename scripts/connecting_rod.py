@@ -7,8 +7,6 @@ Sizes and load are the source's (validation/slider_crank/rod.csv); material and 
 assumptions, said so in the print. Equations and findings: docs/reference/slider-crank.md.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from pathlib import Path

@@ -5,8 +5,6 @@ Run: .venv/bin/python scripts/coupling.py [FOLDER]   (default: results/coupling)
 Printed values: validation/rubber_cord_coupling. Equations and findings: docs/reference/coupling.md.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from dataclasses import replace

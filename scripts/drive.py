@@ -3,8 +3,6 @@
 scripts/drive.py [-o FOLDER]      writes drive_campbell.png and .pdf, drive.csv (default: results/drive)
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

@@ -12,8 +12,6 @@ Starts are the machines of validation/paper/admissible.csv with A1-A4, nearest t
 figures of every row again.
 """
 
-from __future__ import annotations
-
 import csv
 import os
 import sys

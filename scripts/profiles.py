@@ -5,8 +5,6 @@ are compared at the displacement of (b) a male revolution: all lengths of a mach
 stay. Published: the mean of Bitzer's compact screws (validation/bitzer).
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from collections.abc import Iterator

@@ -5,8 +5,6 @@
 A section that is headed "(unreleased)" is printed, too, with a note on stderr: that is to be changed before the tag.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Sequence

@@ -5,8 +5,6 @@ Run: .venv/bin/python scripts/tolerance_study.py [FOLDER]   (default: results/to
 Printed values: validation/slider_crank. Equations and findings: docs/reference/slider-crank.md.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import NamedTuple

@@ -6,8 +6,6 @@
 Each public name is imported when it is first used, so that `import screwsim` costs nothing.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 import time

@@ -1,7 +1,5 @@
 """The command `screwsim`, also as `python -m screwsim`."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

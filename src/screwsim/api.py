@@ -3,14 +3,12 @@
 Each is the study of the command of that name; its arguments are what the command is given.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from screwsim.inputs.arguments import FILE, FLAG, JOBS, MAPPING, NUMBER, PROGRESS, QUANTITY, TEXT, TEXTS, takes, whole
+from screwsim.inputs.arguments import FILE, FLAG, MAPPING, NUMBER, QUANTITY, TEXT, TEXTS, takes, whole
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
 from screwsim.report.datasheet import check_sheet, write_sheet
@@ -37,7 +35,7 @@ SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
 ResultsLike = Results | str | os.PathLike[str]
 
 
-@takes(path=TEXT, figure=TEXT, low=QUANTITY, high=QUANTITY, minimum=FLAG, jobs=JOBS, progress=PROGRESS)
+@takes(path=TEXT, low=QUANTITY, high=QUANTITY)
 def optimum(
     scene: SceneLike,
     path: str = _optimum.OIL_RATIO,
@@ -62,17 +60,7 @@ def optimum(
     return _optimum.optimum(at, asked, jobs=jobs, progress=shown("optimum", progress))
 
 
-@takes(
-    evaporating=TEXT,
-    condensing=TEXT,
-    suction=TEXT,
-    discharge=TEXT,
-    limits=TEXTS,
-    heating=FLAG,
-    output=FILE,
-    jobs=JOBS,
-    progress=PROGRESS,
-)
+@takes(evaporating=TEXT, condensing=TEXT, suction=TEXT, discharge=TEXT, limits=TEXTS, heating=FLAG)
 def datasheet(
     scene: SceneLike,
     *,
@@ -112,7 +100,7 @@ def datasheet(
     return found
 
 
-@takes(figures=TEXTS)
+@takes()
 def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES) -> list[_map.PerformanceMap]:
     """Return the ten-coefficient maps of a sweep over both temperatures, one for each point of its other axes.
 
@@ -122,7 +110,7 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES)
     return _map.performance_maps(results_of(results), listed(figures))
 
 
-@takes(jobs=JOBS, progress=PROGRESS)
+@takes()
 def calibrate(
     fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: Progress | bool | None = None
 ) -> Calibration:
@@ -130,7 +118,7 @@ def calibrate(
     return _calibrate(_read(fit), jobs=jobs, progress=shown("calibrate", progress))
 
 
-@takes(predict=FILE, jobs=JOBS, progress=PROGRESS)
+@takes(predict=FILE)
 def posterior(
     fit: Calibration | Fit | str | os.PathLike[str],
     *,
@@ -156,7 +144,7 @@ def posterior(
     return _sampled(found, points, jobs=jobs, progress=shown("posterior", progress))
 
 
-@takes(scene=FILE, data=FILE, unchanged=NUMBER, pairs=NUMBER, jobs=JOBS, progress=PROGRESS)
+@takes(scene=FILE, data=FILE, unchanged=NUMBER, pairs=NUMBER)
 def diagnose(
     fit: Fit | str | os.PathLike[str],
     *,
@@ -183,8 +171,6 @@ def diagnose(
     count=whole(1, "no number of points (pass 1 or more)"),
     scene=FILE,
     data=FILE,
-    jobs=JOBS,
-    progress=PROGRESS,
 )
 def plan(
     fit: Fit | str | os.PathLike[str],

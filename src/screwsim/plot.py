@@ -8,15 +8,13 @@ Each returns the axes; without `ax` it draws into those of a new figure of pyplo
 `screwsim plot` writes them: `screwsim.plot.write`.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.arguments import TEXT, takes
+from screwsim.inputs.arguments import takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle, families, maps, sweeps
@@ -54,7 +52,7 @@ def mass_flows(result: CycleLike, ax: Any = None) -> Any:
     return _drawn(cycle.draw_flows, result, ax)
 
 
-@takes(figure=TEXT)
+@takes()
 def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure over one axis of a sweep, one curve for each value of a second; return the axes.
 
@@ -84,7 +82,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     return axes
 
 
-@takes(figure=TEXT)
+@takes()
 def contours(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
     """Draw a figure as filled contours over two axes of a sweep, with a colour bar; return the axes."""
     found = _results(results)

@@ -4,8 +4,6 @@ Scenes, results files and names of files may hold control characters: sequences 
 rename the window, or turn the direction of writing.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 

@@ -1,7 +1,5 @@
 """One scene → one result: close the cycle, take the figures, judge the balances."""
 
-from __future__ import annotations
-
 import math
 import operator
 import os

@@ -6,8 +6,6 @@ is `1.3.0.dev5+g1a2b3c4d`: five commits on from the last tag, towards what the c
 where that is released already, the next patch); without any tag, all commits; `.dirty` where tracked files differ.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from functools import cache

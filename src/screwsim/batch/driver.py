@@ -3,8 +3,6 @@
 Needs the package cuda-bindings (`pip install 'screwsim[gpu]'`) and the driver that comes with a device.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib.util
 import os

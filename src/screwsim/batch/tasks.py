@@ -6,8 +6,6 @@ them have asked, the turns of one structure are integrated together (`model.side
 result depends on which points ran beside it.
 """
 
-from __future__ import annotations
-
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence

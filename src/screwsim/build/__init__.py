@@ -14,23 +14,3 @@ from screwsim.build.temperatures import (
     package_of,
     temperature_faults,
 )
-
-__all__ = [
-    "WIDTH",
-    "Stock",
-    "Temperatures",
-    "blamed",
-    "build_gas",
-    "build_parts",
-    "build_site",
-    "completed",
-    "faults_of_own",
-    "filled",
-    "in_separator",
-    "open_temperatures",
-    "package_of",
-    "parts_of",
-    "prepare",
-    "regularisation",
-    "temperature_faults",
-]

@@ -1,7 +1,5 @@
 """The gas that a scene names."""
 
-from __future__ import annotations
-
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.models import Asked, find_gas_model, lacking

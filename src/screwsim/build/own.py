@@ -1,7 +1,5 @@
 """Faults of modules of the user's own: gases, machines, effects, which a scene names."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from traceback import walk_tb

@@ -1,11 +1,6 @@
 """What parts of effects can ask of the scene around them."""
 
-from __future__ import annotations
-
-from screwsim.effects.base import (
-    Around,
-    Site,
-)
+from screwsim.effects.base import Around, Site
 from screwsim.fluid.gas import Gas
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene

@@ -5,8 +5,6 @@
 (`effects.parts.sought`). All are found with the cycle (`solve.circuit`), each as a coordinate in kelvin.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -1,22 +1,12 @@
 """Machine, gas and effects of a scene, kept for the next one of a sweep."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.build.gas import asked_of, build_gas
 from screwsim.build.site import around_of
-from screwsim.effects.base import (
-    ChamberState,
-    FlowPath,
-    HeatRate,
-    LineLeak,
-    Made,
-    Scaled,
-    Wall,
-)
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Wall
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.models import find_gas_model
 from screwsim.fluid.settings import GasSettings
@@ -121,12 +111,10 @@ def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) ->
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
-        built = [_with(part, numbers) if isinstance(part, Numbered) else part for part in built]
+        built = [
+            replace(part, values={**part.values, **numbers}) if isinstance(part, Numbered) else part for part in built
+        ]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
     return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
-
-
-def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
-    return replace(part, values={**part.values, **numbers})

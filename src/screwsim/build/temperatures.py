@@ -1,19 +1,12 @@
 """A scene completed by what is found with its cycle: temperatures of oil and separator, losses of a package."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.build import sought
-from screwsim.effects.base import (
-    CoolsOil,
-    InSeparator,
-    LosesPressure,
-    PressureLosses,
-)
+from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure, PressureLosses
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS

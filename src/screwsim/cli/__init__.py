@@ -3,8 +3,6 @@
 Heavy modules are imported inside the commands, so that `--help` answers at once.
 """
 
-from __future__ import annotations
-
 import copy
 import errno
 import io
@@ -19,7 +17,6 @@ import typer
 
 from screwsim.cli import files, measured, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
-from screwsim.cli.explore import explore
 from screwsim.cli.export import app as export_app
 from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
@@ -58,7 +55,7 @@ def _root(
 
 _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
-_FILES = (explore, files.rotors, files.plot, files.report, files.validate, files.schema)
+_FILES = (files.explore, files.rotors, files.plot, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
 _MEASURED = (measured.diagnose, measured.plan, studies.tolerance, studies.startup)
 for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):

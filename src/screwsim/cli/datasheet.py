@@ -1,7 +1,5 @@
 """The command that rates: a scene's data sheet, in the form that its trade uses."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

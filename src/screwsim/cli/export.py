@@ -277,8 +277,7 @@ def loads(
         option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'."),
     ] = None,
     shafts: Annotated[
-        str | None,
-        option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'."),
+        str | None, option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'.")
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
@@ -292,7 +291,7 @@ def loads(
     from screwsim.printing.export import print_loads
 
     keep_other_loads(output)
-    spans, through = spans_of(bearings), spans_of(shafts, "shafts")
+    spans, through = spans_of(bearings), spans_of(shafts, "--shafts")
     scene, result = run_of(source, overrides or (), without or ())
     if not result.cycle:
         return options.complain(f"{source}: {result.told}", NOT_ALL_OK)

@@ -1,14 +1,12 @@
 """The commands that show: rotors, results as figures and as a page, the comparison with sources, schemas."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, option
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, option
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -37,8 +35,7 @@ def rotors(
 
 
 def plot(
-    results_file: ResultsFile,
-    folder: Annotated[str | None, option("DIR", "Where the figures go.", "-o")] = None,
+    results_file: ResultsFile, folder: Annotated[str | None, option("DIR", "Where the figures go.", "-o")] = None
 ) -> None:
     """Draw the figures of a results file."""
     options.check_drawer(Path(folder) if folder is not None else None)
@@ -69,10 +66,7 @@ def validate(
     ] = None,
     folder: Annotated[
         Path | None,
-        option(
-            "DIR",
-            "Where the sources lie, programs that are run (default: those of the package that is running).",
-        ),
+        option("DIR", "Where the sources lie, programs that are run (default: those of the package that is running)."),
     ] = None,
     output: Annotated[Path | None, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,
     jobs: Jobs = None,
@@ -123,3 +117,25 @@ def schema(
     else:
         from screwsim.scene import schema as wanted
     print_json(wanted())
+
+
+Port = Annotated[int | None, option("N", "Port (default: 8421, or any that is free).", "--port", min=0, max=65535)]
+
+
+def explore(
+    scene_file: SceneFile,
+    overrides: Overrides = None,
+    without: Without = None,
+    port: Port = None,
+    host: Annotated[
+        str, option("ADDRESS", "Address to listen on; any but the loopback one asks for a token.", "--host")
+    ] = "127.0.0.1",
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
+) -> None:
+    """Show a scene as a live page in the browser: sliders, rotors that turn, p–V that follows; Ctrl-C ends it."""
+    from screwsim.explore import check_extra
+
+    check_extra()
+    from screwsim.explore.serve import serve
+
+    serve(scene_file, overrides or (), without or (), host, port, browser, say)

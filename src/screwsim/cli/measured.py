@@ -1,7 +1,5 @@
 """The commands that ask measured points of a machine: what has changed since, and which points to measure next."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Arguments that make no sense: what a person may have meant, where following it does nothing else."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Iterable, Sequence

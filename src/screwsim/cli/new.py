@@ -1,7 +1,5 @@
 """The command that begins: a complete, commented scene of a realistic machine, to be changed by hand."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 
@@ -56,16 +54,12 @@ def new(
     if output is not None:
         _free(output)
     from screwsim.results.atomic import write_text
-    from screwsim.template import AIR, CONDENSING, KINDS, asked_of, new_scene
+    from screwsim.template import KINDS, asked_of, kind_of, new_scene
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
-    sheet = {"--motor": motor, "--flow": flow, "--pressure": pressure}
-    other = next((name for name, stated in sheet.items() if stated is not None), None)
-    if other is not None and kind in KINDS and kind != AIR:
-        raise UsageError(f"{other}: is of an air package's sheet (write screwsim new {AIR}; {kind} has --displacement)")
-    if economizer and kind in KINDS and kind not in CONDENSING:
-        raise UsageError(f"--economizer: is of {' and '.join(CONDENSING)}, whose liquid it cools (remove it)")
+    stated = {"--motor": motor, "--flow": flow, "--pressure": pressure, "--economizer": economizer or None}
+    kind_of(kind, [name for name, value in stated.items() if value is not None])
     asked = asked_of(
         fluid,
         displacement,
@@ -79,7 +73,7 @@ def new(
         pressure=pressure,
         economizer=economizer,
     )
-    if asked.by_sheet and kind == AIR:
+    if asked.by_sheet:
         from screwsim.printing.tables import wrapped
         from screwsim.study.sized import sized, told
 

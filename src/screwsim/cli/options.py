@@ -32,8 +32,7 @@ def option(value: str, says: str, *names: str, **more: Any) -> Any:
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
 ResultsFile = Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)]
 Overrides = Annotated[
-    list[str] | None,
-    option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set"),
+    list[str] | None, option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set")
 ]
 Without = Annotated[list[str] | None, option("EFFECT", "Leave an effect out.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout, nothing else.")]

@@ -7,8 +7,6 @@ A reader that has seen enough (`| head -1`), and a stream that was closed from t
 is written to them goes nowhere, and the command ends as it would have.
 """
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import gc

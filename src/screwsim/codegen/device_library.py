@@ -5,8 +5,6 @@ A device has no library of the processor's: exponentials, logarithms and powers 
 gives the bits that a processor gives with the same functions.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Callable, Mapping, Sequence

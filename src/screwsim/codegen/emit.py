@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from screwsim.codegen.expressions import NONE, Expressions
-from screwsim.codegen.kinds import FLOAT, INTEGER, NOTHING, TRUTH, Kind, Value, joined
+from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, NOTHING, TRUTH, Kind, Value, joined
 from screwsim.codegen.program import CannotCompile, constant
 
 if TYPE_CHECKING:
@@ -48,11 +48,15 @@ class Emitter(Expressions):
             self.passes += 1
             parameters = self._write()
         returned = self.returns or NOTHING
-        if not self.closed:
-            self.add("ret void" if returned == NOTHING else f"ret {returned.returned} zeroinitializer")
+        self._end(returned)
         apart = " noinline" if len(self.lines) > LONG else ""  # compiled once, not into each of its callers
         head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"
         return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
+
+    def _end(self, returned: Kind) -> None:
+        """Write what follows the last statement."""
+        if not self.closed:
+            self.add("ret void" if returned == NOTHING else f"ret {returned.returned} zeroinitializer")
 
     def _write(self) -> str:
         self.lines: list[str] = []
@@ -81,9 +85,8 @@ class Emitter(Expressions):
         """Give a variable a value."""
         if value.kind == NOTHING:
             raise self.fail(node, f"{name} is given nothing")
-        known = (self.kinds.get(name) if self.depth else None) or self.wide.get(
-            name
-        )  # outside of branches it may change
+        known = self.kinds.get(name) if self.depth else None  # outside of branches it may change
+        known = known or self.wide.get(name)
         kind = joined(known or value.kind, value.kind)
         if kind is None:
             raise self.fail(node, f"{name} is {known} here and {value.kind} there")
@@ -94,7 +97,10 @@ class Emitter(Expressions):
             self.places.pop(name, None)
         value = self.as_kind(value, kind)
         for part, register, place in zip(kind.parts, value.parts, self._place(name), strict=True):
-            self.add(f"store {part} {register}, ptr {place}")
+            self._put(part, register, place)
+
+    def _put(self, part: str, register: str, place: str) -> None:
+        self.add(f"store {part} {register}, ptr {place}")
 
     def _place(self, name: str) -> tuple[str, ...]:
         if name not in self.places:
@@ -193,13 +199,18 @@ class Emitter(Expressions):
             self.jump(after)
         self.start(after)
 
-    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
+    def _bounds(self, bounds: Sequence[ast.expr], node: ast.For) -> tuple[Value, Value, int]:
+        """Return first, last and step of a range."""
         values = [self.whole(self.expression(each), each) for each in bounds]
         first = values[0] if len(values) > 1 else constant(0)
         last = values[0] if len(values) == 1 else values[1]
         step = values[2].known if len(values) == 3 else 1
         if not step:
             raise self.fail(node, "the step of range must be a number of the text")
+        return first, last, step
+
+    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
+        first, last, step = self._bounds(bounds, node)
         counter = self.slot("i64")
         self.add(f"store i64 {first.parts[0]}, ptr {counter}")
         head, inside, following, after = self.labels("head", "inside", "next", "after")
@@ -248,18 +259,24 @@ class Emitter(Expressions):
         self.start(after)
 
     def _return(self, value: Value, node: ast.Return) -> None:
+        value = self._returned(value, node)
+        self.give_back(value.kind, value.parts)
+        self.closed = True
+
+    def _returned(self, value: Value, node: ast.Return) -> Value:
+        """Return what is given back as the kind that all returns have."""
         kind = joined(self.returns or value.kind, value.kind)
         if kind is None or "c" in (kind.name, *(each.name for each in kind.of)):
             raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
         self.again |= kind != (self.returns or kind)
         self.returns = kind
-        value = self.as_kind(value, kind)
-        whole = ""
-        if kind.name in "at":
+        return self.as_kind(value, kind)
+
+    def give_back(self, kind: Kind, parts: Sequence[str]) -> None:
+        """Return from the function."""
+        whole = parts[0] if parts else ""
+        if kind.name in f"{ARRAYS}t":
             whole = "undef"
-            for i, (part, register) in enumerate(zip(kind.parts, value.parts, strict=True)):
+            for i, (part, register) in enumerate(zip(kind.parts, parts, strict=True)):
                 whole = self.new(f"insertvalue {kind.returned} {whole}, {part} {register}, {i}")
-        elif kind != NOTHING:
-            whole = value.parts[0]
         self.add(f"ret {kind.returned} {whole}".rstrip())
-        self.closed = True

@@ -1,12 +1,10 @@
 """Expressions of a text in LLVM's language: names, choices, elements and parts of arrays, calls of kernels."""
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Callable, Sequence
 
-from screwsim.codegen.kinds import FLOAT, INTEGER, NOTHING, NUMBERS, TRUTH, Kind, Value, array, joined, row_of
+from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, NOTHING, NUMBERS, TRUTH, Kind, Value, array, joined, row_of
 from screwsim.codegen.operations import Operations
 from screwsim.codegen.program import constant
 
@@ -194,17 +192,20 @@ class Expressions(Operations):
 
     def _kernel(self, name: str, values: Sequence[Value]) -> Value:
         symbol, returned = self.library.function(name, tuple(value.kind for value in values))
-        given = ", ".join(
-            f"{part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)
-        )
+        given = [f"{part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)]
+        call = f"call {returned.returned} @{symbol}({', '.join([*self.beside(), *given])})"
         if returned == NOTHING:
-            self.add(f"call void @{symbol}({given})")
+            self.add(call)
             return NONE
-        found = self.new(f"call {returned.returned} @{symbol}({given})")
-        if returned.name not in "at":
+        found = self.new(call)
+        if returned.name not in f"{ARRAYS}t":
             return Value(returned, (found,))
         parts = range(len(returned.parts))
         return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
+
+    def beside(self) -> list[str]:
+        """Return what every kernel is given before its arguments."""
+        return []
 
     def _room(self, node: ast.Call, cleared: bool) -> Value:
         """Return an array of the function's own, gone when it returns."""

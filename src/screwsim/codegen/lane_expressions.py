@@ -1,7 +1,5 @@
 """Expressions of a text for points side by side: choices under a mask, elements and parts of arrays of all lanes."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """What functions of a program become for points side by side, and what Python calls of them."""
 
-from __future__ import annotations
-
 from screwsim.codegen import lane_math, lane_rows
 from screwsim.codegen.kinds import LANES, NOTHING, TRUTHS, Kind, words_of
 from screwsim.codegen.lane_operations import MASK, WHOLE

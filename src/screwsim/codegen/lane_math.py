@@ -5,8 +5,6 @@ exponent times the logarithm has whole units, and one. `bits_of` and `of_bits` t
 whole number of its 64 bits.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Callable

@@ -4,8 +4,6 @@ A whole number that is the same in all lanes stays one: indices of loops, places
 a number of the text.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Sequence
 
@@ -230,9 +228,6 @@ class LaneOperations(Expressions):
             one = self.new(f"call double @{name}({', '.join(f'double {each}' for each in ones)})")
             found = self.new(f"insertelement {REAL} {found}, double {one}, i64 {lane}")
         return Value(FLOATS, (found,))
-
-    def _kernel(self, name: str, values: Sequence[Value]) -> Value:
-        raise NotImplementedError
 
     def _abs(self, values: Sequence[Value], node: ast.Call) -> Value:
         if values[0].kind in (FLOAT, FLOATS):

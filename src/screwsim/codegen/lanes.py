@@ -12,24 +12,11 @@ import ast
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from screwsim.codegen.emit import LONG, Emitter
-from screwsim.codegen.expressions import EMPTY, NONE
-from screwsim.codegen.kinds import (
-    ARRAYS,
-    FLOAT,
-    INTEGER,
-    INTEGERS,
-    NOTHING,
-    OF_LANES,
-    TRUTH,
-    TRUTHS,
-    Kind,
-    Value,
-    joined,
-)
+from screwsim.codegen.emit import Emitter
+from screwsim.codegen.expressions import EMPTY
+from screwsim.codegen.kinds import FLOAT, INTEGER, INTEGERS, OF_LANES, TRUTH, TRUTHS, Kind, Value
 from screwsim.codegen.lane_expressions import LaneExpressions
 from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE
-from screwsim.codegen.program import constant
 from screwsim.numerics.kernel import nodes
 
 if TYPE_CHECKING:
@@ -52,31 +39,11 @@ class LaneEmitter(LaneExpressions, Emitter):
         self.leaves = len(returns) > 1 or (bool(returns) and returns[0] is not self.node.body[-1])
         self.split, self.ended = 0, False
 
-    def written(self, symbol: str) -> str:
-        self.passes = 1
-        parameters = self._write()
-        while self.again:
-            self.passes += 1
-            parameters = self._write()
-        returned = self.returns or NOTHING
+    def _end(self, returned: Kind) -> None:
         self.jump("out")
         self.start("out")
-        if returned == NOTHING:
-            self.add("ret void")
-        else:
-            self._give_back(returned)
-        apart = " noinline" if len(self.lines) > LONG else ""
-        head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"
-        return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
-
-    def _give_back(self, returned: Kind) -> None:
-        parts = [self.new(f"load {part}, ptr {slot}") for part, slot in zip(returned.parts, self.results, strict=True)]
-        whole = parts[0]
-        if returned.name in f"{ARRAYS}t":
-            whole = "undef"
-            for i, (part, register) in enumerate(zip(returned.parts, parts, strict=True)):
-                whole = self.new(f"insertvalue {returned.returned} {whole}, {part} {register}, {i}")
-        self.add(f"ret {returned.returned} {whole}")
+        slots = zip(returned.parts, self.results, strict=True)
+        self.give_back(returned, [self.new(f"load {part}, ptr {slot}") for part, slot in slots])
 
     def _write(self) -> str:
         self.results: list[str] = []
@@ -94,29 +61,15 @@ class LaneEmitter(LaneExpressions, Emitter):
 
     def store(self, name: str, value: Value, node: ast.AST) -> None:
         """Give a variable a value, in the lanes that are at work."""
-        value = self.laned(value) if self.split and self.apart else self.floating(value)
-        if value.kind == NOTHING:
-            raise self.fail(node, f"{name} is given nothing")
-        known = (self.kinds.get(name) if self.depth else None) or self.wide.get(name)
-        kind = joined(known or value.kind, value.kind)
-        if kind is None:
-            raise self.fail(node, f"{name} is {known} here and {value.kind} there")
-        if kind != self.kinds.get(name):
-            if self.depth and name in self.kinds:
-                self.wide[name], self.again = kind, True
-            self.kinds[name] = kind
-            self.places.pop(name, None)
-        value = self.as_kind(value, kind)
-        for part, register, place in zip(kind.parts, value.parts, self._place(name), strict=True):
-            self._put(part, register, place, self.split > 0)
+        super().store(name, self.laned(value) if self.split and self.apart else self.floating(value), node)
 
     apart = True  # do lanes differ in what is stored?
 
-    def _put(self, part: str, register: str, slot: str, masked: bool) -> None:
-        if masked and part[0] == "<":
-            before = self.new(f"load {part}, ptr {slot}")
+    def _put(self, part: str, register: str, place: str, masked: bool | None = None) -> None:
+        if (self.split > 0 if masked is None else masked) and part[0] == "<":
+            before = self.new(f"load {part}, ptr {place}")
             register = self.new(f"select {MASK} {self.mask()}, {part} {register}, {part} {before}")
-        self.add(f"store {part} {register}, ptr {slot}")
+        self.add(f"store {part} {register}, ptr {place}")
 
     def masks(self, first: str) -> str:
         """Return room for a mask."""
@@ -223,12 +176,7 @@ class LaneEmitter(LaneExpressions, Emitter):
         self._end_loop(loop)
 
     def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
-        values = [self.whole(self.expression(each), each) for each in bounds]
-        first = values[0] if len(values) > 1 else constant(0)
-        last = values[0] if len(values) == 1 else values[1]
-        step = values[2].known if len(values) == 3 else 1
-        if not step:
-            raise self.fail(node, "the step of range must be a number of the text")
+        first, last, step = self._bounds(bounds, node)
         if INTEGERS in (first.kind, last.kind):
             self._for_apart(name, (first, last, step), node)
             return
@@ -308,15 +256,10 @@ class LaneEmitter(LaneExpressions, Emitter):
 
     def _return(self, value: Value, node: ast.Return) -> None:
         value = self.laned(value) if self.split else self.floating(value)
-        kind = joined(self.returns or value.kind, value.kind)
-        if kind is None or "c" in (kind.name, *(each.name for each in kind.of)):
-            raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
-        self.again |= kind != (self.returns or kind)
-        self.returns = kind
-        value = self.as_kind(value, kind)
+        value = self._returned(value, node)
         if not self.results or self.again:
-            self.results = [self.slot(part) for part in kind.parts]
-        for part, register, slot in zip(kind.parts, value.parts, self.results, strict=True):
+            self.results = [self.slot(part) for part in value.kind.parts]
+        for part, register, slot in zip(value.kind.parts, value.parts, self.results, strict=True):
             self._put(part, register, slot, self.leaves)
         if not self.split:
             self.jump("out")
@@ -331,20 +274,10 @@ class LaneEmitter(LaneExpressions, Emitter):
     # ---- calls -----------------------------------------------------------------------------------------------------
 
     def _kernel(self, name: str, values: Sequence[Value]) -> Value:
-        values = [self.floating(value) for value in values]
-        symbol, returned = self.library.function(name, tuple(value.kind for value in values))
-        given = "".join(
-            f", {part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)
-        )
-        call = f"call {returned.returned} @{symbol}({MASK} {self.mask()}{given})"
-        if returned == NOTHING:
-            self.add(call)
-            return NONE
-        found = self.new(call)
-        if returned.name not in f"{ARRAYS}t":
-            return Value(returned, (found,))
-        parts = range(len(returned.parts))
-        return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
+        return super()._kernel(name, [self.floating(value) for value in values])
+
+    def beside(self) -> list[str]:
+        return [f"{MASK} {self.mask()}"]
 
     def _room(self, node: ast.Call, cleared: bool) -> Value:
         """Return an array of the function's own, of all lanes."""

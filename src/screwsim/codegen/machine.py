@@ -1,7 +1,5 @@
 """Machine code of a text in LLVM's language: optimised for this processor, loaded into this process."""
 
-from __future__ import annotations
-
 import ctypes
 import threading
 from functools import cache

@@ -3,8 +3,6 @@
 Source: docs/model.md M27, M37–M39.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

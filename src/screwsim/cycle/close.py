@@ -4,8 +4,6 @@ Two ways (docs/explanation/numerics.md, `cycle.ways`): waveform relaxation (`his
 (`coupled`). `auto` takes the first as long as it has not cost as much as the second would.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from screwsim.cycle.continuation import Course

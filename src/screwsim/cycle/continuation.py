@@ -6,8 +6,6 @@ higher degree follows the trend better and carries more of the cycles' errors. T
 and its result by less than the tolerances.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import prod
 from typing import NamedTuple

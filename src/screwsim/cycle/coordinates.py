@@ -1,7 +1,5 @@
 """What closing iterates on: logarithms of the states, and those that may be negative as they are."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL

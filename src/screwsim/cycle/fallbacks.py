@@ -1,7 +1,5 @@
 """What else may close a cycle that did not close: finer steps, no acceleration, damping and searches, another speed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial

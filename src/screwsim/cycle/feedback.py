@@ -3,8 +3,6 @@
 They are the feedback unknowns of a cycle; one turn maps them to the next (`image`), together with the states.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache

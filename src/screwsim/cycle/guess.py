@@ -1,7 +1,5 @@
 """With what a cycle begins: a guess from cycles nearby, or suction, polytropic compression and discharge."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.cycle.continuation import Course, Guess

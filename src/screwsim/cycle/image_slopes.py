@@ -6,8 +6,6 @@ into them over the pitch: that changes by what the slices of the pitch give the 
 Source: docs/explanation/numerics.md, Newton's correction.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.cycle.feedback import LINE_POINTS, IntoLines, into_lines, set_unknowns

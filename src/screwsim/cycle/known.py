@@ -1,7 +1,5 @@
 """What a power loss or a reading can ask of a closed cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

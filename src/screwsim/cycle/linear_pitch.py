@@ -3,8 +3,6 @@
 Source: docs/explanation/numerics.md, Newton's correction.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

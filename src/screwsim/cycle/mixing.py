@@ -3,8 +3,6 @@
 Source: docs/explanation/numerics.md, closing the cycle.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

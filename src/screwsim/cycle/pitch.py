@@ -4,8 +4,6 @@ What the shaft and the bearings feel repeats every lobe pitch. Pressures come fr
 history, slopes from the volume law itself; nothing is compiled for it.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Powers of a cycle beside the gas work: losses, the oil's lift, what the shaft takes (docs/model.md M28–M33)."""
 
-from __future__ import annotations
-
 import math
 
 from screwsim.cycle.known import CycleFigures

@@ -1,7 +1,5 @@
 """What is to be solved: a scene, what it names built and composed, the lines between which it works, the accuracy."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar

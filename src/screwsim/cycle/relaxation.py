@@ -5,8 +5,6 @@ until no more is to come of the trapped mass, the work and the unknowns, and the
 (docs/explanation/numerics.md).
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

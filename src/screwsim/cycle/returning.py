@@ -8,8 +8,6 @@ whose two phases are followed take does not come back.
 Source: docs/explanation/numerics.md, what the cycle makes.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -75,12 +75,7 @@ def sought_on(
 
 
 def sought(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    most: int = MOST_OF_A_SEARCH,
-    judged: bool = True,
+    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = True
 ) -> CycleSolution | None:
     """Return the cycle that a search from the states y finds, closed by pitches as any other; None where none is.
 
@@ -117,12 +112,7 @@ class Zero(NamedTuple):
 
 
 def searched(
-    problem: Problem,
-    machinery: Machinery,
-    wanted: Wanted,
-    y: Array,
-    most: int = MOST_OF_A_SEARCH,
-    judged: bool = False,
+    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = False
 ) -> Zero | None:
     """Return the zero that Newton's method finds from the states y, the unknowns set to its own; or None."""
     pitch = _Pitch(problem, machinery, wanted)

@@ -4,8 +4,6 @@ It evaluates each flow between chambers once, so that it conserves exactly, and 
 (docs/explanation/numerics.md).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.cycle.balances import LEAST_WORK, residuals

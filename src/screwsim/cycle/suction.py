@@ -1,7 +1,5 @@
 """What the machine sucks: the suction line's gas, mixed with returned gas and throttled (docs/model.md M160–M163)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from screwsim.effects.base import SuctionChange

@@ -10,8 +10,6 @@ steps with, those by the unknowns differences of the rates.
 Source: docs/explanation/numerics.md, Newton's correction.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ is a `Way` in `WAYS` and an entry of `numerics.closings`.
 Source: docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 

@@ -4,8 +4,6 @@ Temperatures of an oil's circuit and losses of a package follow from the cycle t
 scene like others, and what the cycle asks of them closes one more small system.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Lanes are written when they are first asked for, in seconds, and kept: what runs
 before, so that one scene has one answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -26,9 +24,7 @@ FEWEST = 4  # rates that lanes are worth
 BESIDE = ("P", "R", "port_states", "work")  # of a context: laid side by side
 _whole, _beside = Kind("v", (FLOAT,), 1), Kind("p", (FLOAT,), 1)
 _CONTEXT = Kind(
-    "c",
-    tuple(_beside if name in BESIDE else _whole for name in CoupledContext._fields),
-    names=CoupledContext._fields,
+    "c", tuple(_beside if name in BESIDE else _whole for name in CoupledContext._fields), names=CoupledContext._fields
 )
 _ROWS = Kind("p", (FLOAT,), 2)
 KINDS = (_whole, _whole, Kind("v", (FLOAT,), 2), _CONTEXT, INTEGER, _ROWS, _ROWS)

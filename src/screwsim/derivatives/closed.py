@@ -1,7 +1,5 @@
 """Closing the collocated cycle, from the one that the integrator closed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial

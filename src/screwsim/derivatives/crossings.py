@@ -4,8 +4,6 @@ A chamber's pressure passes that of what it is open to, its oil's gas is in equi
 its phases.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A scene with the number shifted is composed, not solved: that is a plain functio
 cycle, whose own side is the same for all numbers: they are exact but for less than a millionth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 

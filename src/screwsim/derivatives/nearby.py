@@ -5,8 +5,6 @@ that of one chamber, and a solution takes a fraction of the closing one. To plac
 as the integrator left them; to close, a chamber's changes follow it through its life, and unknowns go as they are made.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ The figure of a run is the highest of fifty samples on either side of the highes
 good for the pressure, not for its slope, which by the envelope theorem is that at the very maximum.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -8,8 +8,6 @@ which the error of the states tells nothing. So slices end there, and are as sho
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, IV.5 (Radau IIA).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """A scene solved, and the derivatives of its figures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple

@@ -8,8 +8,6 @@ Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., Johns Hopkins
 tridiagonal ones).
 """
 
-from __future__ import annotations
-
 from functools import cache
 from types import ModuleType
 

@@ -4,8 +4,6 @@ Rates of several numbers lie side by side, a column each; their differences beco
 and changes of the quadratures. Columns of changed states become lives, one for each column.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from types import ModuleType
 

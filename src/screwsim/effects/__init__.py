@@ -4,15 +4,13 @@ A name with a dot (`my_package.my_effect`) is imported from the user's own code,
 here.
 """
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from functools import cache
 
 from screwsim.effects.base import Effect
 from screwsim.numerics import sources
-from screwsim.numerics.trial import own_module
+from screwsim.numerics.trial import found_in
 
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "parts", "port_window", "valves"}
 _PORTS = ("suction_port", "discharge_port", "check_valves", "reed_valves", "ring_leakage", "cylinder_heat")
@@ -49,9 +47,4 @@ def imported() -> dict[str, Effect]:
 
 def find_effect(name: str) -> Effect:
     """Return the effect of a name; raise KeyError when there is none, ImportError when a dotted one is not there."""
-    if "." not in name:
-        return catalogue()[name]
-    effect = getattr(own_module(name), "EFFECT", None)
-    if not isinstance(effect, Effect):
-        raise ImportError(f"module {name} defines no EFFECT")
-    return effect
+    return found_in(catalogue(), name, "EFFECT", Effect)

@@ -18,8 +18,6 @@ Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pr
 unloaded.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange

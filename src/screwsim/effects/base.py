@@ -7,8 +7,6 @@ or one of the symbols of docs/reference/nomenclature.md (`phi`, `T`, `m`, `T_oil
 Source: screwsim, docs/how-to/adding-an-effect.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

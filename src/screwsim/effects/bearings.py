@@ -9,8 +9,6 @@ The loss heats nothing that the chamber model sees: it is dissipated at ambient 
 Parameters: friction, load, the loads or areas, friction_coefficient and bore, or mean_diameter, f_0, f_1, count.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot, pi
 
@@ -139,8 +137,5 @@ EFFECT = Effect(
     needs=frozenset({ROTORS}),
     figures=(power_figure("bearing_power", "friction of the bearings"),),
     usual={ROTORS: FRICTION},
-    sizes=(
-        Sized("bore", DIAMETER, 10.0, (0.05, 1.0)),
-        Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5)),
-    ),
+    sizes=(Sized("bore", DIAMETER, 10.0, (0.05, 1.0)), Sized("mean_diameter", DIAMETER, 10.0, (0.05, 1.5))),
 )

@@ -12,8 +12,6 @@ Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (a
 four not with a profile), flow_coefficient; area_file (of the high-pressure cusp's, or of a profile's both).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 
@@ -102,8 +100,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({BLOW_HOLE}),
     usual={ROTORS: LEAK},
-    sizes=(
-        Sized("area", SQUARE, 0.2, (0.0, 0.02)),
-        Sized("suction_area", SQUARE, 0.2, (0.0, 0.04)),
-    ),
+    sizes=(Sized("area", SQUARE, 0.2, (0.0, 0.02)), Sized("suction_area", SQUARE, 0.2, (0.0, 0.04))),
 )

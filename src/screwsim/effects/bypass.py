@@ -9,8 +9,6 @@ line keeps its state, as with any gas that flows back into it.
 Parameters: source, share, or area, opens, passage, flow_coefficient.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -9,8 +9,6 @@ integrators know no such ends of steps: for them the opening rises by a C1 cubic
 Parameters: suction_area, discharge_area, flow_coefficient.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath, Reading
@@ -75,8 +73,5 @@ EFFECT = Effect(
     needs=frozenset({CYLINDER}),
     roles={WAY_IN: "", WAY_OUT: ""},
     figures=VALVE_LOSSES,
-    sizes=(
-        Sized("suction_area", PISTON, 100.0, (0.0, 1.0)),
-        Sized("discharge_area", PISTON, 100.0, (0.0, 1.0)),
-    ),
+    sizes=(Sized("suction_area", PISTON, 100.0, (0.0, 1.0)), Sized("discharge_area", PISTON, 100.0, (0.0, 1.0))),
 )

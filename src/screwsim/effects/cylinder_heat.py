@@ -10,8 +10,6 @@ warmer of suction gas and wall.
 Parameters: wall_temperature, correlation, factor.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ temperature, or else the flow-weighted mean of the outflow, found together with 
 Parameters: flow_coefficient.
 """
 
-from __future__ import annotations
-
 from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath
 from screwsim.effects.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_OUT

@@ -12,8 +12,6 @@ matters.
 Parameters: motor_inertia, rotor_inertia, speed, coupling, motor.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

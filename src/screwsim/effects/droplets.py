@@ -10,8 +10,6 @@ reference state, else at suction pressure and the warmer of suction gas and inje
 Parameters: size, diameter, or orifice_diameter, jet_pressure, surface_tension; slip; reference state or λ, μ, Pr.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ at the temperature to which the economizer settles.
 Parameters: temperature (saturation) or pressure, superheat, opens, closes, area, flow_coefficient, kind, approach.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

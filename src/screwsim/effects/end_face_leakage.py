@@ -11,8 +11,6 @@ Parameters: gap, length and suction_share (not with a profile), flow_coefficient
 chamber).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 
@@ -75,8 +73,5 @@ EFFECT = Effect(
     numbers=numbers,
     needs=frozenset({END_GAP}),
     usual={ROTORS: LEAK},
-    sizes=(
-        Sized("gap", LOBE, 1.0, (0.0, 0.1)),
-        Sized("length", SPAN, 30.0, (0.01, 3.0)),
-    ),
+    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)), Sized("length", SPAN, 30.0, (0.01, 3.0))),
 )

@@ -4,8 +4,6 @@ Source: screwsim. The paper gives (19) for the housing tips and refers to Amosov
 the profile and end-face gaps; the forms used here for those two are ours (docs/model.md, M20–M22).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi

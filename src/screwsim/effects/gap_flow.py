@@ -14,8 +14,6 @@ dragged that of the chamber ahead, all of it from the stated `filled_from` on, f
 Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, filled_from, wall_speed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 

@@ -9,8 +9,6 @@ one direction, which makes them upper limits. It acts on nothing; with `drive` t
 Parameters: male_share, axial_area, radial_area.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

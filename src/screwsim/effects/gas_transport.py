@@ -4,8 +4,6 @@ Source: screwsim. They are constant over the cycle: at the stated reference stat
 warmer of suction gas and injected oil.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from screwsim.effects.base import Around

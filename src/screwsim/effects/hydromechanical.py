@@ -9,8 +9,6 @@ model sees, neither its half that is dissipated on the way to that speed nor the
 Parameters: acceleration_factor, viscous_coefficient.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, PowerLoss

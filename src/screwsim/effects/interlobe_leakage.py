@@ -15,8 +15,6 @@ Parameters: gap, length (of the full sealing line) and tip_length (its part over
 flow_coefficient; area_file (of the path to the chamber z1 pitches behind).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

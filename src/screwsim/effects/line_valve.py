@@ -10,8 +10,6 @@ is one solution.
 Flows and pressures here count along the valve: on the suction side both are those of M184 with the other sign.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

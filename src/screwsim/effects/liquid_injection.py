@@ -11,8 +11,6 @@ bore are one orifice, steady over a turn.
 Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temperature or opening.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -7,8 +7,6 @@ Assumptions: proportional to the indicated power at every speed.
 Parameters: fraction.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, PowerLoss

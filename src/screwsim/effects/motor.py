@@ -13,8 +13,6 @@ rated torque, catalogues state up to 3.5), and the point has failed.
 Parameters: rated_power, efficiency, constant_share or efficiency_file, cooling, drive_efficiency.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

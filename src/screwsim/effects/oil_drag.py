@@ -9,8 +9,6 @@ that its share is left out. The loss heats nothing that the chamber model sees: 
 Parameters: tip_gap, tip_land, end_gap, end_solidity, female_diameter, film_temperature, film_share.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

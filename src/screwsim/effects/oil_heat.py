@@ -7,8 +7,6 @@ Assumptions: equal spheres of radius r, uniform temperature inside, no heat to t
 Parameters: droplet_radius, heat_transfer_coefficient, equation_12.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, HeatRate

@@ -12,8 +12,6 @@ Parameters: opens, closes, pressure_loss, line or pressure (displaced oil); bore
 the oil: oil_supply.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import partial

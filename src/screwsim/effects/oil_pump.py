@@ -9,8 +9,6 @@ in the line has the temperature at which it is injected; a smooth pipe.
 Parameters: efficiency, pressure_loss, line.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, PowerLoss, Reading

@@ -9,8 +9,6 @@ Assumptions: incompressible oil; no slip: oil leaves a chamber in the ratio in w
 Parameters: none.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, OilRoom

@@ -13,8 +13,6 @@ sound speed, so many harmonics as stated; a check valve is tight and has no mass
 Parameters: volume, line area, loss coefficient and check valve of suction and discharge, harmonics.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial

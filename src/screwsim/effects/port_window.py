@@ -3,8 +3,6 @@
 Source: ours; docs/model.md M100.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi

@@ -11,8 +11,6 @@ Parameters: of each valve port_area, perimeter, stop, mass, stiffness, preload; 
 stop_restitution, force_coefficient, flow_coefficient.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -18,8 +18,6 @@ Needs effects.oil_injection.
 Parameters: separator_temperature, flash_time, absorption_time.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -7,8 +7,6 @@ leaks into it comes back as suction gas of the line's state; one equivalent gap 
 Parameters: gap (of the joints and flanks, around the bore), or area; flow_coefficient.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -53,8 +51,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({CYLINDER}),
     usual={CYLINDER: LEAK},
-    sizes=(
-        Sized("gap", BORE, 0.5, (0.0, 0.01)),
-        Sized("area", PISTON, 1.0, (0.0, 0.01)),
-    ),
+    sizes=(Sized("gap", BORE, 0.5, (0.0, 0.01)), Sized("area", PISTON, 1.0, (0.0, 0.01))),
 )

@@ -13,8 +13,6 @@ and cooler. What flows back into the chambers is not mixed yet (M27), nor is wha
 Parameters: cooler (outlet_temperature, duty, discharge_temperature), friction_share, ambient_loss.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 

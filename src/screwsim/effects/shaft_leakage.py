@@ -12,8 +12,6 @@ Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient; mod
 gas_viscosity.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 
@@ -30,13 +28,7 @@ _ANNULUS = ("shaft_diameter", "clearance")
 _SEALED = {"mixture_viscosity": "mcadams", "passage": "10 mm"}
 FIGURES = (
     Figure("shaft_leakage_gas_flow", "kg s-1", "gas that leaks from discharge to suction beside the chambers"),
-    Figure(
-        "shaft_leakage_oil_flow",
-        "kg s-1",
-        "oil that leaks with it",
-        over("oil_mass_flow"),
-        needs=HEATED,
-    ),
+    Figure("shaft_leakage_oil_flow", "kg s-1", "oil that leaks with it", over("oil_mass_flow"), needs=HEATED),
 )
 
 

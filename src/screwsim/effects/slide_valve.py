@@ -10,8 +10,6 @@ Assumptions: straight motion of both edges with x; `machine.discharge_port` is t
 Parameters: flow_coefficient; position, slot_area, closes; radial_area, radial_opens, radial_opens_moved; or area_file.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 
@@ -126,8 +124,5 @@ EFFECT = Effect(
     check=check,
     check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
-    sizes=(
-        Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)),
-        Sized("radial_area", SHELL, WIDEST, (0.0, 0.5)),
-    ),
+    sizes=(Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)), Sized("radial_area", SHELL, WIDEST, (0.0, 0.5))),
 )

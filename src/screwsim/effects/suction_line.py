@@ -12,8 +12,6 @@ back than is sucked, the rest leaves by the line, mixed as it came.
 Parameters: none.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, SuctionLine
@@ -26,11 +24,7 @@ from screwsim.outputs import CHANGED, HEATED, POWER, Figure, over
 FIGURES = (
     Figure("returned_gas_flow", "kg s-1", "gas that comes back to the suction line", over("gas_mass_flow")),
     Figure(
-        "returned_oil_flow",
-        "kg s-1",
-        "oil that comes back to the suction line",
-        over("oil_mass_flow"),
-        needs=HEATED,
+        "returned_oil_flow", "kg s-1", "oil that comes back to the suction line", over("oil_mass_flow"), needs=HEATED
     ),
     Figure("returned_heat", "W", "heat that what comes back gives the gas that is sucked in", POWER),
 )

@@ -7,8 +7,6 @@ fresh gas of the line's state comes in again.
 Parameters: flow_coefficient.
 """
 
-from __future__ import annotations
-
 from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_IN

@@ -6,8 +6,6 @@ Assumptions: a steady pressure behind the valve, no heat; what flows back into t
 Parameters: pressure_ratio.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, SuctionChange

@@ -12,8 +12,6 @@ Parameters: reference_temperature, rotor_expansion, housing_expansion, axis_dist
 rotor_temperature, housing_temperature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -134,8 +132,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
-    sizes=(
-        Sized("axis_distance", DIAMETER, 10.0, (0.5, 1.2)),
-        Sized("bearing_distance", SPAN, 100.0, (0.0, 2.0)),
-    ),
+    sizes=(Sized("axis_distance", DIAMETER, 10.0, (0.5, 1.2)), Sized("bearing_distance", SPAN, 100.0, (0.0, 2.0))),
 )

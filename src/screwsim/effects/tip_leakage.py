@@ -11,8 +11,6 @@ Assumptions: quasi-steady nozzle with a flow coefficient; no oil film in the gap
 Parameters: gap, reading (not with a profile), flow_coefficient; area_file.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

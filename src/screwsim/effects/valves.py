@@ -3,8 +3,6 @@
 Source: ours; docs/reference/slider-crank.md S24.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -11,8 +11,6 @@ Parameters: rotor_area, housing_area, characteristic_length, speed_ratio, nussel
 housing_cooling; rotor_temperature, housing_temperature; reference state or λ, μ.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial

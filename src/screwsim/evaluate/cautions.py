@@ -1,7 +1,5 @@
 """What of a closed cycle deserves a word: figures that hardly can be, what goes astray, errors above the wanted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """A closed cycle being read: what several readings ask for is found once, and only where one of them asks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of

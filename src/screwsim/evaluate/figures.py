@@ -1,7 +1,5 @@
 """The performance figures that a scene calls for, of a closed cycle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -14,7 +12,7 @@ from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held,
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
-from screwsim.evaluate import expander, humidity, performance, saturation
+from screwsim.evaluate import humidity, performance, saturation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -140,7 +138,7 @@ def _of_expander(
     geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
     filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
-    return expander.figures(found, problem.h_isentropic - problem.inlet.enthalpy, filled)
+    return performance.figures_of_expander(found, problem.h_isentropic - problem.inlet.enthalpy, filled)
 
 
 _ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and what is built in

@@ -3,8 +3,6 @@
 Source: docs/model.md M327, M328, M361.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any

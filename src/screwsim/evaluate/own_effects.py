@@ -7,8 +7,6 @@ state in which it did. It is the compiled kernels that are asked, with the numbe
 nothing is asked.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
@@ -19,17 +17,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import LINES, ChamberState, FlowPath, HeatRate, OilPort, Stops
 from screwsim.model.parts import Parts
-from screwsim.model.slots import (
-    LOOSE,
-    P_PORT_WIDTH,
-    PORT_STATE,
-    PRESSURE,
-    R_RATIO,
-    S_RHO,
-    S_T,
-    S_T_OIL,
-    S_X_OIL,
-)
+from screwsim.model.slots import LOOSE, P_PORT_WIDTH, PORT_STATE, PRESSURE, R_RATIO, S_RHO, S_T, S_T_OIL, S_X_OIL
 from screwsim.model.trajectory import Trajectory
 from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value

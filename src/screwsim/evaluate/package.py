@@ -1,7 +1,5 @@
 """What a package around the machine loses of its pressures, and how far a cycle is from that (docs/model.md M343)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from screwsim.build import package_of

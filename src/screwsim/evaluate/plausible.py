@@ -4,8 +4,6 @@ A cycle may close, and balance, on what no machine does. What a scene says is lo
 are its figures, as a table, and the ways of the gas into and out of the chambers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Where the gas of both lines would condense, and how far above that it is (docs/model.md M411)."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -3,8 +3,6 @@
 Source: docs/model.md M280–M285.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Traces over the angle of a closed cycle, read from its history."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is said of a cycle: why it failed or did not close, and what may help."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -3,8 +3,6 @@
 Nothing is compiled for it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a scene says of its gas and its oil, and of the lines, in words."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """All keys of a scene, or of some effects: unit, default, range, meaning, and what stands in the scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 
 from screwsim.effects import catalogue, find_effect

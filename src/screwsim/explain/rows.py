@@ -1,7 +1,5 @@
 """A name with its text in two columns that fit a terminal, and the values of a section in words."""
 
-from __future__ import annotations
-
 import textwrap
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The live page: a machine under sliders in a browser, solved anew while one looks (`screwsim explore`)."""
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 from screwsim.inputs.faults import UsageError

@@ -3,8 +3,6 @@
 Figures are written so that reading them gives the same bits; traces are rounded to seven digits.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import struct

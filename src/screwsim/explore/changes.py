@@ -4,8 +4,6 @@ A change comes from a browser, and so it is read as a value of its field and wri
 becomes YAML.
 """
 
-from __future__ import annotations
-
 import json
 import shlex
 from collections.abc import Iterable, Mapping
@@ -23,6 +21,7 @@ from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
+from screwsim.study.calibration.scene import lines_of
 
 CHANGED = {*KINDS, "number", "count", "choice"}  # kinds of fields; a fluid, a file and a word are the command's
 LONGEST = 60  # letters of a value
@@ -173,7 +172,7 @@ def yaml_text(base: Base, overrides: Iterable[str]) -> str:
             place = below
         if not (value.strip() == "{}" and isinstance(place.get(keys[-1]), dict)):
             place[keys[-1]] = {} if value.strip() == "{}" else value
-    lines = [f"base: {quoted(str(Path(base.file).resolve()))}", *_lines(tree, "")]
+    lines = [f"base: {quoted(str(Path(base.file).resolve()))}", *lines_of(tree)]
     return "\n".join(lines) + "\n"
 
 
@@ -184,12 +183,3 @@ def _keys(path: str, base: Base) -> list[str]:
             rest = path.removeprefix(f"effects.{name}").removeprefix(".")
             return ["effects", name, *filter(None, rest.split("."))]
     return path.split(".")
-
-
-def _lines(tree: Mapping[str, Any], indent: str) -> Iterable[str]:
-    for key, value in tree.items():
-        if isinstance(value, dict) and value:
-            yield f"{indent}{key}:"
-            yield from _lines(value, indent + "  ")
-        else:
-            yield f"{indent}{key}: {value if value != {} else '{}'}"

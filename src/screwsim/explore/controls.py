@@ -1,7 +1,5 @@
 """What a page shows to change a scene: a field for each number and choice, in the units in which people write them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING

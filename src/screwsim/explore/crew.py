@@ -1,7 +1,5 @@
 """The workers: processes that solve for pages, each killed and started anew when it hangs, dies or grows too large."""
 
-from __future__ import annotations
-
 import asyncio
 import multiprocessing
 import os

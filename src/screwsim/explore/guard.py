@@ -5,8 +5,6 @@ shows does. Such a page has another origin, or has its own name point here (DNS 
 Under another address a token is asked for, too.
 """
 
-from __future__ import annotations
-
 import hmac
 from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A sketch has circular rotors of the machine's lobes, diameter and length, twiste
 its law says; it shows which chamber is where, and no shape that was computed with.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -4,8 +4,6 @@ A page numbers its settings 1, 2, 3 … An answer says from which number to whic
 overtook while they waited are answered by those.
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import time

@@ -1,7 +1,5 @@
 """The server of the page: the page itself, its line for settings and answers, and what it makes files of."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import secrets

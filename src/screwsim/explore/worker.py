@@ -3,8 +3,6 @@
 What it says on stderr while it compiles goes to the page as a note.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import multiprocessing

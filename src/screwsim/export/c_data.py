@@ -1,7 +1,5 @@
 """The numbers of a map as a C header, and the C sources that read it."""
 
-from __future__ import annotations
-
 import hashlib
 import uuid
 from importlib import resources
@@ -11,7 +9,7 @@ import numpy as np
 from screwsim.export.table import Table
 
 SOURCES = {"2": ("map.c", "model.c", "fmi2.c"), "3": ("map.c", "model.c", "fmi3.c")}
-HEADERS = ("map.h", "model.h")
+HEADERS = ("map.h", "model.h", "fmi.h")
 DATA = "map_data.h"
 _A_LINE = 6  # numbers
 

@@ -1,7 +1,5 @@
 """A map's nodes as a table with commas: a row a node, inputs before outputs, units in the heads."""
 
-from __future__ import annotations
-
 import itertools
 
 from screwsim.export.table import Table

@@ -1,7 +1,5 @@
 """Rating tables and coefficients as EN 12900 and AHRI 540 have them, as text with commas, in SI or inch-pound units."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +40,8 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
             left = "" if fit.left_out is None else f"{fit.left_out:.3e}"
             numbers = ",".join(f"{c:.12e}" for c in own)
             lines.append(f"coefficients,{found.name(one)},{figure},{unit},{numbers},{fit.largest:.3e},{left}")
-    lines += ["", f"table,map,evaporating_{degree},condensing_{degree}," + ",".join(_heads(found, ip))]
+    heads = ",".join(f"{figure} [{unit_of(found, figure, ip)[0]}]" for figure in found.units)
+    lines += ["", f"table,map,evaporating_{degree},condensing_{degree},{heads}"]
     for one in found.maps:
         lines += [f"rating,{found.name(one)},{row}" for row in _rated(found, one, ip)]
     return "\n".join(lines) + "\n"
@@ -59,10 +58,6 @@ def keep_other_coefficients(path: Path) -> None:
 def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:
     """Return the unit of a figure, and the factor to it from SI."""
     return _IP[figure] if ip and figure in _IP else (found.units[figure].replace("kg s-1", "kg/s"), 1.0)
-
-
-def _heads(found: Polynomials, ip: bool) -> list[str]:
-    return [f"{figure} [{unit_of(found, figure, ip)[0]}]" for figure in found.units]
 
 
 def _rated(found: Polynomials, one: PerformanceMap, ip: bool) -> list[str]:

@@ -1,7 +1,5 @@
 """A map as EnergyPlus reads it: curves of a Refrigeration:Compressor, and normalised ones, as IDF or epJSON."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Container
 from pathlib import Path

@@ -4,8 +4,6 @@ The archive holds the description, the C sources, what they are compiled to for 
 data. The same map gives the same bytes (but for the compiler's).
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

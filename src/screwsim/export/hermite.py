@@ -7,8 +7,6 @@ neighbouring steps, and of their sign where these agree. So along the lines of t
 where the nodes are, and beside an extreme node it goes beyond by at most √2 − 1 of a step (tests/export).
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a map is over and what it gives: paths with their ranges, figures with their units, and the names of both."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Loads and sound of a machine: forces on rotors and bearings, flows of both lines, spectra, surfaces."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

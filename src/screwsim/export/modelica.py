@@ -1,7 +1,5 @@
 """A map of two inputs as a Modelica package: blocks with the standard library's tables, functions of polynomials."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -5,8 +5,6 @@ A cell of cubic Hermite polynomials holds a cubic exactly, so that the same C re
 enough where every node of the table closed; else the table's nodes stay, with its flags.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools that know no tables."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import tempfile

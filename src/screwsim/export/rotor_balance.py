@@ -10,8 +10,6 @@ axial part M k/h. It is taken to be spread evenly over the length, so that its r
 Source: statics of helical gears; pressures on end faces as in Stošić, Smith, Kovačević, Screw Compressors, 2005, ch. 4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

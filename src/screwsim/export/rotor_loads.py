@@ -6,8 +6,6 @@ the surface is held against virtual work: the male torque agrees within 1.5 %, t
 male's (tests/export/test_loads.py).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

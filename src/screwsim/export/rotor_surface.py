@@ -8,8 +8,6 @@ does, the other way round, the flank of the female groove on which the trailing 
 Angles [rad] with their origin as in `machine.rotors.rotors`; lengths [m].
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

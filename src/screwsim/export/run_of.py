@@ -1,7 +1,5 @@
 """A run with its cycle, of a scene that is simulated or of a file that keeps one; and lengths of an option."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -40,7 +38,7 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
     return scene, Result(status, message, performance=Performance(figures, known()), cycle=cycle)
 
 
-def spans_of(text: str | None, name: str = "bearings") -> tuple[float, float]:
+def spans_of(text: str | None, option: str = "--bearings") -> tuple[float, float]:
     """Return two lengths [m] of a text '40 mm,60 mm'; (0, 0) without one. Raise UsageError, which names the option."""
     if text is None:
         return 0.0, 0.0
@@ -49,8 +47,8 @@ def spans_of(text: str | None, name: str = "bearings") -> tuple[float, float]:
         one, two = (parse_quantity(KINDS["length"], part) for part in parts)
     except (Refused, ValueError) as why:
         said = why if isinstance(why, Refused) else f"{len(parts)} lengths"
-        raise UsageError(f"--{name} {text}: {said} (write two with units, e.g. '40 mm,60 mm')") from None
+        raise UsageError(f"{option} {text}: {said} (write two with units, e.g. '40 mm,60 mm')") from None
     if min(one, two) < 0.0:
-        why = "a bearing lies outside of the rotor" if name == "bearings" else "a diameter is not negative"
-        raise UsageError(f"--{name} {text}: {why} (write lengths of 0 and more)")
+        why = "a bearing lies outside of the rotor" if option == "--bearings" else "a diameter is not negative"
+        raise UsageError(f"{option} {text}: {why} (write lengths of 0 and more)")
     return one, two

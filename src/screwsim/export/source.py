@@ -1,7 +1,5 @@
 """A map of what a command names: a scene, which is simulated for it, or a file of a sweep, which holds it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Spectra of what repeats every lobe pitch: harmonics of the lobe frequency; volume flows of both lines."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -119,7 +119,8 @@ def tabulate(
         if checked and max(errors) <= SAFE * wanted:
             break
         axis = _coarsest(nodes, values, sound, outputs)
-        finer = _doubled(nodes[axis])
+        x = nodes[axis]
+        finer = np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
         if math.prod(len(x) if i != axis else len(finer) for i, x in enumerate(nodes)) > most:
             break
         known = _inserted(solve, inputs, nodes, axis, finer, known)
@@ -246,17 +247,8 @@ def _coarsest(nodes: Sequence[Array], values: Array, sound: Array, outputs: Sequ
     return int(np.argmax([np.max(_axis_error(nodes, values, sound, outputs, axis)[0]) for axis in range(len(nodes))]))
 
 
-def _doubled(x: Array) -> Array:
-    return np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
-
-
 def _inserted(
-    solve: _Solver,
-    inputs: Sequence[Input],
-    nodes: Sequence[Array],
-    axis: int,
-    finer: Array,
-    known: tuple[Array, Array],
+    solve: _Solver, inputs: Sequence[Input], nodes: Sequence[Array], axis: int, finer: Array, known: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """Return values and soundness on the grid with the nodes between those of an axis, which alone are simulated."""
     between = finer[1::2]

@@ -4,8 +4,6 @@ TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, both our definitio
 as heat, so that only the discharge temperature depends on that: it is the mean over the map, and its spread is stated.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

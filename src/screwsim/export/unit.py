@@ -1,7 +1,5 @@
 """Units of figures and of paths, as other tools want them: exponents of the SI's base units, customary units beside."""
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ The mesh stands in the rotor's own frame, z along its axis from the suction end;
 suction, one field a step of the turn.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from xml.sax.saxutils import quoteattr

@@ -15,19 +15,3 @@ from screwsim.figures.registry import (
     trace_variable,
     unpacked,
 )
-
-__all__ = [
-    "Performance",
-    "borrowed",
-    "called_for",
-    "declaration",
-    "declared",
-    "known",
-    "known_traces",
-    "merged",
-    "needs_of",
-    "packed",
-    "scale_of",
-    "trace_variable",
-    "unpacked",
-]

@@ -3,19 +3,9 @@
 One table for the screen, the figures and the page.
 """
 
-from __future__ import annotations
-
 from screwsim.figures.registry import declared
 from screwsim.outputs import EFFICIENCY, Figure
-from screwsim.outputs.customary import (
-    SCALES,
-    ZERO_CELSIUS,
-    digits,
-    engineering_temperature,
-    quantity,
-    scale,
-    small,
-)
+from screwsim.outputs.customary import SCALES, ZERO_CELSIUS, digits, engineering_temperature, quantity, scale, small
 
 __all__ = [
     "SCALES",

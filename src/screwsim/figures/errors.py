@@ -1,7 +1,5 @@
 """Numerical errors of performance figures, each relative to what its declaration says (contract: error)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from math import prod
 from typing import Any

@@ -4,8 +4,6 @@ CoolProp's flashes of mixtures take up to a second and fail for some; here every
 `saturation` (M315) and the equation itself (M310), in plain Python.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

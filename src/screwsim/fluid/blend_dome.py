@@ -5,8 +5,6 @@ is a derivative):
     p = −f_v,  s = −f_T,  h = f − T f_T − v f_v,  c_v = −T f_TT,  T p_T = −T f_Tv,  w² = v² (f_vv + T f_Tv²/c_v).
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 
@@ -93,11 +91,7 @@ def surface_kernel(fluid: str) -> Kernel:
     found = dome(fluid)
     cells_T, cells_w, points_T, points_w = found.c.shape
     text = SURFACE.format(
-        name=describe(fluid).name,
-        last_T=cells_T - 1,
-        last_w=cells_w - 1,
-        top_T=points_T - 1,
-        top_w=points_w - 1,
+        name=describe(fluid).name, last_T=cells_T - 1, last_w=cells_w - 1, top_T=points_T - 1, top_w=points_w - 1
     )
     arrays: dict[str, Any] = {"EDGES": found.edges, "W": np.array(W_EDGES), "BORDER": found.border, "C": found.c}
     return written(text, f"{describe(fluid).name} dome", arrays)

@@ -10,8 +10,6 @@ at the same T it gives f = Σ z_i μ_i − p v on the reference of M311. The tab
 each cell: T, and w = (v − v')/(v'' − v') between the border's volumes, which are polynomials of T themselves.
 """
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass
 from functools import lru_cache

@@ -4,8 +4,6 @@ Between the bubble and the dew temperature of that pressure the volume follows f
 is wanted, which rises with T along an isobar; each by a bracketed root (M353).
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -5,8 +5,6 @@ pseudo-pure fluid has the short one (`R407C.mix`), and of one's own `R32/R1234yf
 `(mole 0.8/0.2)`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from functools import cache, lru_cache
@@ -108,14 +106,11 @@ def abstract_state(fluid: str, called: str) -> Any:
         reason = str(error).splitlines()[0]
     pair = re.search(r"binary pair \[([0-9-]+),([0-9-]+)\]", reason)
     if pair is not None:
-        numbers = {coolprop.get_fluid_param_string(each, "CAS"): each for each in _pure_fluids(coolprop)}
+        pure = coolprop.get_global_param_string("FluidsList").split(",")
+        numbers = {coolprop.get_fluid_param_string(each, "CAS"): each for each in pure}
         first, second = (numbers.get(number, number) for number in pair.groups())
         what = f"CoolProp has no data of the pair {first} and {second}"
     else:
         unknown = re.search(r"key \[(.+?)\]", reason)
         what = f"CoolProp has no pure fluid {unknown[1]!r}" if unknown else f"CoolProp refuses it ({reason[:120]})"
     raise UsageError(f"gas.fluid: {fluid}: {what}; {REMEDY}")
-
-
-def _pure_fluids(coolprop: Any) -> list[str]:
-    return coolprop.get_global_param_string("FluidsList").split(",")

@@ -7,8 +7,6 @@ grows with a sweep over conditions: a process leaves its first answers to others
 next process, and the oldest answers in memory make room.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
 import threading
@@ -163,17 +161,13 @@ def isentropic_exponent(fluid: str, T: float) -> float:
 def saturation_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of vapour (the dew point) at pressure p [Pa]."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.dew_temperature(p)
-    return _saturated(fluid, "T", "PQ_INPUTS", p, 1.0)
+    return _saturated(fluid, "T", "PQ_INPUTS", p, 1.0) if mixed is None else mixed.dew_temperature(p)
 
 
 def boiling_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of liquid (the bubble point) at pressure p [Pa]."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.bubble_temperature(p)
-    return _saturated(fluid, "T", "PQ_INPUTS", p, 0.0)
+    return _saturated(fluid, "T", "PQ_INPUTS", p, 0.0) if mixed is None else mixed.bubble_temperature(p)
 
 
 def liquid_below(fluid: str, p: float, T: float) -> float | None:
@@ -191,17 +185,13 @@ def liquid_below(fluid: str, p: float, T: float) -> float | None:
 def dew_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated vapour at temperature T [K] (M42)."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.dew_pressure(T)
-    return _saturated(fluid, "p", "QT_INPUTS", 1.0, T)
+    return _saturated(fluid, "p", "QT_INPUTS", 1.0, T) if mixed is None else mixed.dew_pressure(T)
 
 
 def bubble_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated liquid at temperature T [K] (M42)."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.bubble_pressure(T)
-    return _saturated(fluid, "p", "QT_INPUTS", 0.0, T)
+    return _saturated(fluid, "p", "QT_INPUTS", 0.0, T) if mixed is None else mixed.bubble_pressure(T)
 
 
 def condensing_pressure(fluid: str, T: float) -> float:
@@ -221,17 +211,13 @@ def condensed(fluid: str, T: float) -> float:
 def saturated_liquid_enthalpy(fluid: str, T: float) -> float:
     """Return the enthalpy [J/kg] of saturated liquid at temperature T [K], on CoolProp's default reference."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.saturated_liquid(T)[0]
-    return _saturated(fluid, "hmass", "QT_INPUTS", 0.0, T)
+    return _saturated(fluid, "hmass", "QT_INPUTS", 0.0, T) if mixed is None else mixed.saturated_liquid(T)[0]
 
 
 def saturated_liquid_density(fluid: str, T: float) -> float:
     """Return the density [kg/m³] of saturated liquid at temperature T [K]."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.saturated_liquid(T)[1]
-    return _saturated(fluid, "rhomass", "QT_INPUTS", 0.0, T)
+    return _saturated(fluid, "rhomass", "QT_INPUTS", 0.0, T) if mixed is None else mixed.saturated_liquid(T)[1]
 
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
@@ -270,17 +256,13 @@ def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) 
 def vapour_enthalpy(fluid: str, p: float, T: float) -> float:
     """Return the real vapour's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.vapour_enthalpy(p, T)
-    return _single_phase(fluid, p, T, "iphase_gas")
+    return _single_phase(fluid, p, T, "iphase_gas") if mixed is None else mixed.vapour_enthalpy(p, T)
 
 
 def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
     """Return the liquid's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
     mixed = _blend(fluid)
-    if mixed is not None:
-        return mixed.liquid_enthalpy(p, T)
-    return _single_phase(fluid, p, T, "iphase_liquid")
+    return _single_phase(fluid, p, T, "iphase_liquid") if mixed is None else mixed.liquid_enthalpy(p, T)
 
 
 def enthalpy(fluid: str, p: float, T: float) -> float:

@@ -4,8 +4,6 @@ The terms are CoolProp's own fluid description. The cache is keyed by CoolProp's
 asked again, and a process that finds its fluid there never imports CoolProp (seconds).
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

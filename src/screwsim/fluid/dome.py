@@ -7,8 +7,6 @@ then f = g(T) − p_sat(T) v, and everything follows from these two functions of
 So du/dT = c_v and (∂u/∂v)_T = T p' − p hold exactly, whatever the tables' error.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -7,8 +7,6 @@ and everything that a simulation asks for is a sum of these (Span 2000, table 3.
     h = R T (1 + Eα⁰ + Eα + Dα),  c_v = R (−(E² − E)(α⁰ + α)),  s = R (Eα⁰ + Eα − α⁰ − α)     (α residual).
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 

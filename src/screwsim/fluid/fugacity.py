@@ -7,8 +7,6 @@ and p/(R T) = ρ (1 + Dαʳ). The functions are those of `mixture`, written out 
 them steps into the complex plane.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

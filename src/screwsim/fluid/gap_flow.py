@@ -5,8 +5,6 @@ Refrigeration 36 (2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods,
 193; A. Cicchitti et al., Energia Nucleare 7 (1960) 407.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.numerics.kernel import kernel

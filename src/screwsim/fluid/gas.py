@@ -23,8 +23,6 @@ What a scene says of a gas is in `fluid.settings`; `build.build_gas` makes the g
 this, a condensed liquid or a saturation, check for `gas.model: real` themselves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 

@@ -4,8 +4,6 @@ Source: the fluid's equation as CoolProp describes it (Bell et al. 2014, doi:10.
 Equations of State, 2000. The reference state is CoolProp's default for the fluid.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

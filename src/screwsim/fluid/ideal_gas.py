@@ -3,8 +3,6 @@
 Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. What every gas has: `fluid.gas`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Newton's method inside a bracket. The pressure of vapour is a concave function o
 gas's density, which is too small, the steps climb towards the root and never pass it; the bracket is for the rest.
 """
 
-from __future__ import annotations
-
 from screwsim.numerics.kernel import Slot, kernel
 
 single_state = Slot("single_state")

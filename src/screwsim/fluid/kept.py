@@ -1,7 +1,5 @@
 """Answers of CoolProp that are kept on disk, one file each, named by the question and CoolProp's version."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib.metadata
 import json

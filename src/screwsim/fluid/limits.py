@@ -3,8 +3,6 @@
 Source: the limits of the equation of state and of its vapour, as the kernel `margin` of the gas gives them.
 """
 
-from __future__ import annotations
-
 from enum import Enum, auto
 from typing import Any, NamedTuple
 

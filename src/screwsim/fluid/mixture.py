@@ -9,8 +9,6 @@ functions: `departures.json`, those of CoolProp 8.0.0 (its dev/mixtures/mixture_
 which names their sources; CoolProp does not hand them out. Weights, pairs and reducing parameters are asked of it.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

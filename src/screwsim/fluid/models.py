@@ -4,8 +4,6 @@ A scene names a model of one's own as it names an effect of one's own, `gas.mode
 variable `GAS`, a `GasModel` that makes a gas (`fluid.gas`) of what the scene says.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -15,7 +13,7 @@ from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.settings import GasSettings
-from screwsim.numerics.trial import own_module
+from screwsim.numerics.trial import found_in
 
 
 class Asked(NamedTuple):
@@ -84,12 +82,7 @@ MODELS: dict[str, GasModel] = {
 
 def find_gas_model(name: str) -> GasModel:
     """Return the model of a name; raise KeyError where there is none, ImportError for a dotted one."""
-    if "." not in name:
-        return MODELS[name]
-    found = getattr(own_module(name), "GAS", None)
-    if not isinstance(found, GasModel):
-        raise ImportError(f"module {name} defines no GAS")
-    return found
+    return found_in(MODELS, name, "GAS", GasModel)
 
 
 def condenses(settings: GasSettings) -> bool:

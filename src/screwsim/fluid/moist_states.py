@@ -5,8 +5,6 @@ nothing of b and c of an ideal gas. μ_l is the potential of vapour that saturat
 enthalpy and entropy follow from p_s alone. In equilibrium ρ_v makes f least at ρ_v + ρ_l = y ρ.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

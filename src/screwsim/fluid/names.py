@@ -1,7 +1,5 @@
 """Names of fluids: which fluid is meant by one that is not known, and why there are no data of another."""
 
-from __future__ import annotations
-
 import re
 
 from screwsim.fluid.blend_border import blend_border

@@ -10,8 +10,6 @@ With a = 1/k, ψ² = 2 r^a (r^a − r)/(1 − a); near k = 1, where a real gas m
 E = expm1((a−1) ln r), and E/(1 − a) → −ln r, so that every k > 0 is as good as any other.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

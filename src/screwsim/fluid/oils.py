@@ -8,8 +8,6 @@ Publ. 97, 1929), of POE as measured for ACD100FY, of PAG a round figure. No make
 write its numbers.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -7,8 +7,6 @@ where the formula is quoted short; it changes C_d by up to 0.8, 1.9 and 3.7 % at
 C_d hardly changes any more (by 0.4 % at L/D = 2), so that only the lower end of that range is watched.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.numerics.kernel import kernel

@@ -12,8 +12,6 @@ critical point, is interpolated. Over θ = ±√(1 − T/T_m), T_m the highest t
 vapour's side, the envelope is one smooth curve, which the tables of `saturation` hold as they do a pure fluid's.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

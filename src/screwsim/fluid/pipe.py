@@ -4,8 +4,6 @@ Source: Darcy–Weisbach; laminar 64/Re (Hagen–Poiseuille) up to Re = 2000, tu
 Re = 1e5) from 4000 on; between, where the flow is neither, the factor goes linearly over Re (ours).
 """
 
-from __future__ import annotations
-
 import math
 
 LAMINAR, TURBULENT = 2000.0, 4000.0  # Reynolds numbers

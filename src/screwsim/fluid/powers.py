@@ -1,7 +1,5 @@
 """Powers of one variable in generated text: each written once, from others by multiplication where that is possible."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from fractions import Fraction
 

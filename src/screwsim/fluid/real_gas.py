@@ -7,8 +7,6 @@ condense on the way. What `two_phase: refuse` refuses is a closed cycle of which
 else is for the border, and runs compiled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

@@ -1,7 +1,5 @@
 """The kernels of a real gas by fluid and by what becomes of two phases, and their compiled module for the border."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 from types import ModuleType

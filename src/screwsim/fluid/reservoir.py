@@ -1,7 +1,5 @@
 """A reservoir of the working fluid: a state at rest, held constant, as streams and balances need it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

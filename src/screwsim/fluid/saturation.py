@@ -11,8 +11,6 @@ does a blend: its tables are the phase envelope of `phase_envelope`, with T_c th
 ln p of the whole envelope stands over θ, too.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass

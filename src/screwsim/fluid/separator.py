@@ -3,8 +3,6 @@
 Source: docs/model.md M280–M281, the first law. Plain Python, asked once a cycle.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 NEAR = 1e-12  # of the enthalpy, with which the mixture's is found

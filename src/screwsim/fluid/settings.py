@@ -1,7 +1,5 @@
 """What a scene says of the gas and of the oil (typed, SI units)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,9 +28,7 @@ class GasSettings:
         "equation of state; real: the fluid's full Helmholtz equation", ("ideal", "real"), "ideal", own="GAS"
     )
     two_phase: str = choice(
-        "a real gas that condenses: refuse it, or follow both phases in equilibrium",
-        (REFUSE, EQUILIBRIUM),
-        REFUSE,
+        "a real gas that condenses: refuse it, or follow both phases in equilibrium", (REFUSE, EQUILIBRIUM), REFUSE
     )
     isentropic_exponent: float | None = number(
         "k of the ideal gas (default: cp0/(cp0 - R) at suction temperature; always c_v = R/(k - 1))",

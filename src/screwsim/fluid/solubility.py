@@ -4,8 +4,6 @@ Source: B. Grebner, thesis, 1992 (constants; oil of 0.590 kg/mol); J. F. Heil, J
 Fitted from 255 K to 394 K; mean error 6.3 % on its 44 points.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@
 and ideal-gas terms those of `Ideal`. What cannot be written so is refused by name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import log

@@ -7,8 +7,6 @@ Derivatives come multiplied by powers of T. Of an ideal gas: no virial terms, a 
 asks CoolProp; tests/fluid/test_moist_air.py does.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.numerics.kernel import kernel

@@ -1,7 +1,5 @@
 """Arguments of public functions: each is held to its kind before anything begins, and told of in one line."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 import math
@@ -23,14 +21,16 @@ class Kind(NamedTuple):
     words: str
 
 
-def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
+def takes(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Return what makes a function raise UsageError of an argument of another kind; a default of None passes.
 
-    Of a mapping, whose values the function reads itself, the kinds say nothing but that it is one.
+    What is not stated of an argument is as `USUAL` says of its name. Of a mapping, whose values the function reads
+    itself, the kinds say nothing but that it is one.
     """
 
     def around(function: Callable[P, R]) -> Callable[P, R]:
         parameters = inspect.signature(function).parameters
+        kinds = {name: USUAL[name] for name in parameters if name in USUAL} | own
         names = tuple(parameters)
         open_to_none = {name for name, each in parameters.items() if each.default is None}
         assert kinds.keys() <= parameters.keys()
@@ -137,3 +137,7 @@ CALLED = Kind(callable, "nothing that can be called")
 PROGRESS = Kind(_progress, "no progress (pass True, False or None)")
 NUMBERS = Kind(_numbers, "neither a text as '140, 163 mm' nor a list of numbers")
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
+# arguments that mean the same wherever they are taken
+USUAL: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
+USUAL |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
+USUAL |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLED)

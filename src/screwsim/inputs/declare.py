@@ -11,8 +11,6 @@ A field that another one may state in its place names that in `otherwise`: the s
 `Derived` one, which follows anew whenever what it follows from changes, and is not written.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Texts that a program passes: several, or one alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import TypeVar
 

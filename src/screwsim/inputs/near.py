@@ -4,8 +4,6 @@ A slip of the keyboard is offered; another number, a letter more or less in a sh
 word for another (suction and discharge) is not: those are other things, and whoever follows would not be told.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

@@ -5,8 +5,6 @@ begin with # say nothing. A row with more or fewer cells than there are names is
 have made two cells of one number.
 """
 
-from __future__ import annotations
-
 import csv
 import os
 from dataclasses import dataclass
@@ -69,7 +67,8 @@ def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
 
 def sheet_of(text: str) -> Sheet:
     """Return the table of a text; one without any row has a head without names. Raise BadSheet."""
-    lines = [(number, line) for number, line in enumerate(text.split("\n"), 1) if _says(line)]
+    numbered = enumerate(text.split("\n"), 1)
+    lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:
@@ -85,10 +84,6 @@ def sheet_of(text: str) -> Sheet:
     for row in body:
         _check_count(row, len(head.cells))
     return Sheet(head, tuple(body))
-
-
-def _says(line: str) -> bool:
-    return bool(line.strip()) and not line.lstrip().startswith("#")
 
 
 def _row(number: int, line: str) -> Row:

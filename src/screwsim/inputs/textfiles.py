@@ -3,8 +3,6 @@
 A pipe or a device may never end, and opening one can wait for ever; so it is asked what lies there before.
 """
 
-from __future__ import annotations
-
 import os
 import stat
 from pathlib import Path

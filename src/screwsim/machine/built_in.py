@@ -1,7 +1,5 @@
 """The built-in volume ratio of a machine: what its ports make of a chamber's volume, whatever the pressures are."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from screwsim.machine.protocol import MachineGeometry

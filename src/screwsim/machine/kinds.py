@@ -1,7 +1,5 @@
 """The registry of machines: the built-in kinds by name, those of a user's own by the dotted name of their module."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 
@@ -11,8 +9,8 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine import twin_screw as _twin_screw
 from screwsim.machine.protocol import MachineGeometry, MachineKind, MachineSettings
 from screwsim.machine.settings import TwinScrew
-from screwsim.machine.slider_crank import kind as _slider_crank
-from screwsim.numerics.trial import own_module
+from screwsim.machine.slider_crank import cylinder as _slider_crank
+from screwsim.numerics.trial import found_in
 
 STEP = math.radians(0.5)  # at which a law of the user's own is looked at
 GAUSS = np.array((-1.0, 1.0)) / math.sqrt(3.0)
@@ -25,12 +23,7 @@ MACHINES: dict[str, MachineKind] = {TWIN_SCREW: _twin_screw.MACHINE, "slider_cra
 
 def find_machine(name: str) -> MachineKind:
     """Return the kind of a name; raise KeyError when there is none, ImportError when a dotted one is not there."""
-    if "." not in name:
-        return MACHINES[name]
-    kind = getattr(own_module(name), "MACHINE", None)
-    if not isinstance(kind, MachineKind):
-        raise ImportError(f"module {name} defines no MACHINE")
-    return kind
+    return found_in(MACHINES, name, "MACHINE", MachineKind)
 
 
 def kind_of(machine: MachineSettings) -> MachineKind:

@@ -5,8 +5,6 @@ edge later. So the rows up to the widest are turned as a whole until the chamber
 and the port is the smaller of these and of the rows behind the widest (docs/model.md, M394). Units SI.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

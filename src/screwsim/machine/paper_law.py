@@ -4,8 +4,6 @@ Source: Chernov et al. 2015, eqs. (16)–(18). All three are one C1 bump B(x; c)
 (18) is corrected (docs/model.md, M18).
 """
 
-from __future__ import annotations
-
 from math import pi
 
 from screwsim.numerics.kernel import kernel

@@ -6,8 +6,6 @@ whole. Before its birth and after its end a chamber is idle: it keeps its dead v
 waits for the next life. That is exact, not an approximation (docs/reference/rotors.md). Units SI.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

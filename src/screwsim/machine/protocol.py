@@ -3,8 +3,6 @@
 Source: screwsim, docs/how-to/adding-a-machine.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property

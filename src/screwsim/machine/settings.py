@@ -1,7 +1,5 @@
 """What a scene says of a twin-screw machine (typed, SI units), and the checks that its geometry demands."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -98,12 +96,7 @@ class TwinScrew(MachineSettings):
     male_lobes: int = count("number of male lobes z1 (a family's are its own)", DerivedCount(4), ge=1, le=12)
     female_lobes: int = count("number of female lobes z2 (a family's are its own)", DerivedCount(6), ge=1, le=14)
     rotor_diameter: float = quantity(
-        "length",
-        "outer diameter of the male rotor",
-        None,
-        gt=0.0,
-        hardly=(0.02, 1.5),
-        otherwise=("displacement",),
+        "length", "outer diameter of the male rotor", None, gt=0.0, hardly=(0.02, 1.5), otherwise=("displacement",)
     )
     rotor_length: float = quantity(
         "length", "length of the rotors", None, gt=0.0, hardly=(0.02, 3.0), otherwise=("displacement", "profile")

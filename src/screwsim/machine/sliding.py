@@ -4,8 +4,6 @@ Source: docs/model.md M256; kinematics of helical rotors (textbook). The tips of
 angle each, the lobes' end faces lie between root and outer circle.
 """
 
-from __future__ import annotations
-
 from math import hypot, radians
 
 from screwsim.machine.protocol import END_GAP, TIP_GAP
@@ -28,7 +26,4 @@ def wall_speeds(machine: TwinScrew) -> dict[str, float]:
     tips = male, ratio * female  # speeds over that of the male rotor [m]
     lines = sum(hypot(speed, lead) for speed in tips)
     faces = 0.5 * (male + centres - female), 0.5 * ratio * (female + centres - male)  # at the middle of the lobes
-    return {
-        TIP_GAP: lead * sum(tips) / (lines * male),
-        END_GAP: 0.5 * sum(faces) / male,
-    }
+    return {TIP_GAP: lead * sum(tips) / (lines * male), END_GAP: 0.5 * sum(faces) / male}

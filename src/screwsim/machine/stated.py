@@ -4,8 +4,6 @@ What follows is filled in as `Derived` values, anew whenever a case of a sweep c
 that states the same thing twice is refused: nothing is overruled in silence. Units SI.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Laws read from tables: a shape-preserving C1 spline, volume and its slope from the same polynomial (M14)."""
 
-from __future__ import annotations
-
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import table_slope, table_value
 

@@ -1,7 +1,5 @@
 """Twin-screw machines: what they offer to effects, and what of their sizes can be."""
 
-from __future__ import annotations
-
 import math
 from operator import attrgetter
 

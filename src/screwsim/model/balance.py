@@ -3,8 +3,6 @@
 Source: Chernov et al. 2015, eqs. (5)–(15), in the form of docs/model.md M1–M8. Positive flow is into the chamber.
 """
 
-from __future__ import annotations
-
 from screwsim.numerics.kernel import kernel
 
 

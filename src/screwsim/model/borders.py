@@ -3,8 +3,6 @@
 Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value

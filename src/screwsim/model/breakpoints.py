@@ -4,8 +4,6 @@ The laws of the package's own effects state them. Those of a user's effects are 
 are not known; that takes some milliseconds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

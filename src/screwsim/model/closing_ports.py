@@ -6,8 +6,6 @@ flow at its end: neither its result nor its error estimate knows what was shut i
 is no longer stiff for what is left. `network.steps` asks this of each port and each state.
 """
 
-from __future__ import annotations
-
 from screwsim.numerics.kernel import kernel
 
 CLOSED = 0.3  # of an opening's area at the end of a step, over that at its start, below which it counts as closing

@@ -1,7 +1,5 @@
 """Compiling a composition: what is said of it."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager

@@ -4,8 +4,6 @@ What is not named is not there: no term, no state, no cost. Structure (which pat
 module's text; numbers go into the vector P and the tables TAB, so that one compiled module serves a whole sweep.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

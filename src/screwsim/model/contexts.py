@@ -1,7 +1,5 @@
 """What kernels are given beside the state, by name: parameters, tables, histories, working arrays."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

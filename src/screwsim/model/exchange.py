@@ -5,8 +5,6 @@ all of them before the next: what it asks for (code, tables) is in the processor
 not.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from typing import Any

@@ -4,8 +4,6 @@ Source: docs/reference/slider-crank.md S32, S33. What happens there is that of `
 otherwise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any

@@ -11,8 +11,6 @@ of the turn and the angles where the step tried begins and ends. `network.stops`
 Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.model.slots import S_RHO, S_T, push_on

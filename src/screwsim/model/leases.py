@@ -4,8 +4,6 @@ Making them anew costs a twentieth of a solution, most of it for pages that are 
 lent is nobody else's; what is not given back, as after an error, is left to the collector.
 """
 
-from __future__ import annotations
-
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 

@@ -5,8 +5,6 @@ of the dense output on each step; all sums are free of the ambient temperature a
 which `screwsim.ledger` adds.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 Angles at which a chamber is open to neither line are passed over.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.model.slots import (

@@ -1,7 +1,5 @@
 """The text of the flat module: kernels pasted with all they use, and what a composition writes itself."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """P and TAB: which number of a scene stands where, and which kernels can ask for by name."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 

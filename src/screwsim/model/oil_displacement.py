@@ -5,8 +5,6 @@ p/ρ_oil. In a port state with room the density is that of the gas times the squ
 nozzle's flow, S √(ρ …), has the share as a factor; the oil temperature is enthalpy over heat capacity.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.model.slots import (

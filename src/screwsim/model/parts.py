@@ -1,7 +1,5 @@
 """What a scene names, built: what the composer takes, and everything that asks what is simulated."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

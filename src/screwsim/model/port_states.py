@@ -4,8 +4,6 @@ Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A port 
 `slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their port states.
 """
 
-from __future__ import annotations
-
 from screwsim.model.slots import (
     P_DISCHARGE_WIDTH,
     P_PORT_WIDTH,

@@ -4,8 +4,6 @@ Source: docs/model.md M185, M186. The pressure is that of the line, an offset to
 of the lobe frequency, along which the gas is compressed isentropically.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.numerics.kernel import kernel

@@ -3,8 +3,6 @@
 `Machinery` owns the arrays that the compiled module reads and writes; nothing here knows what a cycle is good for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property

@@ -3,8 +3,6 @@
 What is small is laid side by side for the call and put back after it; histories and tables stay where they are.
 """
 
-from __future__ import annotations
-
 import ctypes
 import threading
 from collections.abc import Callable, Sequence

@@ -9,8 +9,6 @@ Reached by the slots of the integrator (`numerics.rodas`).
 Source: docs/explanation/numerics.md, Newton's correction.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -32,8 +32,6 @@ of gaps), CHAMBERS (alive at once), the indices into P that move with the number
 Indices into P, R and a port state that are fixed for every composition stand here too.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from screwsim.numerics.kernel import Slot, Structure

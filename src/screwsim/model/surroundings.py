@@ -4,8 +4,6 @@ Source: docs/model.md M24. Those ahead are read from the last turn, those behind
 has passed their angle already. What surrounds a chamber is written by `network.surroundings`.
 """
 
-from __future__ import annotations
-
 from screwsim.model.slots import neighbour
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel

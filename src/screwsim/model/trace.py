@@ -1,7 +1,5 @@
 """Reading a closed cycle: pressures, volumes and the flow of each path over the angle, from the stored steps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 Source: ours; Gauss–Legendre quadrature of the dense output on each step.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.model.slots import P_OMEGA, around_chamber, balanced, given_off, mass_rate, path_flows

@@ -4,8 +4,6 @@ Numbers go into P and TAB, what decides on terms into the text. Where the speed 
 on time is multiplied by `Writer.slow`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

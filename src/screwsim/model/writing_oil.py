@@ -3,8 +3,6 @@
 Source: docs/model.md M9, M30, M104, M196, M230–M233, M392.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.effects.base import OilGas, OilPort, OilSolution

@@ -6,8 +6,6 @@ that takes three times as long. An object whose dictionary is asked for is read 
 hundred times: of many values, or some that are found `once`, which go into the dictionary anyway.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import MISSING, fields
 from typing import Any, TypeVar

@@ -3,8 +3,6 @@
 It is said when something is found to be missing, and so not when all is there.
 """
 
-from __future__ import annotations
-
 import json
 import threading
 import time

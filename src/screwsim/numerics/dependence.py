@@ -1,7 +1,5 @@
 """What depends on what in a body of statements: the variables that a derivative must follow."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Collection, Mapping, Sequence
 

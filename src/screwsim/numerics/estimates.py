@@ -3,8 +3,6 @@
 Another one is an entry here, and what it does as an estimate of `solve.estimate`.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

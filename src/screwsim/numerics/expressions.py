@@ -1,7 +1,5 @@
 """Expressions as text that is worked out: what `derivative` puts together of a kernel's source."""
 
-from __future__ import annotations
-
 import ast
 import copy
 from collections.abc import Callable, Iterator, Sequence

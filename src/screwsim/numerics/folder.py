@@ -4,8 +4,6 @@ Compiled code that is loaded is code that is run. So what is kept is taken only 
 where there is none, from a private one that ends with the process that made it.
 """
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import os

@@ -4,8 +4,6 @@ Trees of a text are some hundred thousand objects, made one after the other and 
 the way goes through all of them and finds nothing. Reading a text without takes half the time.
 """
 
-from __future__ import annotations
-
 import gc
 import threading
 from collections.abc import Iterator

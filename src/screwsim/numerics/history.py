@@ -3,8 +3,6 @@
 A history is (times[0…n], dense[n, 4, states]) as `rodas.integrate` fills them.
 """
 
-from __future__ import annotations
-
 from screwsim.numerics.kernel import kernel
 
 NUDGE = 1e-9  # rad: at a jump the side is chosen on which the middle of the caller's segment lies

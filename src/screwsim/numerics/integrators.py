@@ -5,8 +5,6 @@ integrates the coupled chambers from where our own method closed. Another one is
 which a scene names as it names an effect of its own: `numerics.integrator: my_integrators.rodasp`.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +14,7 @@ import numpy as np
 
 from screwsim.numerics import rodas, rodas3
 from screwsim.numerics.kernel import constant_text
-from screwsim.numerics.trial import own_module
+from screwsim.numerics.trial import found_in
 
 ROUNDING = 1e-9  # of published coefficients
 
@@ -125,12 +123,7 @@ CHECKS = tuple(name for name, each in (INTEGRATORS | STUDIED).items() if isinsta
 
 def find_integrator(name: str) -> Integrator:
     """Return the integrator of a name; raise KeyError where there is none, ImportError for a dotted one."""
-    if "." not in name:
-        return (INTEGRATORS | STUDIED)[name]
-    found = getattr(own_module(name), "INTEGRATOR", None)
-    if not isinstance(found, Rosenbrock | Check):
-        raise ImportError(f"module {name} defines no INTEGRATOR")
-    return found
+    return found_in(INTEGRATORS | STUDIED, name, "INTEGRATOR", Rosenbrock, Check)
 
 
 def check_of(name: str) -> Check | None:

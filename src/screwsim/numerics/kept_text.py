@@ -1,7 +1,5 @@
 """Texts of kernels that were written before: read from the cache folder, found by all that they are made of."""
 
-from __future__ import annotations
-
 import hashlib
 import sys
 import zlib

@@ -7,8 +7,6 @@ no state. `flatten` collects kernels with everything that they call or read, ren
 `written` makes a kernel from generated text, such as the equation of one fluid.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import inspect

@@ -1,7 +1,5 @@
 """Small dense linear systems inside kernels: LU with partial pivoting, in place."""
 
-from __future__ import annotations
-
 from screwsim.numerics.kernel import kernel
 
 

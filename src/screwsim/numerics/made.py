@@ -4,8 +4,6 @@ One turn maps them to the next. They are compared and mixed in coordinates: most
 others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

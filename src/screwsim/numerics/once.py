@@ -4,8 +4,6 @@
 on there is none. Two threads that ask at once may both find it, and find the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 from sys import version_info

@@ -1,7 +1,5 @@
 """Expressions with their derivatives by the variables in them: operators, choices, functions of `math`, kernels."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any

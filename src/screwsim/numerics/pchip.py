@@ -6,8 +6,6 @@ Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300–304
 Numerical Computing with MATLAB, SIAM 2004, ch. 3.6.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 
 import numpy as np

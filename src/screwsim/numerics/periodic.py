@@ -1,7 +1,5 @@
 """Acceleration of a periodic fixed point by Anderson's method (type II, Walker & Ni 2011), whatever the states mean."""
 
-from __future__ import annotations
-
 import numpy as np
 
 Array = np.ndarray

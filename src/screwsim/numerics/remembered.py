@@ -5,8 +5,6 @@ remembered of it. Objects are held as long as they are remembered, so that where
 such that nobody changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 

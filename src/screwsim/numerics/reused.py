@@ -4,8 +4,6 @@ An allocator may give large arrays back to the system, which then hands out page
 that takes as long as what is written into them. Who holds an array, or a view of it, holds its memory.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 from math import prod

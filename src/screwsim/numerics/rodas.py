@@ -19,8 +19,6 @@ integration may go on; that a step ends there is the work of `share_in_phase`). 
 size across them. STATES and QUADRATURES, their numbers, are constants of the text, so that short loops are unrolled.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

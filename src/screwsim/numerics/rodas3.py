@@ -5,8 +5,6 @@ The method has no dense output of its own order: of the four conditions on weigh
 θ = 0 and 1. `dense_weights` meets the two of order 2 and, of order 3, the one of quadratures.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 GAMMA = 0.5

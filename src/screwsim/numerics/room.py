@@ -1,7 +1,5 @@
 """Room for numbers of which few may ever be written: pages of the system that cost nothing until they are."""
 
-from __future__ import annotations
-
 import mmap
 from math import prod
 

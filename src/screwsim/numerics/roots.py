@@ -7,8 +7,6 @@ extrapolation in place of the inverse quadratic one (J. C. P. Bus, T. J. Dekker,
 at once: T. R. Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from math import copysign, inf

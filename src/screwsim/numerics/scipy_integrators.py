@@ -4,8 +4,6 @@ Each segment between them is integrated by itself. Tolerances are relative to th
 with an absolute tolerance from their scale.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from functools import cache

@@ -1,7 +1,5 @@
 """What a scene says of the numerical solution."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.inputs.declare import choice, number
@@ -19,9 +17,7 @@ class NumericsSettings:
         "rodas4, or one of scipy's as an independent check", tuple(INTEGRATORS), DEFAULT, own="INTEGRATOR"
     )
     closing: str = choice(
-        "auto: histories as long as they cost no more than coupled chambers would",
-        tuple(CLOSINGS),
-        AUTO,
+        "auto: histories as long as they cost no more than coupled chambers would", tuple(CLOSINGS), AUTO
     )
     rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
     error: str = choice("; ".join(f"{name}: {each.text}" for name, each in ERRORS.items()), tuple(ERRORS), ESTIMATE)

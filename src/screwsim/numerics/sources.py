@@ -4,8 +4,6 @@ The version of a checkout says nothing; the texts do. Those of the user's own ar
 lies on disk may be edited while a process goes on with what it has.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import importlib.util

@@ -6,8 +6,6 @@ A curve is packed into one array as [n, x_0 … x_{n-1}, c_0 … c_{4(n-1)-1}], 
 c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the table the curve is constant.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Sequence

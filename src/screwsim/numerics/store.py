@@ -4,8 +4,6 @@ Every file begins with the digest of its name and content, and every line of a f
 disk, a crash or a fault of the disk left of them is taken for nothing, and made anew.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

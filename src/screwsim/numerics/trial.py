@@ -1,19 +1,18 @@
 """Try a call in a child process first: what kills a process kills that one, and is told."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import signal
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import ModuleType
-from typing import NoReturn
+from typing import NoReturn, TypeVar, cast
 
 from screwsim.numerics import sources
 
+T = TypeVar("T")
 _DONE = b"."
 DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR", "GAS")  # what a module of the user's own may define
 
@@ -29,6 +28,19 @@ def own_module(name: str) -> ModuleType:
         raise ImportError(f"it ends the program, by SystemExit: {error}") from error
     sources.note(name, next((vars(module)[each] for each in DEFINED if each in vars(module)), None))
     return module
+
+
+def found_in(registry: Mapping[str, T], name: str, defined: str, *kinds: type) -> T:
+    """Return what a registry has under a name, or a module of the user's own, by its dotted name, as `defined`.
+
+    Raise KeyError where there is none, ImportError where a dotted one is not there.
+    """
+    if "." not in name:
+        return registry[name]
+    found = getattr(own_module(name), defined, None)
+    if not isinstance(found, kinds):
+        raise ImportError(f"module {name} defines no {defined}")
+    return cast("T", found)
 
 
 def how_it_died(call: Callable[[], object]) -> str:

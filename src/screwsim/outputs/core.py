@@ -1,7 +1,5 @@
 """The figures of the core: every result may have them, whichever effects its scene names."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from screwsim.outputs.declared import DIFFERENCE, LEAST_OIL, POWER, Figure, Scale, efficiency, over, power_figure

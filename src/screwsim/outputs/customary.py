@@ -1,7 +1,5 @@
 """Units in which people write numbers [SI], and their digits: one table for screen, figures and pages."""
 
-from __future__ import annotations
-
 import math
 import re
 

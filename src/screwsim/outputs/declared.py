@@ -1,7 +1,5 @@
 """What is declared of each figure, curve and number of a result: its name, unit (SI, CF style) and meaning."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Figures by name, also as attributes that say their units and meanings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

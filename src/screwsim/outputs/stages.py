@@ -1,7 +1,5 @@
 """The figures of two stages in a row."""
 
-from __future__ import annotations
-
 from screwsim.outputs.declared import Figure, Scale, efficiency, over
 
 UNASKED = Scale(unasked=True)

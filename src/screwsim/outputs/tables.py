@@ -1,7 +1,5 @@
 """Figures and curves of one result as tables of other libraries, which are asked for when they are wanted."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Mapping
 from typing import Any

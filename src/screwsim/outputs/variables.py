@@ -1,7 +1,5 @@
 """What else a result holds beside its figures: balances, numerics, curves, ledger, knock-outs; units and meanings."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What `screwsim calibrate` prints and writes."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from dataclasses import asdict

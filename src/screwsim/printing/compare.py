@@ -1,7 +1,5 @@
 """What `screwsim compare` prints."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -23,12 +21,7 @@ def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, 
         "b": str(b.path),
         "versions": [each.attributes["screwsim_version"] for each in (a, b)],
         "equal": found.equal,
-        "points": {
-            "common": found.common,
-            "compared": found.compared,
-            "only_a": found.only_a,
-            "only_b": found.only_b,
-        },
+        "points": {"common": found.common, "compared": found.compared, "only_a": found.only_a, "only_b": found.only_b},
         "scene": {path: {"a": one, "b": other} for path, (one, other) in found.scene.items()},
         "status_changes": found.status_changes,
         "first_status_changes": [asdict(each) for each in found.first_status_changes],

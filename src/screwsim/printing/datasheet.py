@@ -1,7 +1,5 @@
 """What `screwsim datasheet` prints."""
 
-from __future__ import annotations
-
 import textwrap
 
 from screwsim.printing.tables import WIDTH, plain_table, wrapped

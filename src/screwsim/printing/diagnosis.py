@@ -1,7 +1,5 @@
 """What `screwsim diagnose` prints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What `screwsim export` prints of a map: its inputs with their nodes, its outputs with their errors, the files."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What all commands that are given a fit print of it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from screwsim.printing.tables import wrapped

@@ -1,7 +1,5 @@
 """What `screwsim sensitivity --local` prints and writes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -105,13 +103,9 @@ def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
     if kind is not None and kind.name in ("temperature", "angle"):
         return 1.0 / per, f"1 {unit}"
     about = abs(value * per) / 20.0 or 1.0
-    power = 10.0 ** _floor_log(about)
+    power = 10.0 ** int(f"{about:e}".partition("e")[2])
     size = max((each * power for each in ROUND if each * power <= about * 1.0001), default=power)
     return size / per, f"{size:g} {unit}".strip()
-
-
-def _floor_log(value: float) -> int:
-    return int(f"{value:e}".partition("e")[2])
 
 
 def _marked(found: Sensitivities, path: str) -> str:

@@ -1,7 +1,5 @@
 """What is printed of measured figures beside a scene's own, and of what would explain their difference."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from screwsim.figures import declared

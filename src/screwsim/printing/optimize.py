@@ -1,7 +1,5 @@
 """What `screwsim optimize` prints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What `screwsim map` prints and writes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What `screwsim plan` prints and writes."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What `screwsim calibrate --posterior` and `--predict` print and write."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

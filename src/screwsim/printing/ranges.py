@@ -1,7 +1,5 @@
 """How uncertain the figures of a sweep are by the tolerances of its scene: from the least to the most, and by what."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

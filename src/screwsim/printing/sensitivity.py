@@ -1,7 +1,5 @@
 """What `screwsim sensitivity` prints and writes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

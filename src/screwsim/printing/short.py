@@ -1,7 +1,5 @@
 """What an engineer reads first of a result, on one screen of 80 columns and 24 lines (`run --short`)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 

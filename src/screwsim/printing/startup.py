@@ -1,7 +1,5 @@
 """What `screwsim startup` prints and writes."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Plain tables and wrapped lines for a terminal of 80 columns."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterable, Sequence
 

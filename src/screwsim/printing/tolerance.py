@@ -1,7 +1,5 @@
 """What `screwsim tolerance` prints."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from screwsim.printing import engineering, shown_name

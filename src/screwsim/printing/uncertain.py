@@ -1,7 +1,5 @@
 """What is printed of the uncertainty of a scene's figures: by its inputs, beside the numerical error."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any

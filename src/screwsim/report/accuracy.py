@@ -1,7 +1,5 @@
 """Work-precision figure: error of the performance figures over time and over evaluations, on logarithmic axes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple

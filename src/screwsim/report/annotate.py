@@ -1,7 +1,5 @@
 """Labels at curves: beside their ends and along them, without overlaps. Places are computed on the drawn canvas."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

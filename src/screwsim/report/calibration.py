@@ -1,7 +1,5 @@
 """Figure of a calibration: what is left over at each point, fitted less measured, with the uncertainty."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Figure of a sweep over words alone, as over fluids: a point a word in a panel for each figure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Figures of a flexible connecting rod: its stability boundary, and load, deflection and stress over rod and turn."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 from typing import Any

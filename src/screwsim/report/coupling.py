@@ -1,7 +1,5 @@
 """Figures of the rubber-cord coupling: cords, the angle at which they cross, torque and stiffness over the twist."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import partial

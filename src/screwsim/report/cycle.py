@@ -1,7 +1,5 @@
 """Figures of one cycle: the p–V loop, the states over the angle, and the flow of each path."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """A data sheet as a page: one file, drawn without scripts, nothing loaded from elsewhere."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from html import escape

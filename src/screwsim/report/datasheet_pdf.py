@@ -1,7 +1,5 @@
 """A data sheet as PDF: one page of A4, in the largest type in which it fits, or more where none is small enough."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Figures of a drive: torsional frequency, lobe harmonics and coupling torque over the speed; a start-up."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Families of curves from the grid of a sweep: which axis is x, which one tells the curves apart; and their optima."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Figures of an optimisation: the front of its aims among all evaluations, and each aim over what was varied."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from functools import partial

@@ -1,7 +1,5 @@
 """Figure of the ledger: from the shaft power down to the useful exergy of the gas, or back of an expander."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple

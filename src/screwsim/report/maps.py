@@ -1,7 +1,5 @@
 """Contour maps over two axes of a sweep: of the efficiency with the optimum of each curve, of capacity and COP."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Figure of a displacement supply: the oil ratio is an outcome of the speed (the paper's Fig. 2)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Figure of a posterior: the distribution of every parameter, and of every pair."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Sequence
 from functools import partial

@@ -3,8 +3,6 @@
 Temperatures are shown in °C, differences of temperature in K.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Figures of a pair of rotors: the mesh, the sealing line in space, volume and areas over the angle; and its files."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from pathlib import Path

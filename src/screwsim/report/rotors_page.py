@@ -1,7 +1,5 @@
 """A page with the meshing rotors under sliders of angle and section: one file, nothing loaded from elsewhere."""
 
-from __future__ import annotations
-
 import json
 import math
 from html import escape

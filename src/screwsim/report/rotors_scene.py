@@ -1,7 +1,5 @@
 """What `screwsim rotors` says and writes of a scene: coefficients, figures, page, tables that `law: table` reads."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Figure of a design in which several quantities vary together: the efficiency over each of them, a point a case."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

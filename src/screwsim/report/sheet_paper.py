@@ -1,7 +1,5 @@
 """Pages of A4 that are filled from top to bottom: what stands where is found first, drawn by matplotlib when all is."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Tables of a data sheet on paper: beside one another where their columns have room, cut where they are too long."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate

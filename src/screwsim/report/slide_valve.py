@@ -1,7 +1,5 @@
 """Figure of a slide valve: what it uncovers of a chamber at five positions, and what that leaves of the volume."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

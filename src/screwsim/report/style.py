@@ -3,8 +3,6 @@
 Nothing of matplotlib's global state is used or left changed; a reader's own matplotlibrc has no influence.
 """
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

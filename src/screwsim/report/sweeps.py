@@ -1,7 +1,5 @@
 """Figures of a sweep: the efficiency over one axis with a curve per value of another, and the other figures so."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any

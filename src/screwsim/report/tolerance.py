@@ -1,7 +1,5 @@
 """Figures of tolerances: the three transfer functions, the surface of their deviations, the spread of a compressor."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Figure of the gas torque: over two lobe pitches, and its harmonics of the lobe frequency."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Any

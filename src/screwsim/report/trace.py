@@ -1,7 +1,5 @@
 """One cycle out of a results file: its traces, the pressures of the lines and the angles worth a mark."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

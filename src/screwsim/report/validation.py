@@ -1,7 +1,5 @@
 """Figures of a validation, from its document: ours as lines, theirs as points with the source's uncertainty."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path

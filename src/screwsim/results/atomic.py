@@ -1,7 +1,5 @@
 """Files that are there whole or not at all: written beside, forced to disk, then renamed."""
 
-from __future__ import annotations
-
 import csv
 import os
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """Stored results as an xarray.Dataset: axes as coordinates, units and meanings as attributes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

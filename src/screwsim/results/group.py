@@ -1,7 +1,5 @@
 """A group of a results file: its variables by name, each read when it is asked for, and what a variable holds."""
 
-from __future__ import annotations
-
 from collections.abc import ItemsView, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any

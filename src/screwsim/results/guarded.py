@@ -1,7 +1,5 @@
 """A file that HDF5 may write to on a disk that fills up."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

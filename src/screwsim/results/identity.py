@@ -4,8 +4,6 @@ Only results of one identity may stand in one file. It is a flat {what: digest o
 so that a refusal can say what differs.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """What lies where a command would write stays, unless it is of the kind that is written: no `-o` loses a stranger."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

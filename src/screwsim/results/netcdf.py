@@ -4,8 +4,6 @@ Source: Unidata, "NetCDF-4 Format" (appendix C of the netCDF user's guide). Octa
 length, so there are none.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """What an optimisation found, in the results of all its cases: aims over the evaluations, and which are best."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Derivatives of one result's figures by the numbers of its scene, in a group of its results file."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from screwsim.outputs import Figures, Variable, shown

@@ -4,8 +4,6 @@ HDF5 can send its reader elsewhere: links to other files, values kept in other f
 are loaded as programs. Results have none of these, and a file that has is refused before anything is followed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager

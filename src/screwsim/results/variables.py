@@ -1,7 +1,5 @@
 """The variables of a results file: what they are called, what they mean, and what fills them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """What the cases of a results file warn of: which do, in which words, and the kinds with their numbers of cases."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Iterable

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Figures, Result
+from screwsim.outputs import KNOCK_OUT, KNOCK_OUT_STATUSES, Figures, Result
 from screwsim.outputs.derivatives import Slopes
 from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
-from screwsim.results.knock_out import write_knock_out
-from screwsim.results.netcdf import Layout, Selection, chunks_of
+from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
 from screwsim.results.schema import Axis, axes_of
 from screwsim.results.slopes import write_slopes
 from screwsim.results.table import InMemory, Table, Tables, regrouped, table_of
@@ -205,3 +204,27 @@ def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tu
             size = min(chunk[split], shape[split] - start)
             part = (*(1 for _ in outer), size, *inner)
             yield (*outer, start, *(0 for _ in inner)), size * math.prod(inner), part
+
+
+EFFECT = "effect"  # the dimension
+
+
+def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
+    """Write the group `knock_out`; its `effect` numbers the names, which its attribute `labels` holds."""
+    group, shape = layout.group("knock_out"), (len(costs),)
+    layout.coordinate(group, EFFECT, np.arange(len(costs), dtype=np.int8), _effects([cost.effect for cost in costs]))
+    status = np.array([KNOCK_OUT_STATUSES.index(cost.status) for cost in costs], np.int8)
+    layout.variable(group, "status", status, (EFFECT,), flag_attributes(KNOCK_OUT_STATUSES, "how it ended"))
+    for name, variable in KNOCK_OUT.items():
+        if name not in costs[0]:
+            continue
+        values = np.array([cost[name] for cost in costs], float)  # None becomes NaN
+        layout.variable(group, name, values, (EFFECT,), number_attributes(variable))
+    messages = [text_lines(cost.message) for cost in costs]
+    words = sorted(set(messages))
+    data = layout.texts(group, "message", words, shape, (EFFECT,), "why there are no figures, or what to doubt")
+    data.write([words.index(message) for message in messages])
+
+
+def _effects(names: Sequence[str]) -> Mapping[str, Any]:
+    return flag_attributes(names, "effect that is left out") | {"labels": "\n".join(names)}

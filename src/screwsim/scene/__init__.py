@@ -19,26 +19,3 @@ from screwsim.scene.load import load, loads
 from screwsim.scene.schema import schema
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text
-
-__all__ = [
-    "Scene",
-    "axis_label",
-    "case",
-    "case_count",
-    "case_values",
-    "cross_check",
-    "dimensions",
-    "leaf_of",
-    "lines",
-    "load",
-    "loads",
-    "only",
-    "read_value",
-    "refrigerating_effect",
-    "scene_of",
-    "scene_text",
-    "schema",
-    "suction_enthalpy",
-    "value_at",
-    "with_values",
-]

@@ -1,7 +1,5 @@
 """One axis of a sweep: a list, an evenly spaced range, or a column of a CSV file, as values in SI units."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import os

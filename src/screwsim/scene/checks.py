@@ -1,7 +1,5 @@
 """What only the whole scene shows: ranges of angles, states of the lines, oil and its supply, effects, curve files."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Designs of a sweep in which paths vary together: zipped axes, and samples drawn with a seed."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """Files that a command is given in place of another kind: what one is, by its keys."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 STAGES = "stages"

@@ -1,7 +1,5 @@
 """Checks of what a scene names as its gas: a fluid that there is, a blend whose fractions and pairs are known."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

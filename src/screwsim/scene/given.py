@@ -1,7 +1,5 @@
 """A scene as a program is given it: a path, a dict, YAML text, or a scene; and the same scene with other values."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """The grid of a sweep: its dimensions, and each case made on demand; the last dimension runs fastest."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace

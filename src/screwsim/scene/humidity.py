@@ -1,7 +1,5 @@
 """Checks of what a scene says of the humidity of its air."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from screwsim.fluid import water

@@ -3,8 +3,6 @@
 Read from the declarations that read a scene, and from what sizes can be (`machine.protocol.Size`).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Iterable, Iterator

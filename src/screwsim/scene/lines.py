@@ -4,8 +4,6 @@ Pressures are given, or they are those of saturation at given temperatures (docs
 machine the discharge pressure is stated at its outlet, and is higher at the machine (M342).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import lru_cache
 

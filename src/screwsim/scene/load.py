@@ -1,14 +1,12 @@
 """Load a scene: file, base, overrides, typed sections, cross-checks; every fault at once."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable
 from dataclasses import replace
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import FILE, TEXT, TEXTS, takes
+from screwsim.inputs.arguments import FILE, TEXT, takes
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.listed import listed
@@ -34,7 +32,7 @@ SET = "--set "  # stands before an override where it is told of
 MOST_BASES = 32  # one above the other
 
 
-@takes(path=FILE, overrides=TEXTS, without=TEXTS, stage=TEXT)
+@takes(path=FILE, stage=TEXT)
 def load(
     path: str | os.PathLike[str], overrides: Iterable[str] = (), without: Iterable[str] = (), stage: str = ""
 ) -> Scene:
@@ -50,7 +48,7 @@ def load(
     return _finish(root, start, overrides, without, problems, stage)
 
 
-@takes(text=TEXT, name=TEXT, folder=FILE, overrides=TEXTS, without=TEXTS, told=TEXT)
+@takes(text=TEXT, name=TEXT, folder=FILE, told=TEXT)
 def loads(
     text: str,
     name: str = "<text>",

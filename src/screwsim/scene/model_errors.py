@@ -3,8 +3,6 @@
 Made by docs/tools/model_errors.py; no number of it is typed.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

@@ -4,8 +4,6 @@
 one of the two is a thousand times wrong in the other: every reading is told, and none is taken.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from typing import NamedTuple

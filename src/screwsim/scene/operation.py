@@ -1,7 +1,5 @@
 """Checks of gas and operation: the fluid, the one way in which a scene states its lines, and what the fluid allows."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from operator import attrgetter
 

@@ -4,8 +4,6 @@ Of a single value by the bounds that its field declares (`hardly=`), of sizes by
 lines by the fluid. The scene is solved as it is written.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -151,7 +149,7 @@ def _critical(scene: Scene) -> float:
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield that the oil is so cold that a real gas condenses on it at the discharge pressure."""
     supply = scene.oil_supply
-    if supply is None or supply.temperature is None or not condenses(scene.gas) or not _exchanges(scene):
+    if supply is None or supply.temperature is None or not condenses(scene.gas) or not _warmed(scene.effects):
         return
     p_d = lines(scene).p_d
     with suppress(UsageError):  # above the critical pressure
@@ -160,11 +158,6 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
             cold, warm = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (supply.temperature, T))
             what = f"{scene.gas.name} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil comes with {cold}; {what} (warmer oil)"
-
-
-def _exchanges(scene: Scene) -> bool:
-    """Tell whether oil and gas exchange heat."""
-    return _warmed(scene.effects)
 
 
 @Remembered

@@ -1,7 +1,5 @@
 """From nodes to the typed parts of a scene: sections and effects, with every fault at its place."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

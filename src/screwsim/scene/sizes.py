@@ -5,8 +5,6 @@ measure of the machine. Those of what cannot be leave room for scenes that are e
 wide as the housing let the pressure follow the line, and are allowed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cache

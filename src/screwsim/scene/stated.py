@@ -3,8 +3,6 @@
 What follows is filled in where a scene is read and where a case of a sweep is made; `Derived` values are not written.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 

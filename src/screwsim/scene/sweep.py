@@ -1,7 +1,5 @@
 """The sweep of a scene: each path with its values in SI units, checked like the field that it varies."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

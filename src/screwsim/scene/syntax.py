@@ -1,7 +1,5 @@
 """Text that is not YAML: what the parser says of it, and what a person most likely has to mend."""
 
-from __future__ import annotations
-
 import re
 
 from ruamel.yaml.error import MarkedYAMLError

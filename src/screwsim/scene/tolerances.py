@@ -4,8 +4,6 @@ A tolerance is half of the interval in which the value lies in 95 of 100 cases, 
 its standard uncertainty half the tolerance; ×/÷: so is the logarithm. In ASCII they are +/- and */.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence, Set

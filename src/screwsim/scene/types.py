@@ -183,9 +183,7 @@ class OilSupply:
         hardly=(210.0, 450.0),
     )
     source: str = choice(
-        "where the pump draws from: separator (p_d) or a sump at suction pressure",
-        ("separator", SUMP),
-        "separator",
+        "where the pump draws from: separator (p_d) or a sump at suction pressure", ("separator", SUMP), "separator"
     )
     orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
     orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)

@@ -3,8 +3,6 @@
 A machine with half its leaks has efficiencies that no machine has, and nothing of its figures shows it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from screwsim.effects import catalogue

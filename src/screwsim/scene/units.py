@@ -4,8 +4,6 @@ A regular expression splits number and unit, `float` reads the number and a tabl
 for other units only and sees the unit alone, because it would evaluate an expression (`9**9**9 m`) and misread `1,5`.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """One value of a scene: from what YAML gives to SI, and back to text."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

@@ -1,7 +1,5 @@
 """A scene as canonical YAML: every value with its unit, in the order of the schema; reading it gives the same scene."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """Closing a cycle, by fallbacks where it must be, and again more tightly until its figures are accurate enough."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -7,8 +7,6 @@ more from a dry start; where that ends elsewhere, and closes there, a warning te
 Source: docs/explanation/numerics.md, two cycles of one machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from screwsim.cycle.guess import begin

@@ -8,8 +8,6 @@ step after it needs. The last one is closed as accurately as the scene asks, and
 where its surroundings are more open than that.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 

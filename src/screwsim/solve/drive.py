@@ -4,8 +4,6 @@ The chambers are closed under the speed's course of the drive, the drive moves u
 (docs/model.md M214, M217). A ripple changes the torque by much less than itself, so that two or three turns do.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

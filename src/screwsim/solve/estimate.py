@@ -6,8 +6,6 @@ all that follow would go; or the cycle closed again, finer (docs/model.md M41). 
 `solve.finer.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.estimates`.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from screwsim.cycle.balances import left_late, mass_in, met_across, residuals

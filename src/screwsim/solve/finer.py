@@ -5,8 +5,6 @@ with finer steps and a narrower regularisation; `solve.estimate` makes errors of
 after the other, a scene's `numerics.error` says (`numerics.estimates`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 

@@ -3,8 +3,6 @@
 Source: docs/model.md M41; docs/explanation/numerics.md, hard-cases.md.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from screwsim.cycle.close import again

@@ -3,8 +3,6 @@
 Source: docs/model.md M41; docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

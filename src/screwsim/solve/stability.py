@@ -7,8 +7,6 @@ do those of chambers whose gas can hardly get out: they heat, empty and fill in 
 Source: docs/reference/slider-crank.md S35; docs/explanation/numerics.md, cycles that are not there to be found.
 """
 
-from __future__ import annotations
-
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of

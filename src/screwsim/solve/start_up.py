@@ -4,8 +4,6 @@ The chambers are not periodic: each carries its own state from pitch to pitch. W
 integrated under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

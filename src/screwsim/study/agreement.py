@@ -1,7 +1,5 @@
 """That workers compute with what the sweep began with, and that the scene's files stay as they were: by content."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Mapping

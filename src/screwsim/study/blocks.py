@@ -3,8 +3,6 @@
 The cut depends on the grid alone, so that results depend neither on the number of workers nor on interruptions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

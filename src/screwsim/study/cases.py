@@ -1,7 +1,5 @@
 """What a worker does: simulate blocks of cases and return them as one table."""
 
-from __future__ import annotations
-
 import pickle
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -4,8 +4,6 @@
 number to which the machine was fitted, `calibrated`: that is no evidence.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A study on disk: named columns with units, as CSV or HDF5."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Two results files against each other: points in common, figures against their numerical errors, scenes, statuses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Everything else is ours and compiled; only the state function calls back into Co
 properties. For studies of cost and accuracy, not for work: nothing of it is kept on disk.
 """
 
-from __future__ import annotations
-
 import ctypes
 import math
 import re

@@ -1,7 +1,5 @@
 """Shape of efficiency curves over the oil ratio: optimum, curvature, drop to both sides."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

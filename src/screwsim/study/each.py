@@ -1,7 +1,5 @@
 """Call a function for every number of a range on all cores: for studies whose answers fit into memory."""
 
-from __future__ import annotations
-
 import pickle
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Figures as a person names them: in any case or by symbols (docs/reference/nomenclature.md); else those there are."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from screwsim.build import build_parts

@@ -1,7 +1,5 @@
 """What is asked of figures, as a person writes it: 'cooling_capacity=500 kW', 'discharge_temperature<90 degC'."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from typing import NamedTuple

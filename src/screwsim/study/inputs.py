@@ -1,7 +1,5 @@
 """Inputs that a study varies: read as a person writes them, checked, and shown in customary units."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Derivatives that a results file keeps: those of a run and of each point of a sweep, where the scene asks for them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import tee

@@ -3,8 +3,6 @@
 Each scene is that of `--without EFFECT`. Effects act on each other, so that the changes need not add up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 Compiled code lets no signal handler and no thread of Python run, so only the signal's default action helps.
 """
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

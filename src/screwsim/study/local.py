@@ -4,8 +4,6 @@ They are exact where the cycle can be linearised (`derivatives`), and difference
 them a number's are is told with them.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -16,7 +14,7 @@ from typing import Any
 from screwsim.derivatives.closed import FINE, QUICK
 from screwsim.derivatives.solving import found
 from screwsim.figures import declared
-from screwsim.inputs.arguments import FLAG, JOBS, PROGRESS, TEXTS, instance, takes
+from screwsim.inputs.arguments import FLAG, TEXTS, instance, takes
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
@@ -105,14 +103,7 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
     return values, left_out
 
 
-@takes(
-    paths=TEXTS,
-    figures=TEXTS,
-    jobs=JOBS,
-    progress=PROGRESS,
-    result=instance(Result, "what simulate returned"),
-    fine=FLAG,
-)
+@takes(paths=TEXTS, result=instance(Result, "what simulate returned"), fine=FLAG)
 def sensitivities(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     paths: Sequence[str] | None = None,

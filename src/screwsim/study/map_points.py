@@ -1,7 +1,5 @@
 """A compressor map at points: what its polynomials say at temperatures inside its envelope."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -9,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import NUMBER, TEXTS, takes
+from screwsim.inputs.arguments import NUMBER, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
 from screwsim.results import Results, open_results
@@ -32,7 +30,7 @@ class MapPoint(NamedTuple):
     figures: Mapping[str, float]
 
 
-@takes(evaporating_temperature=NUMBER, condensing_temperature=NUMBER, figures=TEXTS)
+@takes(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
 def evaluate_map(
     results: Results | str | os.PathLike[str],
     evaporating_temperature: float,

@@ -7,8 +7,6 @@ explain the difference is told by derivatives, one number alone at a time.
 Source: JCGM 100:2008 (GUM), section 5; ASME V&V 20-2009: comparison error and validation uncertainty.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence

@@ -5,8 +5,6 @@ It is another part than the numerical error and what the inputs make of a figure
 Source: ASME V&V 20-2009; the stored statements are those of `screwsim validate` (study.validation.discrepancy).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

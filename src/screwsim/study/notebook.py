@@ -4,8 +4,6 @@ Jupyter, VS Code and Colab replace an output by its name (`display_id`); what st
 last one, which says counts alone: the same from run to run. It is marked by `screwsim: progress` in its metadata.
 """
 
-from __future__ import annotations
-
 import time
 import uuid
 from collections.abc import Callable

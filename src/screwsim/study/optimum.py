@@ -1,7 +1,5 @@
 """The best value of one path, for each point of the scene's other axes: searched for, not read off a grid."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace

@@ -3,8 +3,6 @@
 An archive of few arrays, because each costs as much as thousands of numbers: `about` holds all words as JSON.
 """
 
-from __future__ import annotations
-
 import json
 import zipfile
 import zlib

@@ -5,8 +5,6 @@ the wanted loads are interpolated, solved, and once corrected. Where the built-i
 load is met again at the ratio of the best COP there.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -159,13 +157,7 @@ def part_load(
 
 
 def _at_best(
-    scene: Scene,
-    control: Control,
-    known: Sequence[Step],
-    step: Step,
-    full: float,
-    among: Sequence[float],
-    aim: Aim,
+    scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float], aim: Aim
 ) -> Step:
     """Return a step with the ratio of its best COP: between those tried by a parabola, at the same load."""
     solve, cop = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}

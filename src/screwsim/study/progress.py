@@ -1,7 +1,5 @@
 """Progress of a study: what is told, a bar for terminals, lines for what is none; `notebook` has that of notebooks."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable, Sequence

@@ -4,8 +4,6 @@ The function carries its own numerical error. Where a top is flat, that error an
 place is known: `Top` says within which interval the function is within its error of the maximum.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Inputs vary independently and uniformly between two values. Sampling and estimat
 scrambled Sobol sequence, bootstrapped confidence intervals).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -4,8 +4,6 @@ A sheet gives what a machine delivers or takes, not what it displaces. A larger 
 proportion, so that a few solutions find the displacement.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple

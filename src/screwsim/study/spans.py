@@ -1,7 +1,5 @@
 """Paths that a study varies between two values, as given, or as the scene and the schema bound them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Sweeps: simulate every point of a scene's grid on all cores, resumable after any interruption."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 import time
@@ -13,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.arguments import CALLED, FILE, FLAG, JOBS, PROGRESS, REAL, TEXT, takes
+from screwsim.inputs.arguments import FLAG, REAL, TEXT, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
@@ -73,19 +71,7 @@ class SweepSummary:
     path: Path
 
 
-@takes(
-    output=FILE,
-    jobs=JOBS,
-    scheduler=TEXT,
-    case_limit=REAL,
-    restart=FLAG,
-    batch=FLAG,
-    gpu=FLAG,
-    simulate=CALLED,
-    simulate_many=CALLED,
-    warm_up=CALLED,
-    progress=PROGRESS,
-)
+@takes(scheduler=TEXT, case_limit=REAL, batch=FLAG, gpu=FLAG)
 def run_sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     output: str | Path,
@@ -136,7 +122,7 @@ def run_sweep(
     return _finished(output, began, parts, reused)
 
 
-@takes(jobs=JOBS, progress=PROGRESS)
+@takes()
 def sweep(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     jobs: int | None = None,

@@ -3,8 +3,6 @@
 Source: ISO 286-1 grades (S10), lengths drawn as in S31; docs/reference/slider-crank.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import partial

@@ -6,8 +6,6 @@ Linear: standard uncertainties times exact derivatives, those of a group that er
 Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V 20-2009.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.arguments import JOBS, PROGRESS, instance, takes
+from screwsim.inputs.arguments import instance, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
@@ -116,7 +114,7 @@ class Uncertainty(Brief):
         }
 
 
-@takes(result=instance(Result, "what simulate returned"), jobs=JOBS, progress=PROGRESS)
+@takes(result=instance(Result, "what simulate returned"))
 def uncertainty(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     *,

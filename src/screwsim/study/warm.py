@@ -1,7 +1,5 @@
 """A simulator of scenes that come one by one, each cycle begun from the one before."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from screwsim.outputs import Result

@@ -3,8 +3,6 @@
 A pool of processes is the default; `screwsim.study.cluster` makes one of dask's workers.
 """
 
-from __future__ import annotations
-
 import gc
 import multiprocessing
 import os

@@ -1,9 +1,7 @@
 """A scene that a study found, as a file: its base, and the paths that differ from it; whole where that says not all."""
 
-from __future__ import annotations
-
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,7 @@ from screwsim.results.atomic import keep_others, make_folder, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted
-from screwsim.study.calibration.scene import keys
+from screwsim.study.calibration.scene import keys, lines_of
 
 BEGINS = "# Found by: screwsim "  # a scene that a study wrote
 SIZES = {"machine.displacement.flow", "machine.rotor_diameter", "machine.rotor_length", "machine.volume.max"}
@@ -67,7 +65,7 @@ def _over(
     if not SIZES.isdisjoint(values):
         _put(tree, "title", quoted(found.title))
     lines = [f"base: {quoted(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
-    return "\n".join([*lines, *_lines(tree, "")]) + "\n"
+    return "\n".join([*lines, *lines_of(tree)]) + "\n"
 
 
 def _yaml(text: str) -> str:
@@ -84,15 +82,6 @@ def _put(tree: dict[str, Any], path: str, text: str) -> None:
         inner = tree.get(name)
         tree = tree.setdefault(name, {}) if not isinstance(inner, str) else tree.__setitem__(name, {}) or tree[name]
     tree[last] = text
-
-
-def _lines(tree: Mapping[str, Any], indent: str) -> Iterator[str]:
-    for name, item in tree.items():
-        if isinstance(item, dict):
-            yield f"{indent}{name}:"
-            yield from _lines(item, indent + "  ")
-        else:
-            yield f"{indent}{name}: {item}"
 
 
 def _same(text: str, found: Scene, folder: Path) -> bool:

@@ -3,9 +3,8 @@
 Sizes scale from machines that the program knows (`template.sizes`); every number of the text says where it is from.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.near import nearest
@@ -13,26 +12,47 @@ from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
 from screwsim.template.asked import Asked, asked_of
 
-AIR = "air"  # of which sheets state what it delivers and takes
-CONDENSING = ("refrigeration", "heat_pump")  # screws whose gas condenses: what cools its liquid belongs to them
-KINDS: dict[str, Callable[[Asked], str]] = {
-    "refrigeration": refrigeration.cooling,
-    "heat_pump": refrigeration.heating,
-    AIR: gas.air,
-    "booster": gas.booster,
-    "expander": gas.expander,
-    "reciprocating": reciprocating.reciprocating,
+SHEET, LIQUID = ("--motor", "--flow", "--pressure"), ("--economizer",)
+WHOSE = {  # what is said of an option where the kind does not take it
+    **dict.fromkeys(SHEET, "is of an air package's sheet (write screwsim new {takers}; {name} has --displacement)"),
+    **dict.fromkeys(LIQUID, "is of {takers}, whose liquid it cools (remove it)"),
 }
-__all__ = ["AIR", "CONDENSING", "KINDS", "Asked", "asked_of", "new_scene"]
+
+
+class Kind(NamedTuple):
+    """A kind of new scene: what writes it, and the options that it takes beside those of all kinds."""
+
+    written: Callable[[Asked], str]
+    takes: tuple[str, ...] = ()
+
+
+KINDS = {
+    "refrigeration": Kind(refrigeration.cooling, LIQUID),
+    "heat_pump": Kind(refrigeration.heating, LIQUID),
+    "air": Kind(gas.air, SHEET),
+    "booster": Kind(gas.booster),
+    "expander": Kind(gas.expander),
+    "reciprocating": Kind(reciprocating.reciprocating),
+}
+__all__ = ["KINDS", "Asked", "asked_of", "kind_of", "new_scene"]
+
+
+def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
+    """Return a kind by its name; raise UsageError where there is none, or for an option that it does not take."""
+    if name not in KINDS:
+        near = nearest(name, KINDS)
+        hint = f"; did you mean '{near}'?" if near else ""
+        raise UsageError(f"{name}: is no kind of new scene{hint} (there are: {', '.join(KINDS)})")
+    for option in options:
+        takers = [each for each, kind in KINDS.items() if option in kind.takes]
+        if name not in takers:
+            raise UsageError(f"{option}: {WHOSE[option].format(takers=' and '.join(takers), name=name)}")
+    return KINDS[name]
 
 
 def new_scene(kind: str, asked: Asked) -> str:
     """Return the text of a scene; raise UsageError, in one line, where none can be."""
-    if kind not in KINDS:
-        near = nearest(kind, KINDS)
-        hint = f"; did you mean '{near}'?" if near else ""
-        raise UsageError(f"{kind}: is no kind of new scene{hint} (there are: {', '.join(KINDS)})")
-    text = KINDS[kind](asked)
+    text = kind_of(kind).written(asked)
     try:
         loads(text, f"new {kind}")
     except SceneError as error:

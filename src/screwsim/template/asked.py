@@ -1,7 +1,5 @@
 """What is asked of a new scene: its kind, and what the command line states of it; the rest is the kind's own."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Screws on gases: an air package, a booster that sucks at pressure, an expander."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from typing import NamedTuple

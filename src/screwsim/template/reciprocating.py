@@ -1,7 +1,5 @@
 """A reciprocating refrigeration compressor: the cylinder of configs/slider_crank/r134a.yaml in another size."""
 
-from __future__ import annotations
-
 import math
 
 from screwsim.inputs.faults import UsageError

@@ -1,7 +1,5 @@
 """A screw compressor of a refrigeration plant or a heat pump: that of configs/r134a/compact.yaml in another size."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
@@ -166,10 +164,7 @@ def _drive(fluid: str, duty: Duty) -> dict[str, str]:
 def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
     drop = duty.p_d - duty.p_s
     bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(WARM), drop)
-    return {
-        "bore": sizes.mm(bore, 2),
-        "jet": f"{1e-5 * drop:.2g} bar",
-    }
+    return {"bore": sizes.mm(bore, 2), "jet": f"{1e-5 * drop:.2g} bar"}
 
 
 def _reference(duty: Duty) -> tuple[float, float]:

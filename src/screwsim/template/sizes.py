@@ -6,8 +6,6 @@ shafts. Larger ones are cut as a whole: clearances grow with the diameter, as va
 cannot be cut as much finer: clearances fall with the tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The texts of new scenes: files beside this one, in which `$name` stands for a value."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files

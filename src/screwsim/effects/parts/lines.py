@@ -1,7 +1,5 @@
 """What lies in the suction and discharge lines: throttle, mixing, leak, heat, separator and oil cooler."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Numbers that the cycle makes and that act back on it, and what a turn tells that they are made of."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import inf, sqrt

@@ -1,7 +1,5 @@
 """Oil that enters chambers, the room that it takes, the gas that it brings dissolved."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Reservoirs beside the two lines: what their state can be made of, and what they gave."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

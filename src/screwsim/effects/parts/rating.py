@@ -5,8 +5,6 @@ from public copies. Loads of variable speed and their weights are those of appen
 know it: its text was not at hand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import log

@@ -1,7 +1,5 @@
 """What an effect reads of a closed cycle, what power it takes beside the gas work, how its shaft answers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

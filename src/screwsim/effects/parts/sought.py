@@ -1,7 +1,5 @@
 """A number that an effect leaves open: found with the cycle, of which one figure tells it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """States of a chamber that an effect adds, their stops, and heat between gas, oil and walls."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

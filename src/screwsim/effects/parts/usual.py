@@ -3,8 +3,6 @@
 An effect says which of these it is; the core asks for them without knowing who they are.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

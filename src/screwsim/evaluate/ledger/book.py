@@ -1,7 +1,5 @@
 """The book of the ledger: its entries while they are written, and what they ask of a closed cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple

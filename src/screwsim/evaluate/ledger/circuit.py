@@ -3,8 +3,6 @@
 Without effects.separator the ledger ends where gas and oil leave the chambers, unmixed, and the oil's supply is given.
 """
 
-from __future__ import annotations
-
 from math import log
 
 from screwsim.effects.base import Separator

@@ -3,8 +3,6 @@
 Source: docs/model.md M233, M234. For the ledger, where what the oil holds is a state of the chambers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from screwsim.cycle.suction_line import Stream

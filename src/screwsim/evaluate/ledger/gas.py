@@ -1,7 +1,5 @@
 """The gas in the ledger: its exergy rise; what flow paths, lines and walls destroy (M50–M57, M163, M187)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import log
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The oil in the ledger: its exergy rise, its injection and supply, the heat of its droplets, the gas that it holds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import log
 

@@ -4,8 +4,6 @@ What flows back mixes to its mean state, by path; that, what leaks beside the ch
 sucked in: the entry `suction_line`. Throttling of the leak is the leak's own entry.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.cycle import suction_line

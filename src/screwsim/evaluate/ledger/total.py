@@ -6,8 +6,6 @@ Its control volume is the machine, from the suction line to gas and oil as they 
 supply; with effects.separator it is machine, separator and oil cooler, to the gas that leaves the separator (M286).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The live page: one HTML text with all that it needs; it loads nothing."""
 
-from __future__ import annotations
-
 import json
 from importlib import resources
 from typing import Any

@@ -5,8 +5,6 @@ vector. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ). The last equat
 Source: docs/model.md M210–M214; collocation: L. N. Trefethen, Spectral Methods in MATLAB, SIAM 2000, ch. 3.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import Any

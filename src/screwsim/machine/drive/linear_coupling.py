@@ -1,7 +1,5 @@
 """A linear torsional spring between motor and rotors (M211)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

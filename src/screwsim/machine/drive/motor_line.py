@@ -6,8 +6,6 @@ its tangent at small slip.
 Assumptions: the torque follows the speed at once (no electrical transients); no field weakening.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

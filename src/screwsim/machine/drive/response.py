@@ -7,8 +7,6 @@ raised in steps where it does not converge at once. The motor's speed is elimina
 Source: docs/model.md M210–M214; acceleration: Walker & Ni 2011.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -7,8 +7,6 @@ Source: V. A. Ilyichev, V. S. Korneev, S. A. Korneev, "Discrete mathematical mod
 Scientific Bulletin, 2015 (in Russian). Angles in rad, lengths in m, forces in N. Equations: docs/reference/coupling.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple

@@ -6,8 +6,6 @@ winds up the coupling, until its torque exceeds the load. Energies are integrate
 How: DOP853 of scipy, which gives the motion at the angles asked for.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -7,8 +7,6 @@ Assumptions: no gear, or inertias and motor referred to the male rotor; rotors w
 referred to the male shaft; viscous damping.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

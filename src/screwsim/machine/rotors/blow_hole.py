@@ -6,8 +6,6 @@ trailing flank leaves it, to ψ_f(s), when the female flank arrives. The suction
 rad.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

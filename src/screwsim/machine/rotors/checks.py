@@ -4,8 +4,6 @@ The checks look at the polygons of both rotors only, so that they are independen
 Lengths in m, angles in rad.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ straight line (Stosic, Smith & Kovacevic 2005), circular tips. Formulas: docs/re
 in rad.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

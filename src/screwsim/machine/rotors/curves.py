@@ -5,8 +5,6 @@ curve belongs to the interface of a chamber with the one `offset` lobe pitches b
 chamber's; `behind` is the same table over the trailing chamber's angle, as the effects ask for it. Units SI.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ Source: ours (docs/reference/rotors.md). ψ is the section at the face [rad], le
 an area.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

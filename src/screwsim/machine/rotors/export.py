@@ -1,7 +1,5 @@
 """Profiles, curves and coefficients as text: CSV that `law: table` and `kind: points` read, and DXF for drawing."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 Source: ours; the machines of configs/rotors are these at 160 mm. All lengths are shares of the male rotor's diameter.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

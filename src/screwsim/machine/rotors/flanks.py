@@ -4,8 +4,6 @@ Lengths in m; angles in rad of the rotor itself, the male's counter-clockwise fr
 clockwise from the middle of the groove that lobe 0 enters (both grow from the leading to the trailing side).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

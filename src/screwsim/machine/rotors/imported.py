@@ -6,8 +6,6 @@ Smoothing: the tangent's angle is averaged over the length `smoothing` of the cu
 points spoils is the tangent; a smoothing spline would overshoot where the curvature jumps.) Lengths: m; angles: rad.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@
 z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length becomes an area with a clearance. Source: docs/reference/rotors.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

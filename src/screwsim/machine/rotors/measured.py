@@ -11,8 +11,6 @@ Osher & Fatemi 1992), the power ½, which shrinks a tip's curvature less, and so
 of Chartrand & Yin (2008). Lengths: m.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Frame: O1 = (0, 0) male centre, O2 = (A, 0) female centre, P = (r1, 0) pitch poi
 female counter-clockwise by kψ. At ψ = 0 the tip of lobe 0 lies on the centre line; lobes go into mesh at Y > 0.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -5,8 +5,6 @@ The edges of a port are the flanks and tip helices of the chamber at the angle a
 docs/reference/rotors.md. φ and ψ as in `leakage`; areas in m², lengths in m, angles in rad; h = L/τ [m/rad].
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@
 the volume ends at φ = τ. A chamber's own angle counts from the beginning of its life. Units SI.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 import os
@@ -132,11 +130,6 @@ class Rotors:
         }
 
 
-def make_chain(pair: Pair, profile: Profile) -> Chain:
-    """Return the contact points of a profile."""
-    return CHAINS[profile.kind](pair, profile)
-
-
 def _of_points(pair: Pair, profile: Profile) -> Chain:
     """Return those of points of a file, faired within the tolerance that is stated."""
     x, y = imported.read_profile(str(profile.file))
@@ -184,7 +177,7 @@ def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
 @lru_cache(maxsize=KEPT)
 def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
     """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
-    chain = make_chain(pair, profile)
+    chain = CHAINS[profile.kind](pair, profile)
     if check:
         _refuse(check_size(pair, chain) if profile.measured else [])
         _refuse(check_profile(pair, chain, profile.measured, profile.tolerance if profile.measured else None))

@@ -6,8 +6,6 @@ linear and its integral quadratic, so V and dV/dφ belong to each other exactly,
 Source: docs/reference/rotors.md. Lengths in m, angles in rad.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from dataclasses import dataclass

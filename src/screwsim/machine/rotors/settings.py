@@ -1,7 +1,5 @@
 """What a scene says of a rotor profile (typed, SI units)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 

@@ -8,8 +8,6 @@ Source: shape: N. Stosic, I. Smith, A. Kovacevic, Screw Compressors, Springer 20
 derived there. φ and ψ as in `leakage`, z from the inlet plane; lengths in m, angles in rad, spans in male radians.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,13 +1,22 @@
-"""The cylinder of a slider-crank as model and effects ask for it: one chamber, whose life is one turn of the crank."""
-
-from __future__ import annotations
+"""Slider-crank machines: their cylinder is one chamber, whose life is one turn of the crank."""
 
 import math
 from dataclasses import dataclass
+from operator import attrgetter
 
-from screwsim.machine.protocol import MachineGeometry, VolumeKernels
+from screwsim.machine.protocol import (
+    BORE,
+    CYLINDER,
+    PISTON,
+    MachineGeometry,
+    MachineKind,
+    Measure,
+    Size,
+    Speed,
+    VolumeKernels,
+)
 from screwsim.machine.slider_crank import kinematics
-from screwsim.machine.slider_crank.settings import SliderCrank
+from screwsim.machine.slider_crank.settings import SliderCrank, check_slider_crank
 
 TURN = 2.0 * math.pi
 
@@ -42,3 +51,25 @@ class Cylinder(MachineGeometry):
         """Return the volume law (S5)."""
         breakpoints = self.settings.breakpoints()
         return VolumeKernels(kinematics.volume, kinematics.volume_slope, self.settings.numbers(), breakpoints)
+
+
+_bore, _piston, _swept = (attrgetter(name) for name in ("bore", "piston_area", "swept_volume"))
+_BORE = "of the bore"
+_SIZES = (
+    Size("machine.crank_radius", _bore, _BORE, 100.0, (0.05, 5.0)),
+    Size("machine.rod_length", _bore, _BORE, 1000.0, (0.1, 30.0)),
+    Size("machine.clearance", _swept, "of the swept volume", 100.0, (1e-4, 0.5)),
+)
+
+MACHINE = MachineKind(
+    settings=SliderCrank,
+    geometry=Cylinder,
+    offers=frozenset({CYLINDER}),
+    check=check_slider_crank,
+    sizes=_SIZES,
+    scales={BORE: Measure(_bore, _BORE), PISTON: Measure(_piston, "of the piston's area")},
+    speed=Speed("moves the piston, in the mean, at", 300.0, 25.0, "those of engines for races move at 25 m/s"),
+    called=("piston", "reciprocating"),
+    chamber="a cylinder",
+    dead_volume=lambda machine: ("machine.clearance", machine.clearance),
+)

@@ -6,8 +6,6 @@ Source: loop of vectors; V. V. Solovyova, "Optimization of the transfer function
 Russian), for x(α) and the signs. Needs rod > crank + |offset|. Equations: docs/reference/slider-crank.md.
 """
 
-from __future__ import annotations
-
 import math
 
 from screwsim.numerics.kernel import kernel

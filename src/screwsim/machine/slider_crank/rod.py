@@ -8,8 +8,6 @@ Source: T. A. Obolenskaya, A. S. Klochko, "The application of the crank-slider m
 Russian), with its misprints mended (docs/reference/slider-crank.md).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

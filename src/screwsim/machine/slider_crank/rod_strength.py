@@ -4,8 +4,6 @@ Source: T. A. Obolenskaya, A. S. Klochko, 2014 (in Russian); its force formula l
 it refers to another book: both are stated here from textbooks.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """What a scene says of a slider-crank machine (typed, SI units), and the checks that its geometry demands."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -2,12 +2,11 @@
 
 States, surroundings, parameters, tables and port states of lines have a change beside them, `y__along`, `E__along`,
 `P__along`, `TAB__along`, `R__along`. So a number of the scene, `P[…]`, is a seed as a state is, alone or with all that
-it moves.
+it moves. Figures have their derivatives by rates in lanes, which cost a tenth of this; it is the writer's seed for
+parameters, by which tests hold the text's derivatives along every number, and with which exact ones of new kinds begin.
 
 Source: docs/model.md M1–M13; docs/explanation/numerics.md, derivatives by the numbers of a scene.
 """
-
-from __future__ import annotations
 
 from functools import lru_cache
 from typing import Any

@@ -3,8 +3,6 @@
 Source: docs/model.md M1–M9, M104–M110, M170, M230, M253, M257. `network.chamber` and `network.chambers` write them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
@@ -68,7 +66,7 @@ def oil_through_ports(to: Statements, network: Network) -> None:
     if network.ported:
         to.add(f"# oil through ports (M104{', M255' if network.roomed and network.pumped else ''})")
         to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
-        to.add("oil_port = inflow", f"oil_heat_port = inflow * {port_oil_enthalpy(network)}")
+        to.add("oil_port = inflow", f"oil_energy_port = inflow * {port_oil_enthalpy(network)}")
         if network.dissolves:
             to.add(f"held_port = inflow * {network.supply_holds}")
     gas = f"{network.gas_cell}_in"
@@ -76,12 +74,12 @@ def oil_through_ports(to: Statements, network: Network) -> None:
         share, enthalpy, heat = network.flash
         to.add("# gas that flashes out of it (M196)")
         to.add(f"gas = inflow * max(0.0, {share})", f"mass_{gas} += gas", f"energy_{gas} += gas * {enthalpy}")
-        to.add(f"oil_heat_port -= gas * {heat}")
+        to.add(f"oil_energy_port -= gas * {heat}")
     if network.release:
         to.add("# gas that the oil gives off or takes up (M231)")
         to.add(f"s = {network.entropy}", f"gas, enthalpy, warmth = {network.release}")
         to.add(f"mass_{gas} += gas", f"energy_{gas} += enthalpy")
-        to.add("oil_heat_port -= warmth", "held_port -= gas")
+        to.add("oil_energy_port -= warmth", "held_port -= gas")
 
 
 def rates(to: Statements, network: Network) -> None:
@@ -96,7 +94,7 @@ def rates(to: Statements, network: Network) -> None:
             to.add(f"heat = {each.call}", "warmth += heat", f"lost += {each.factor}heat")
         if network.pushes:  # what the oil gives the walls that drag it along (M257)
             to.add("lost += pushed")
-        oil, energy, felt = ("oil", "oil_heat", "T_felt" if network.roomed else "T_oil")
+        oil, energy, felt = ("oil", "oil_energy", "T_felt" if network.roomed else "T_oil")
         if not network.carried:
             oil = energy = "0.0"
         to.add(

@@ -3,8 +3,6 @@
 Source: docs/model.md M3, M106; docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.oil_displacement import gas_mass, gas_mass_slope

@@ -3,8 +3,6 @@
 Source: docs/model.md M1–M13. Streams are summed by the cell beyond a connection.
 """
 
-from __future__ import annotations
-
 from screwsim.model.network import balances
 from screwsim.model.network.flows import (
     PortState,

@@ -4,8 +4,6 @@ Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volum
 (slots.py).
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -8,8 +8,6 @@ Where effects open chambers beyond the injection angle to suction, or others to 
 before that angle from those beyond it is counted with what the lines' sums take for the other side's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any

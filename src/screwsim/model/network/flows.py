@@ -4,8 +4,6 @@ Source: docs/model.md M10–M13, M184–M186, M190, M250–M252, M256. A flow [k
 has the port state that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from screwsim.fluid.nozzle import flow
@@ -74,7 +72,7 @@ def stream_terms(to: Statements, network: Network, stream: str, source: PortStat
     terms = {"mass": stream, "energy": f"{stream} * {source.h}"}
     if network.carried:
         to.add(f"oil = {stream} * {source.oil_ratio}")
-        terms |= {"oil": "oil", "oil_heat": f"oil * {source.T_oil}"}
+        terms |= {"oil": "oil", "oil_energy": f"oil * {source.T_oil}"}
         if network.dissolves:
             terms["held"] = f"oil * {source.held}"
     return terms
@@ -88,7 +86,7 @@ def add_stream(to: Statements, network: Network, sums: str, stream: str, source:
 
 def add_film(to: Statements, network: Network, sums: str, source: PortState) -> None:
     """Add oil that flows as a film, `film` [kg/s], of a port state to sums (M252)."""
-    to.add(f"oil_{sums} += film", f"oil_heat_{sums} += film * {source.T_oil}")
+    to.add(f"oil_{sums} += film", f"oil_energy_{sums} += film * {source.T_oil}")
     if network.dissolves:
         to.add(f"held_{sums} += film * {source.held}")
 

@@ -6,8 +6,6 @@ States stand in y as `S_T` …, areas in E as `A_tip_leakage_ahead` …, port st
 apart by a number.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 

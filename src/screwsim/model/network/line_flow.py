@@ -6,8 +6,6 @@ balance tells the flow through one port: for the ledger through the widest, near
 take what a chamber gives them at every pressure, through the one that alone is open to a line.
 """
 
-from __future__ import annotations
-
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network, Port

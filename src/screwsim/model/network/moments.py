@@ -4,8 +4,6 @@ Source: docs/model.md M50–M57, M105, M109, M171, M197, M233, M254, M258. An ou
 streams between chambers count where they arrive.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

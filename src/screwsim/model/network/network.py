@@ -4,8 +4,6 @@ Cells are the chambers, both lines and the plenums of effects. Connections are p
 gaps (two chambers), oil ports, oil that gives off gas, heat rates and walls. What is not named is not there.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field, fields
 from functools import cache
@@ -17,7 +15,7 @@ from screwsim.numerics.kernel import Kernel
 
 SYMBOLS = ("suction", "discharge")  # of the lines, in the texts; effects call them alike (`effects.base.LINES`)
 PRESSURES = tuple(f"p_{line}" for line in SYMBOLS)  # of the lines, as kernels ask for them
-QUANTITIES = ("mass", "energy", "oil", "oil_heat", "held")  # of a stream: as many of them as there are sums
+QUANTITIES = ("mass", "energy", "oil", "oil_energy", "held")  # of a stream: as many of them as there are sums
 
 
 @dataclass(frozen=True)

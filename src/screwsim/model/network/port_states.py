@@ -5,8 +5,6 @@ Those of neighbours are read from histories, whose columns beyond the states hol
 them.
 """
 
-from __future__ import annotations
-
 from screwsim.model.network import balances
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function

@@ -4,8 +4,6 @@ What a scene does not call for is not written. Derivatives are made from the sta
 of kernels from the kernels' source, branch by branch.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager

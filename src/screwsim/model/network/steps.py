@@ -3,8 +3,6 @@
 Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 """
 
-from __future__ import annotations
-
 from screwsim.model.borders import share_before_border, share_before_switch
 from screwsim.model.closing_ports import closes, stiff
 from screwsim.model.network.cell import Cell
@@ -38,10 +36,7 @@ def step_texts(network: Network) -> list[str]:
 
 def step_kernels(network: Network) -> list[Kernel]:
     """Return what those functions call, and those of port states and of gas between two steps."""
-    asked = {
-        share_before_border: network.phases,
-        share_before_switch: any(port.one_way for port in network.ports),
-    }
+    asked = {share_before_border: network.phases, share_before_switch: any(port.one_way for port in network.ports)}
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
     return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
 

@@ -3,8 +3,6 @@
 Source: docs/model.md M24; docs/explanation/numerics.md. Chamber j has its states at y[j N], its port state in row j.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from screwsim.model.network.layout import Layout

@@ -3,8 +3,6 @@
 Source: docs/reference/slider-crank.md S26, S32, S33.
 """
 
-from __future__ import annotations
-
 from screwsim.model import impacts
 from screwsim.model.network.network import Network, Stop
 from screwsim.model.network.statements import Statements, function

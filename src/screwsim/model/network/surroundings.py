@@ -4,8 +4,6 @@ Source: docs/model.md M1–M13, M24, M184–M186. What neighbours do is read fro
 one lobe pitch, chamber j stands at s + j pitch. A context is one of `contexts`.
 """
 
-from __future__ import annotations
-
 from screwsim.model.network.flows import NUMBERS, needed
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network

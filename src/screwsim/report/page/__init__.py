@@ -1,7 +1,5 @@
 """The page: one HTML file that shows a results file to a person, without a network and without this program."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from importlib import resources
 from importlib.util import find_spec
@@ -13,16 +11,7 @@ from screwsim.inputs.faults import UsageError
 __all__ = ["report"]
 
 _NEEDED = ("jinja2", "plotly")
-_SCRIPTS = (
-    "numbers.js",
-    "theme.js",
-    "unpack.js",
-    "drawing.js",
-    "overview.js",
-    "ledger.js",
-    "case.js",
-    "start.js",
-)
+_SCRIPTS = ("numbers.js", "theme.js", "unpack.js", "drawing.js", "overview.js", "ledger.js", "case.js", "start.js")
 _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
 
 

@@ -1,7 +1,5 @@
 """What the page says of an optimisation: what was sought, over what, and the evaluations that are best."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the page draws: axes, figures with their errors, balances, traces and ledgers of every case, as one document."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

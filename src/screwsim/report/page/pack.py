@@ -1,7 +1,5 @@
 """Arrays for the page: as few bytes as their accuracy needs, as text."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import json

@@ -1,7 +1,5 @@
 """What the page says in words and tables: cases, figures, balances against their bound, where the results come from."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the page says of the tolerances of the inputs: the interval of each figure, and which inputs make the most."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What accuracy costs in time: the work-precision study of one scene."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

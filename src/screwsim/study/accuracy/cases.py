@@ -1,7 +1,5 @@
 """What the study tries: each case is a scene and a way of solving it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """What each effect costs in time and evaluations, and what it changes in the answer."""
 
-from __future__ import annotations
-
 import statistics
 from dataclasses import dataclass, replace
 

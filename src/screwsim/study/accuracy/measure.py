@@ -3,8 +3,6 @@
 Of an accuracy that a user asks for, too: `simulate` as it is, with its estimate, against the reference.
 """
 
-from __future__ import annotations
-
 import statistics
 import time
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Time over size: points of a sweep, and male lobes."""
 
-from __future__ import annotations
-
 import statistics
 import tempfile
 import time

@@ -3,8 +3,6 @@
 `simulate` derives all of these from the wanted accuracy. A study of that accuracy has to set them one by one.
 """
 
-from __future__ import annotations
-
 import math
 import time
 import warnings

@@ -1,7 +1,5 @@
 """What a posterior answers: spreads of parameters and discrepancies, and what would be measured, with intervals."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

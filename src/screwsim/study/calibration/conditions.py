@@ -1,7 +1,5 @@
 """Operating points at which nothing is measured yet: those of a file, and how well they would be measured."""
 
-from __future__ import annotations
-
 import os
 from typing import NamedTuple
 

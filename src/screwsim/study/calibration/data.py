@@ -1,7 +1,5 @@
 """Read the measured points of a fit: a CSV file whose columns are scene paths, figures and their uncertainties."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -8,8 +8,6 @@ Sources: C. G. Broyden, Mathematics of Computation 19 (1965) 577; J. Nocedal, S.
 2nd ed., Springer 2006, 4.1 and 10.3; P. B. Stark, R. L. Parker, Computational Statistics 10 (1995) 129.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

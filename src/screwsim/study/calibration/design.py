@@ -8,8 +8,6 @@ Sources: V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972; K. C
 Science 10 (1995) 273.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -6,8 +6,6 @@ are known as far as priors and the scene's tolerances say, and off by the same a
 by exact slopes at the unchanged machine; the likely ones are solved again at their best estimates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import partial

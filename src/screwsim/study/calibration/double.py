@@ -10,8 +10,6 @@ alone, by its slopes or, where it was solved again, by its solutions. The likely
 Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms, Cambridge 2003, chapters 27 and 28.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

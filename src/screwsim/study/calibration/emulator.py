@@ -4,8 +4,6 @@ A chain asks for a hundred thousand of evaluations; polynomials over the region 
 much they may be wrong: by the errors at each solution of the fit to the others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """What may have changed of a machine: hypotheses of one change, two or none, and their probabilities by Bayes' rule."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """What the slopes of a fit say: standard errors, correlations, and which parameters the data do not tell apart."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

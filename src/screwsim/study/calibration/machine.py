@@ -1,7 +1,5 @@
 """The machine of a fit as it is taken to be, and how its points move: what a diagnosis and a plan begin with."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -5,8 +5,6 @@ points tell, priors, tolerances of the scene, and for a parameter without either
 place as probably.
 """
 
-from __future__ import annotations
-
 import itertools
 import os
 from collections.abc import Mapping, Sequence

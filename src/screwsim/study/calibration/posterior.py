@@ -7,8 +7,6 @@ states; widths half-Cauchy, of the scale of the figure's stated uncertainty (Gel
 Places are 0 … 1 between the bounds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -5,8 +5,6 @@ the measurement's own uncertainty. The figures at each point are polynomials ove
 of the fit's points are.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

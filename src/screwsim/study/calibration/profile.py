@@ -5,8 +5,6 @@ solved, too, for a figure that falls and rises with the parameter (power over th
 solutions the residuals are interpolated (modified Akima); where the likelihood lies, further ones are made.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Read FIT.yaml: the scene, the parameters, the data; every fault at its line."""
 
-from __future__ import annotations
-
 import dataclasses
 import os
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ A solution that fails or does not close never enters as NaN: its figures count a
 that the search turns back, and a difference over it is taken to the other side.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -1,9 +1,7 @@
 """The fitted machine as a scene file: its base, and the paths that the fit changed."""
 
-from __future__ import annotations
-
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +32,7 @@ def fitted_text(found: Calibration, folder: Path) -> str:
         f"{BEGINS} {os.path.basename(fit.name)}; {told(found)}.",
         f"title: {quoted(f'{title}, fitted' if title else 'fitted')}",
         f"base: {quoted(_relative(fit.scene_file, folder))}",
-        *_lines(tree, ""),
+        *lines_of(tree),
     ]
     return "\n".join(lines) + "\n"
 
@@ -54,11 +52,12 @@ def keys(path: str) -> list[str]:
     return ["effects", name, *below]
 
 
-def _lines(tree: dict[str, Any], indent: str) -> Iterator[str]:
+def lines_of(tree: Mapping[str, Any], indent: str = "") -> Iterator[str]:
+    """Yield the lines of a tree of texts as YAML."""
     for name, item in tree.items():
-        if isinstance(item, dict):
+        if isinstance(item, dict) and item:
             yield f"{indent}{name}:"
-            yield from _lines(item, indent + "  ")
+            yield from lines_of(item, indent + "  ")
         else:
             yield f"{indent}{name}: {item}"
 

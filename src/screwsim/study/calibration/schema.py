@@ -1,7 +1,5 @@
 """JSON Schema of a fit, for editors and other programs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from screwsim.effects import catalogue

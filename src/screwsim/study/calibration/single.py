@@ -6,8 +6,6 @@ the residuals, the likelihood is exp(-½ (r + j s)ᵀ C⁻¹ (r + j s)) over ste
 places, even between the bounds (MacKay 2003, chapter 28): what fits as well with less room is the more probable.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

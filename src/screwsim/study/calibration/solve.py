@@ -1,7 +1,5 @@
 """Fit parameters to measured points: bounded least squares from several starts, and what the best of them is worth."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The data sheet of a scene, in the form that its trade uses: each kind has its modules, all one class of sheets."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -4,8 +4,6 @@ A scene that sweeps operation.speed is one of variable speed, and its speeds are
 package with a fan is air-cooled, one without liquid-cooled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple

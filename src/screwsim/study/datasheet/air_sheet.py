@@ -1,7 +1,5 @@
 """The rating of an air package as a sheet: in the trade's order, metric beside American units."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -12,6 +10,7 @@ from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
+from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, told
 
 INLET = 1e5, 293.15  # Pa, K
@@ -74,7 +73,7 @@ def _row(point: Point, full: Point) -> list[str]:
 
 def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     at, effects = lines(scene), scene.effects
-    package, motor, full = effects["air_package"].parameters, effects["motor"].parameters, rated.full
+    package, motor, full = effects["air_package"].parameters, motor_of(scene), rated.full
     speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
     yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
     humid = f", relative humidity {_percent(scene.gas.relative_humidity)}" if scene.gas.relative_humidity else ""

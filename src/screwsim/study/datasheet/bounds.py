@@ -1,7 +1,5 @@
 """Limits of a machine, FIGURE<VALUE or FIGURE>VALUE, and the envelope within which all of them hold."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -12,7 +10,14 @@ from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.goals import read_bounds
 
-RATED = "effects.motor.rated_power"
+MOTOR = "motor"
+RATED = f"effects.{MOTOR}.rated_power"
+
+
+def motor_of(scene: Scene) -> Any:
+    """Return the settings of the motor that a scene names; None without one."""
+    named = scene.effects.get(MOTOR)
+    return None if named is None else named.parameters
 
 
 class Bound(NamedTuple):
@@ -48,10 +53,10 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
     """Return the limits that texts state, and the motor's rated power where the scene has one; raise UsageError."""
     stated = read_bounds(scene, texts, "--limit")
     found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
-    motor = scene.effects.get("motor")
+    motor = motor_of(scene)
     power = "output_power" if scene.machine.expands else "shaft_power"
     if motor is not None and not any(bound.figure == power for bound in found):
-        found.append(Bound(power, 1, float(motor.parameters.rated_power), RATED))
+        found.append(Bound(power, 1, float(motor.rated_power), RATED))
     return tuple(found)
 
 

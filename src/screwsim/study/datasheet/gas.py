@@ -4,8 +4,6 @@ A scene that sweeps these is rated at their values, one that does not at shares 
 its inlet in place of the speed where the scene sweeps that, or a range of it is asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The rating of a gas compressor or an expander as a sheet: what it says, draws and gives to programs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -12,6 +10,7 @@ from screwsim.scene.lines import lines
 from screwsim.scene.operation import EVAPORATING
 from screwsim.scene.types import STANDARD_ATMOSPHERE
 from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.gas import ratio_at
 from screwsim.study.datasheet.rated import Rating, celsius, pressure_ratio
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
@@ -65,21 +64,19 @@ def gas_sheet(rated: Rating) -> Sheet:
     heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_words(rated))}"
     meant = MEANT.replace("of ISO 1217 ", "") if expands else MEANT
     notes = [*notes_of(rated, _own_point(rated), meant)]
+    if not expands:
+        notes[-1:-1] = [NORMAL, *([PACKAGE] if scene.gas.name.lower() == "air" else [])]
     return Sheet(
         heading=heading,
         title=scene.title,
         lines=list(_lines(rated)),
         tables=list(_tables(rated)),
         verdict=None,
-        notes=notes if expands else [*notes[:-1], *_of_gas(scene), notes[-1]],
+        notes=notes,
         drawings=list(_drawings(rated)),
         document=_document(rated),
         ok=rated.ok,
     )
-
-
-def _of_gas(scene: Scene) -> list[str]:
-    return [NORMAL, PACKAGE] if scene.gas.name.lower() == "air" else [NORMAL]
 
 
 def _expands(rated: Rating) -> bool:
@@ -105,7 +102,7 @@ def _lines(rated: Rating) -> Iterator[tuple[str, str]]:
     yield from machine_line(scene, found)
     yield "gas", f"{scene.gas.name}, {_temperature(scene)}"
     yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
-    yield from power_lines(scene, found, "generator" if _expands(rated) else "motor")
+    yield from power_lines(scene, found, _expands(rated))
     yield from oil_line(scene, found)
     power = "output_power" if _expands(rated) else "shaft_power"
     yield from limit_lines(rated, (power,) if _expands(rated) else (DISCHARGE, power))
@@ -139,7 +136,7 @@ def _point(rated: Rating, found: Mapping[str, Any]) -> str:
 
 
 def _power_words(rated: Rating) -> str:
-    electrical = "motor" in rated.asked.scene.effects
+    electrical = motor_of(rated.asked.scene) is not None
     if _expands(rated):
         return "of electrical power given" if electrical else "given at the shaft"
     return "of electrical power" if electrical else "at the shaft"
@@ -148,7 +145,7 @@ def _power_words(rated: Rating) -> str:
 def _columns(rated: Rating) -> tuple[Column, ...]:
     """Return what each table is of; the first four are flow, power, efficiency and how the chambers fill."""
     scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
-    electrical = "motor" in scene.effects
+    electrical = motor_of(scene) is not None
     flow = HOUR * (own.get(FLOW) or 1.0)
     kw = decimals_of(KW * abs(own.get("shaft_power") or 1e5))
     word = "electrical power" if electrical else "shaft power"

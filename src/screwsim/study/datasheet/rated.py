@@ -4,8 +4,6 @@ Refrigeration machines go over evaporating temperature and condenser, gas compre
 over speed and outlet.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

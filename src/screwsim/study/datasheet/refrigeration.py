@@ -4,8 +4,6 @@ A scene that sweeps these temperatures is rated at their values, one that does n
 a gas cooler takes the condenser's place, its pressure takes that of the condensing temperature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The rating of a refrigeration machine as a sheet: what it says, draws and gives to programs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

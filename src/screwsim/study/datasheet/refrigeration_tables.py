@@ -1,12 +1,11 @@
 """The tables of a refrigeration machine's sheet: figures over both temperatures, part load, envelope."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from screwsim.figures.engineering import quantity
 from screwsim.scene.operation import CONDENSING
 from screwsim.study.datasheet import tables
+from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import Rating, celsius
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.tables import HOUR, KW, Column, decimals_of
@@ -32,7 +31,7 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
     """Return what each table is of: capacity, power, COP, flow, discharge temperature, duty of an oil cooler."""
     scene, own = rated.asked.scene, rated.own.performance
     kw, flow = decimals_of(KW * (own.get(CAPACITY) or KILOWATTS)), decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    power, cop = ELECTRICAL if "motor" in scene.effects else SHAFT
+    power, cop = ELECTRICAL if motor_of(scene) is not None else SHAFT
     word = "Electrical power" if power in ELECTRICAL else "Shaft power"
     duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if cooled(scene) else ()
     return (
@@ -48,7 +47,7 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
 def heating_columns(rated: Rating) -> tuple[Column, ...]:
     """Return what the tables of a heat pump have more: heating capacity, and its COP by the same power."""
     kw = decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
-    motor = "motor" in rated.asked.scene.effects
+    motor = motor_of(rated.asked.scene) is not None
     word = "electrical" if motor else "shaft"
     return (
         Column(HEATING, "Heating capacity [kW]", KW, kw),

@@ -1,7 +1,5 @@
 """A data sheet of any kind, in words: what is printed, and drawn on a page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Tables of a sheet over two quantities, each a figure's: what they say of it, part load, envelope."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 

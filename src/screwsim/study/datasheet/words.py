@@ -1,13 +1,11 @@
 """Lines and notes of sheets of several kinds: motor, oil, limits, the highest of figures, what points warn of."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.figures.engineering import quantity, shown_name
 from screwsim.scene import Scene
-from screwsim.study.datasheet.bounds import shown
+from screwsim.study.datasheet.bounds import motor_of, shown
 from screwsim.study.datasheet.rated import Rating, celsius
 from screwsim.study.datasheet.sheet import told
 from screwsim.study.datasheet.tables import KW, place_of
@@ -24,13 +22,13 @@ def machine_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
         yield "machine", f"{quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
 
 
-def power_lines(scene: Scene, found: Mapping[str, Any], name: str = "motor") -> Lines:
+def power_lines(scene: Scene, found: Mapping[str, Any], gives: bool = False) -> Lines:
     """Yield what the motor, or the generator, is rated at and how far the scene's point loads it."""
-    motor = scene.effects.get("motor")
+    motor = motor_of(scene)
     if motor is not None:
-        load = 100.0 * abs(found["shaft_power"]) / motor.parameters.rated_power if found else 0.0
+        load = 100.0 * abs(found["shaft_power"]) / motor.rated_power if found else 0.0
         share = f", {load:.0f} % of it at the point" if found else ""
-        yield name, f"{quantity('W', motor.parameters.rated_power)} rated at the shaft{share}"
+        yield "generator" if gives else "motor", f"{quantity('W', motor.rated_power)} rated at the shaft{share}"
 
 
 def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
@@ -97,7 +95,7 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
             yield f"{each.control.name}: no part load below {100.0 * each.least:.0f} %: {each.why}"
     yield from told([(where, result.warnings) for where, result in every if result.status == "ok"])
     if "operation.speed" in {control.path for control in rated.asked.controls}:
-        motor = rated.asked.scene.effects.get("motor")
-        if motor is None or motor.parameters.drive_efficiency == 1.0:
+        motor = motor_of(rated.asked.scene)
+        if motor is None or motor.drive_efficiency == 1.0:
             yield "part load by speed is without the losses of an inverter (effects.motor.drive_efficiency)"
     yield meant

@@ -1,7 +1,5 @@
 """Optimisation: the values of paths at which figures are best, over operating points, within bounds."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.arguments import CALLED, FILE, FLAG, JOBS, PROGRESS, SEED, TEXTS, takes, whole
+from screwsim.inputs.arguments import TEXTS, takes, whole
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
@@ -104,18 +102,7 @@ class Optimum(Brief):
         return replace(changed, text=scene_text(changed))
 
 
-@takes(
-    vary=TEXTS,
-    maximize=TEXTS,
-    minimize=TEXTS,
-    evaluations=whole(1, "no number of evaluations (pass 1 or more)"),
-    seed=SEED,
-    output=FILE,
-    jobs=JOBS,
-    restart=FLAG,
-    simulate=CALLED,
-    progress=PROGRESS,
-)
+@takes(vary=TEXTS, maximize=TEXTS, minimize=TEXTS, evaluations=whole(1, "no number of evaluations (pass 1 or more)"))
 def optimize(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     vary: Iterable[str] | Mapping[str, tuple[float, float]],

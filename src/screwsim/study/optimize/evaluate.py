@@ -1,7 +1,5 @@
 """One set of values: simulated at every operating point, weighted, held against the bounds."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Operating points over which figures are weighted: of a CSV file, or of a seasonal figure by its name."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -89,10 +87,7 @@ def points_of(scene: Scene, standard: Standard) -> Points:
     points = []
     for name, rating in zip("ABCD", standard.ratings, strict=True):
         condensing = max(rating.entering + warm * rating.load, LEAST_CONDENSING)
-        values = {
-            EVAPORATING: WATER - cold * rating.load + ZERO_CELSIUS,
-            CONDENSING: condensing + ZERO_CELSIUS,
-        }
+        values = {EVAPORATING: WATER - cold * rating.load + ZERO_CELSIUS, CONDENSING: condensing + ZERO_CELSIUS}
         points.append(OperatingPoint(name, values, rating.weight, rating.load))
     return Points(standard.name, tuple(points), standard.energy, SPEED, tuple(_told(standard, cold, warm)))
 

@@ -1,7 +1,5 @@
 """What an optimisation asks: paths between two values, figures to be highest or lowest, bounds, operating points."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ the stored cases of an interrupted one are its first answers. A batch is cut int
 other; the cut depends on the batch alone, so that answers depend neither on the number of workers nor on interruptions.
 """
 
-from __future__ import annotations
-
 import pickle
 import re
 from collections import Counter
@@ -139,7 +137,8 @@ class Record:
         tables = self.crew.answers(_block, [_Work(self._packed, places[rows]) for rows in blocks])
         for number, table in enumerate(tables):
             if table is None and len(blocks[number]) == 1:
-                tables[number] = _dead(self.asked)
+                dead = [Result("failed", message=DIED)] * len(self.asked.points.points)
+                tables[number] = table_of(dead, keep_cycle=False)
             elif table is None:
                 tables[number] = join(self._solved(places, [rows[None] for rows in blocks[number]]))
         return tables
@@ -178,7 +177,3 @@ def _block(work: _Work) -> Table:
             for each in simulated(asked, values, simulate):
                 results.append(with_slopes(with_values(machine, each.values), each.result))
     return table_of(results, keep_cycle=False, keep_slopes=True)
-
-
-def _dead(asked: Question) -> Table:
-    return table_of([Result("failed", message=DIED)] * len(asked.points.points), keep_cycle=False)

@@ -4,8 +4,6 @@ Each works on places 0 … 1 between the bounds and asks a `Record` for evaluati
 spent. Failed evaluations are worse than any other; of those that break bounds the less the better.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -6,8 +6,6 @@ cooling, water at 7 °C; Regulation (EU) 2016/2281 has the same), whose weights 
 temperature and the load there. All of them rate a whole chiller; `points` says how they become a compressor's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """An optimisation on disk: all its cases as results of a sweep are, and what was aimed at over the evaluations."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -64,18 +62,14 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     parts = Parts(output, own, "optimisation")
     if not restart:
         if output.exists():
-            _refuse_existing(output)
+            read_attributes(output)  # raises of a file that is none of ours
+            raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
         _refuse_others(parts, own)
     parts.open(restart)
     try:
         yield parts
     finally:
         parts.close()
-
-
-def _refuse_existing(output: Path) -> None:
-    read_attributes(output)  # raises of a file that is none of ours
-    raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
 
 
 def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:

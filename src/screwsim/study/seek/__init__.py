@@ -1,14 +1,12 @@
 """Goal seek: the values of paths at which figures are what they are wanted to be, and machines sized that way."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from screwsim.inputs.arguments import CALLED, NUMBER, NUMBERS, PROGRESS, TEXTS, ends_of, takes
+from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, ends_of, takes
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.listed import listed
@@ -102,7 +100,7 @@ def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tupl
     return tuple(found)
 
 
-@takes(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS, simulate=CALLED, progress=PROGRESS)
+@takes(vary=TEXTS, goals=TEXTS, catalogue=NUMBERS)
 def find(
     scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     vary: Vary,

@@ -1,7 +1,5 @@
 """Sizes that a maker has: read, and the next one up that meets a goal."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Sequence
 

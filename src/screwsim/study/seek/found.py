@@ -1,7 +1,5 @@
 """The answer to a goal seek: values with their errors, what the figures then are, or how near the search came."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

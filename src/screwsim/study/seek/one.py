@@ -1,7 +1,5 @@
 """One goal by one path: a walk to a change of sign, then Brent's way of narrowing it; failures are gone round."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

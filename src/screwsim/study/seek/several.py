@@ -1,7 +1,5 @@
 """Several goals by as many paths: Newton's way with a Jacobian of differences, kept up by Broyden's rule, damped."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

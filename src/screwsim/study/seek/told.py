@@ -1,7 +1,5 @@
 """What simulates, and counts its solutions in a progress: of one search, how many it takes is not known before."""
 
-from __future__ import annotations
-
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.study.optimum import Simulate

@@ -1,7 +1,5 @@
 """The solutions of one search for goals: figures less their goals over places 0 … 1, and what went wrong."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from screwsim.outputs import Result

@@ -1,14 +1,12 @@
 """What a file of stages simulates, in words: what lies between both, then each stage as a scene."""
 
-from __future__ import annotations
-
 import textwrap
 
 from screwsim.explain import WIDTH, explain
 from screwsim.inputs.declare import KINDS
 from screwsim.scene.lines import lines
 from screwsim.scene.units import readable_quantity
-from screwsim.study.stages.read import NAMES, Chain, Intercooler
+from screwsim.study.stages.read import BETWEEN, NAMES, Chain, Intercooler
 
 
 def explain_stages(chain: Chain) -> str:
@@ -29,11 +27,7 @@ def explain_stages(chain: Chain) -> str:
 
 
 def _between(between: Intercooler) -> str:
-    words = {
-        "none": "The second stage takes the gas as the first one leaves it (M201).",
-        "cooler": "A cooler leaves the gas at {T} where it is warmer (M201).",
-        "economizer": "Vapour of a flash tank between condenser and evaporator mixes with the gas (M202).",
-    }[between.kind]
+    words = BETWEEN[between.kind]
     if between.outlet_temperature is not None:
         words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
     if between.pressure_drop > 0.0:

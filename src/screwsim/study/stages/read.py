@@ -1,6 +1,4 @@
-"""Read STAGES.yaml: the scenes of both stages and what lies between them; every fault at its line."""
-
-from __future__ import annotations
+"""Read STAGES.yaml: the scenes of both stages and what lies between, every fault at its line; its JSON Schema."""
 
 import os
 from collections.abc import Iterable
@@ -14,8 +12,9 @@ from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.scene import Scene, load
-from screwsim.scene.fields import section_of
+from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy
+from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
@@ -25,19 +24,37 @@ NAMES = ("first", "second")
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 
 
+COOLS, FLASHES = "cooler", "economizer"
+BETWEEN = {  # what lies between both stages, in words
+    "none": "The second stage takes the gas as the first one leaves it (M201).",
+    COOLS: "A cooler leaves the gas at {T} where it is warmer (M201).",
+    FLASHES: "Vapour of a flash tank between condenser and evaporator mixes with the gas (M202).",
+}
+
+
 @dataclass(frozen=True)
 class Intercooler:
     """What lies between the discharge line of the first stage and the suction line of the second."""
 
     kind: str = choice(
         "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
-        ("none", "cooler", "economizer"),
+        tuple(BETWEEN),
         "none",
     )
     outlet_temperature: float | None = quantity(
         "temperature", "of the gas behind a cooler (warmer gas only)", None, gt=0.0
     )
     pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
+
+    @property
+    def cools(self) -> bool:
+        """Is the gas cooled?"""
+        return self.kind == COOLS
+
+    @property
+    def flashes(self) -> bool:
+        """Does vapour of a flash tank mix in?"""
+        return self.kind == FLASHES
 
 
 @dataclass(frozen=True)
@@ -104,8 +121,8 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: list[Problem])
     files = _files(root, content[KEY], problems)
     if problems or files is None:
         return None
-    if (between.kind == "cooler") != (between.outlet_temperature is not None):
-        missing = between.kind == "cooler"
+    if between.cools != (between.outlet_temperature is not None):
+        missing = between.cools
         what = "is missing (kind: cooler needs it, e.g. 35 degC)" if missing else "belongs to kind: cooler (remove it)"
         problems.append(Problem(content["intercooler"].place, "intercooler.outlet_temperature", what))
         return None
@@ -158,11 +175,32 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, and nothing follows the water that the gas loses between the stages"
         problems.append(Problem(place, KEY, f"{what} (remove it from both scenes, or run them one by one)"))
-    if between.kind == "economizer" and is_blend(second.gas.name):
+    if between.flashes and is_blend(second.gas.name):
         what = f"the vapour that boils off {second.gas.name}, a blend, has another composition than the blend"
         remedy = "write kind: cooler, or name a pure fluid"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
-    if between.kind == "economizer" and condensate_enthalpy(second) is None:
+    if between.flashes and condensate_enthalpy(second) is None:
         what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
         what = f"{what}: its liquid feeds the tank"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))
+
+
+def stages_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a file of stages; the scenes that it names have their own."""
+    section = section_of(Intercooler)
+    leaves = {name: leaf_schema(leaf) for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
+    cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
+    between = mapping(leaves, (), section.doc) | {
+        "if": cooled,
+        "then": {"required": ["outlet_temperature"]},
+        "else": {"properties": {"outlet_temperature": {"type": "null"}}},
+    }
+    files = {
+        "type": "array",
+        "description": f"the scenes of the {' and the '.join(NAMES)} stage, relative to this file",
+        "items": {"type": "string"},
+        "minItems": len(NAMES),
+        "maxItems": len(NAMES),
+    }
+    properties = {"title": {"type": ["string", "null"]}, KEY: files, "intercooler": between}
+    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [KEY])

@@ -1,11 +1,10 @@
-"""What comes of two stages together."""
-
-from __future__ import annotations
+"""What comes of two stages together: the record, capacities and their COP (docs/model.md M203, M410)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from screwsim.evaluate.performance import NO_POWER, heating
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene
 
@@ -34,3 +33,20 @@ class ChainResult:
             "notes": dict(self.notes),
             "stages": [result.as_json() for result in self.stages],
         }
+
+
+Given = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some are None
+
+
+def capacities(
+    cooling: float, power: float, second: Mapping[str, Any], rejected: float | None, unparted: str = ""
+) -> Given:
+    """Return both capacities [W] and their COP on the power of both stages [W], or None with the reason.
+
+    `second` has the figures of the second stage, whose gas goes to the condenser and gives off `rejected` [J/kg]
+    there; None where gas and oil do not part, with the reason `unparted`.
+    """
+    cop = cooling / power if power > 0.0 else None
+    warming, reasons = heating({"shaft_power": power}, second["gas_mass_flow"], rejected, unparted)
+    notes = reasons if cop is not None else {"cop": NO_POWER, **reasons}
+    return {"cooling_capacity": cooling, "cop": cop, **warming}, notes

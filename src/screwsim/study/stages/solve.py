@@ -1,7 +1,5 @@
 """The intermediate pressure of two stages, and the figures of the whole (docs/model.md M200–M203)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -23,10 +21,9 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthal
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
-from screwsim.study.stages.capacity import Given, capacities
 from screwsim.study.stages.errors import chain_errors, handed_on
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
-from screwsim.study.stages.result import ChainResult
+from screwsim.study.stages.result import ChainResult, Given, capacities
 
 GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
 EDGE = 1.02  # least pressure ratio of a stage that is tried
@@ -126,7 +123,7 @@ class _Chain:
         self._check_dry(p, T_d, first)
         vapour, T = self._between(p, T_d, between)
         out = p - between.pressure_drop
-        if between.kind == "cooler" and T == between.outlet_temperature and self._liquid(out, T):
+        if between.cools and T == between.outlet_temperature and self._liquid(out, T):
             what = f"the cooler leaves a liquid at {T:.5g} K and {out / 1e5:.4g} bar"
             raise _Stop("failed", f"{what} (a higher intercooler.outlet_temperature)", (first,))
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
@@ -185,11 +182,11 @@ class _Chain:
     def _between(self, p: float, T_d: float, between: Intercooler) -> tuple[float, float]:
         """Return vapour per gas of the first stage, and the suction temperature [K] of the second (M201, M202)."""
         out = p - between.pressure_drop
-        if between.kind == "cooler":
+        if between.cools:
             assert between.outlet_temperature is not None  # checked when read
             throttled = self.gas.temperature(out, self.gas.enthalpy(p, T_d))
             return 0.0, min(throttled, between.outlet_temperature)
-        if between.kind == "economizer":
+        if between.flashes:
             fluid = self.chain.first.gas.name
             try:
                 h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)

@@ -1,7 +1,5 @@
 """What the comparisons of all sources ask for: solved scenes, tables of data, a module beside them."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from collections.abc import Mapping, Sequence

@@ -7,8 +7,6 @@ Source: ASME V&V 20-2009, section 1.5: the error of the model lies in E - u_val 
 u_input^2 + u_D^2, here with the coverage factor 2.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

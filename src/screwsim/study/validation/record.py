@@ -1,7 +1,5 @@
 """What a comparison says: rows with a verdict, and panels of its figure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

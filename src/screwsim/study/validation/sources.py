@@ -1,7 +1,5 @@
 """The sources of a checkout: which there are, running them, and the document that keeps what they found."""
 
-from __future__ import annotations
-
 import time
 import tomllib
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The table of a validation as text, and the line that sums it up."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping
 from typing import Any
