@@ -87,3 +87,13 @@ def test_what_decides_on_the_structure_is_composed_anew():
     for changes in ({}, {"oil.transport": "carried"}, OIL_PORT, PUMPED_PORT, SOLUBLE, {}):
         scene = make(changes)
         assert_same(shared(scene), compose(build_parts(scene)))
+
+
+def test_what_is_lent_knows_the_same_and_keeps_nothing_for_its_lender():
+    scene, shared = make(), Shared()
+    first, lent = shared(scene), Shared()
+    lent.stock, lent.composer = shared.stock.lent(), shared.composer.lent()
+    assert lent(scene).recipe is first.recipe
+    for volume in np.linspace(5e-4, 7e-4, 20).tolist():  # more than are kept
+        lent(with_values(scene, {"machine.volume.max": volume}))
+    assert shared(scene).recipe is first.recipe

@@ -53,6 +53,14 @@ class Stock:
         self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
         self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
 
+    def lent(self) -> Stock:
+        """Return one that holds the same, and keeps for itself what it builds."""
+        found = Stock()
+        for name in ("_gas", "_geometry", "_effects", "_whole"):
+            setattr(found, name, dict(getattr(self, name)))
+        found._built = {name: dict(known) for name, known in self._built.items()}
+        return found
+
     def gas(self, scene: Scene) -> Gas:
         """Return the gas of a scene; the same one where the scene's gas tells it, with what it follows from."""
         settings, told = scene.gas, find_gas_model(scene.gas.model).told

@@ -30,6 +30,12 @@ class Composer:
     def __init__(self) -> None:
         self._known: dict[tuple[int, int], tuple[Parts, Composition]] = {}  # by geometry and effects, which it holds
 
+    def lent(self) -> Composer:
+        """Return one that knows the same, and keeps for itself what it composes."""
+        found = Composer()
+        found._known = dict(self._known)
+        return found
+
     def compose(self, parts: Parts) -> Composition:
         """Return what `compose` does."""
         key = id(parts.geometry), id(parts.effects)
