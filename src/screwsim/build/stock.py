@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.build.gas import asked_of, build_gas
@@ -24,6 +23,7 @@ from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
 from screwsim.model.series import keep
+from screwsim.numerics.changed import changed
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import ActiveEffect, Scene
@@ -137,4 +137,4 @@ def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) ->
 
 
 def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
-    return replace(part, values={**part.values, **numbers})
+    return changed(part, values={**part.values, **numbers})
