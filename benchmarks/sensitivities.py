@@ -58,9 +58,9 @@ class Counted:
             self.rates += sum(each.y.size for each in nodes) // pitch.n
             return lanes(pitch, nodes, *asked)
 
-        def counted_slopes(pitch: Pitch, angles: Any, *asked: Any) -> Any:
+        def counted_slopes(pitch: Pitch, angles: Any, *asked: Any, **how: Any) -> Any:
             self.jacobians += len(angles) * pitch.N // pitch.n
-            return slopes(pitch, angles, *asked)
+            return slopes(pitch, angles, *asked, **how)
 
         for owner, name, by in (
             (Pitch, "rates", counted),

@@ -114,9 +114,9 @@ def test_slices_that_stay_lend_their_factors_and_others_have_their_own(cycle, mo
     kept, edges = nearby.Kept(), pitch.slices.edges
     kept.anew(pitch, cycle.nodes)
     finer = Pitch(pitch.problem, pitch.machinery, between(np.insert(edges, 8, 0.5 * (edges[7] + edges[8]))))
-    Y, by_states = finer.read(), Pitch.by_states
+    Y, by_states = finer.read(), Pitch.by_own_states
     Y[20] *= 1.0 + 2.0 * nearby.ALIKE
-    monkeypatch.setattr(Pitch, "by_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given))
+    monkeypatch.setattr(Pitch, "by_own_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given))
     lent = kept.begun(finer, Y)
     assert asked == [[7, 8, 20]]
     assert kept.of(finer) is lent

@@ -1,15 +1,18 @@
 """What the scenes of a series share: built and composed once, with the numbers of each scene for itself."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import ECONOMIZER, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, make
+from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, make
 
 from screwsim.build import Stock, build_parts
 from screwsim.model.compose import compose
+from screwsim.model.renumbered import renumbered
 from screwsim.model.series import Composer
-from screwsim.scene import with_values
+from screwsim.scene import load, with_values
+from screwsim.study.local import numeric_paths
 
 SCENES = {
     "plain": {},
@@ -26,6 +29,7 @@ SCENES = {
         "effects.wall_heat": {"rotor_area": "400 cm^2", "housing_area": "150 cm^2", "characteristic_length": "58 mm"},
     },
 }
+FRICTION_GAP = {"gap": "40 um", "length": "150 mm", "friction_fit": "flank", **FRICTION}
 OPERATION = {  # of which the structure knows nothing
     "operation.speed": 290.0,
     "operation.discharge.pressure": 11e5,
@@ -87,3 +91,54 @@ def test_what_decides_on_the_structure_is_composed_anew():
     for changes in ({}, {"oil.transport": "carried"}, OIL_PORT, PUMPED_PORT, SOLUBLE, {}):
         scene = make(changes)
         assert_same(shared(scene), compose(build_parts(scene)))
+
+
+def test_what_is_lent_knows_the_same_and_keeps_nothing_for_its_lender():
+    scene, shared = make(), Shared()
+    first, lent = shared(scene), Shared()
+    lent.stock, lent.composer = shared.stock.lent(), shared.composer.lent()
+    assert lent(scene).recipe is first.recipe
+    for volume in np.linspace(5e-4, 7e-4, 20).tolist():  # more than are kept
+        lent(with_values(scene, {"machine.volume.max": volume}))
+    assert shared(scene).recipe is first.recipe
+
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+WRITTEN = {  # how many numbers of a shipped scene need another text, or another gas
+    "paper/point": 1,
+    "r134a/point": 0,
+    "r454b/point": 0,
+    "expander/point": 0,
+    "air/moist": 3,
+}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_another_number_of_a_scene_needs_no_text_and_gives_what_composing_does(name):
+    scene, stock = load(CONFIGS / f"{name}.yaml"), Stock()
+    before, written = build_parts(scene, stock), 0
+    composition = compose(before)
+    for path, value in numeric_paths(scene)[0].items():
+        parts = build_parts(with_values(scene, {path: value * (1.0 + 1e-6)}), stock)
+        found, anew = renumbered(before, composition, parts), compose(parts)
+        written += found is None
+        if found is not None:
+            assert_same(found, anew)
+            assert np.array_equal(found.recipe.P, anew.recipe.P)
+            assert (found.recipe.held, found.recipe.angles) == (anew.recipe.held, anew.recipe.angles)
+    assert written == WRITTEN[name]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_is_renumbered_is_of_the_same_structure(name):
+    """Machine and effects of one scene are never taken for those of another."""
+    more = {"no tips": {"effects.tip_leakage": DROP}, "reading": {"effects.tip_leakage.reading": "chamber"}}
+    more |= {"lobes": {"machine.male_lobes": 5}, "friction": {"effects.interlobe_leakage": FRICTION_GAP}}
+    before = build_parts(make(SCENES[name]))
+    composition = compose(before)
+    for changes in (SCENES | more).values():
+        parts = build_parts(make(changes))
+        found = renumbered(before, composition, parts)
+        if found is not None:
+            assert_same(found, compose(parts))
+    assert renumbered(before, composition, build_parts(make({**SCENES[name], **more["no tips"]}))) is None

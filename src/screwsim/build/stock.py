@@ -1,7 +1,6 @@
 """Machine, gas and effects of a scene, kept for the next one of a sweep."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.build.gas import asked_of, build_gas
@@ -14,6 +13,7 @@ from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
 from screwsim.model.series import keep
+from screwsim.numerics.changed import changed
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import ActiveEffect, Scene
@@ -42,6 +42,14 @@ class Stock:
         self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
         self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
         self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
+
+    def lent(self) -> Stock:
+        """Return one that holds the same, and keeps for itself what it builds."""
+        found = Stock()
+        for name in ("_gas", "_geometry", "_effects", "_whole"):
+            setattr(found, name, dict(getattr(self, name)))
+        found._built = {name: dict(known) for name, known in self._built.items()}
+        return found
 
     def gas(self, scene: Scene) -> Gas:
         """Return the gas of a scene; the same one where the scene's gas tells it, with what it follows from."""
@@ -112,7 +120,7 @@ def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) ->
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
         built = [
-            replace(part, values={**part.values, **numbers}) if isinstance(part, Numbered) else part for part in built
+            changed(part, values={**part.values, **numbers}) if isinstance(part, Numbered) else part for part in built
         ]
     if not geometry.expands:
         return built

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.build import sought
@@ -11,6 +10,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import Fault, Unfound, UsageError
+from screwsim.numerics.changed import changed
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
@@ -54,7 +54,7 @@ def completed(
         at = lines(scene)
         guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
         near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver
-        scene = replace(scene, losses=losses if near_by else guess)
+        scene = changed(scene, losses=losses if near_by else guess)
     return _tempered(sought.completed(scene, open_numbers), near)
 
 
@@ -79,7 +79,7 @@ def _kept(scene: Scene) -> Scene:
     """Return a scene whose oil comes with the temperature that a cooler keeps, and follows that where it is moved."""
     supply, outlet = scene.oil_supply, _cooling(scene).outlet
     assert supply is not None
-    return replace(scene, oil_supply=replace(supply, temperature=None if outlet is None else Found(outlet)))
+    return changed(scene, oil_supply=changed(supply, temperature=None if outlet is None else Found(outlet)))
 
 
 def filled(scene: Scene, at: Temperatures) -> Scene:
@@ -87,13 +87,13 @@ def filled(scene: Scene, at: Temperatures) -> Scene:
     supply, effects = scene.oil_supply, scene.effects
     assert supply is not None
     if open_temperatures(scene)[0]:
-        scene = replace(scene, oil_supply=replace(supply, temperature=Found(at.supply)))
+        scene = changed(scene, oil_supply=changed(supply, temperature=Found(at.supply)))
     elif _is_open(supply.temperature):
         scene = _kept(scene)
     for name, active in _asking(scene).items():
-        parameters = replace(active.parameters, separator_temperature=Found(at.separator))
-        effects = {**effects, name: replace(active, parameters=parameters)}
-    return replace(scene, effects=effects)
+        parameters = changed(active.parameters, separator_temperature=Found(at.separator))
+        effects = {**effects, name: changed(active, parameters=parameters)}
+    return changed(scene, effects=effects)
 
 
 def _cooling(scene: Scene) -> CoolsOil:

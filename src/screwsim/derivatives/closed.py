@@ -182,13 +182,12 @@ def _stand(turns: list[Crossing], before: list[Crossing], bound: float) -> bool:
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
-    f, J = pitch.slopes_at(pitch.slices.edges[:-1], before)
+    f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
     phases = phases_at(pitch, Y)
     for k in np.flatnonzero((phases[1:, 0] != phases[:-1, -1]).any(axis=1)).tolist():
         f[k + 1] = pitch.rates_in(phases[k + 1, 0], k + 1, Y[k, -1])[0]  # that begins behind the border of a phase
     defect = f + EMBEDDED @ (Y - before[:, None]) / widths[:, None]
-    chambers = pitch.N // pitch.n
-    own = J.reshape(-1, chambers, pitch.n, chambers, pitch.n)[:, range(chambers), :, range(chambers)].swapaxes(0, 1)
+    own = own.swapaxes(0, 1)
     matrix = (EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
     found = np.abs(np.linalg.solve(matrix, defect.reshape(*own.shape[:-1], 1))).reshape(defect.shape)
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)

@@ -15,7 +15,7 @@ from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.placed import Placed
-from screwsim.derivatives.slices import INTEGRALS, NODES
+from screwsim.derivatives.slices import INTEGRALS
 
 Array = np.ndarray
 MOST = 12  # iterations
@@ -142,9 +142,7 @@ def open_of(pitch: Pitch, Y: Array) -> Open:
 def _blocks(pitch: Pitch, Y: Array, slices: Array) -> Blocks:
     """Return the stage equations of each chamber by itself, factored, of some slices."""
     chambers, n = pitch.N // pitch.n, pitch.n
-    J = pitch.by_states(Y, slices).reshape(len(slices), NODES, chambers, n, chambers, n)
-    own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, NODES, n, n)
-    return Blocks(own, np.tile(pitch.slices.widths[slices], chambers), n, 0)
+    return Blocks(pitch.by_own_states(Y, slices), np.tile(pitch.slices.widths[slices], chambers), n, 0)
 
 
 def residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:

@@ -163,23 +163,28 @@ class Pitch:
 
     def slopes(self, Y: Array) -> Slopes:
         """Return rates and their derivatives by the states at the nodes."""
-        found = self._slopes(*self._asked(Y, self.slices))
+        *found, _ = self._slopes(*self._asked(Y, self.slices))
         return Slopes(*(each.reshape(self.count, NODES, *each.shape[1:]) for each in found))
 
-    def by_states(self, Y: Array, slices: Array) -> Array:
-        """Return the derivatives of the rates by the states at the nodes of some slices (slices, NODES, N, N)."""
+    def by_own_states(self, Y: Array, slices: Array) -> Array:
+        """Return the derivatives of each chamber's rates by its own states at the nodes of some slices.
+
+        One chamber after the other (chambers slices, NODES, n, n).
+        """
         angles, middles = self.slices.angles[slices].ravel(), np.repeat(self.slices.middles[slices], NODES)
-        J = self._slopes(angles, middles, np.ascontiguousarray(Y[slices]).reshape(-1, self.N), *self._context)[2]
-        return J.reshape(len(slices), NODES, self.N, self.N)
+        y = np.ascontiguousarray(Y[slices]).reshape(-1, self.N)
+        return self._slopes(angles, middles, y, *self._context, alone=True)[-1].reshape(-1, NODES, self.n, self.n)
 
     def slopes_at(self, angles: Array, y: Array) -> tuple[Array, Array]:
-        """Return rates and their derivatives at one angle in each slice."""
-        f, _, J, _ = self._slopes(angles, self.slices.middles, y, *self._context)
-        return f, J
+        """Return rates at one angle in each slice, and the derivatives of each chamber's by its own states."""
+        f, *_, own = self._slopes(angles, self.slices.middles, y, *self._context, alone=True)
+        return f, own.reshape(-1, len(angles), self.n, self.n)
 
-    def _slopes(self, angles: Array, *asked: Any) -> tuple[Array, ...]:
-        many, N, q = len(angles), self.N, self.q
-        found = np.empty((many, N)), np.empty((many, q)), empty(many, N, N), empty(many, q, N)
+    def _slopes(self, angles: Array, *asked: Any, alone: bool = False) -> tuple[Array, ...]:
+        many, N, q, n = len(angles), self.N, self.q, self.n
+        rows = 1 if alone else many
+        own = empty(N // n * many, n, n) if alone else np.empty((0, n, n))
+        found = np.empty((many, N)), np.empty((rows, q)), empty(rows, N, N), empty(rows, q, N), own
         module = self.machinery.together
         if "tangents" not in compiled.warm(module):
             with self.machinery.compiling("tangents"):

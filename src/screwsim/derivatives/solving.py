@@ -7,7 +7,7 @@ from typing import NamedTuple
 from screwsim.build.sought import is_sought
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import Problem, leave, one_alone, problem_of
 from screwsim.derivatives.around import derivatives
 from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated
 from screwsim.inputs.faults import Impossible
@@ -41,7 +41,7 @@ def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) 
 
 
 def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Found:
-    series = Series()
+    series = one_alone()
     if not fineness.estimated:
         scene = replace(scene, numerics=replace(scene.numerics, error="none"))
     problem, search = steady(problem_of(scene, series), series)
@@ -53,8 +53,9 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Fou
     if not accurate.cycle.closed:
         return Found({}, {}, "the cycle does not close")
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
-    slopes, refused = derivatives(cycle, values, (series.stock, series.composer))
+    slopes, refused = derivatives(cycle, values, (series.stock.lent(), series.composer.lent()))
     leases.give_back(machinery)
+    leave(series)
     return Found(slopes, refused)
 
 

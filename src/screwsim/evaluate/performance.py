@@ -1,7 +1,6 @@
 """Performance figures of a cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45, M151, M152, M410)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -15,6 +14,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import own_number
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OF_GAS
+from screwsim.numerics.changed import changed
 from screwsim.scene.lines import Lines
 
 Array = np.ndarray
@@ -127,9 +127,9 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tup
     notes: dict[str, str] = {}
     reading = parts.all(Reading)
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
-    complete = replace(known, **{name: found.get(name) for name in names}) if reading else known
+    complete = changed(known, **{name: found.get(name) for name in names}) if reading else known
     for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # which others may ask for
-        given = part.read(replace(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
+        given = part.read(changed(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
         read, reasons = valued(given, name, finite=bool(np.isfinite(known.indicated_power)))
         values |= read
         notes |= reasons
@@ -141,7 +141,7 @@ def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple
     judges = [part.judge for _, part in parts.all(Reading) if part.judge is not None]
     if not judges:
         return "", ()
-    complete = replace(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
+    complete = changed(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
     told = [judge(complete) for judge in judges]
     return next((why for why, _ in told if why), ""), tuple(each for _, warnings in told for each in warnings)
 

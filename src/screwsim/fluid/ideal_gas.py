@@ -44,6 +44,10 @@ class IdealGas:
     @property
     def values(self) -> dict[str, float]:
         """Numbers behind the kernel's argument names."""
+        return self._values
+
+    @once
+    def _values(self) -> dict[str, float]:
         choke, choked = self.choked
         return {
             "R_gas": self.R,

@@ -22,6 +22,7 @@ from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
+from screwsim.model.renumbered import angles_of, held
 from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
 from screwsim.model.trajectory import with_numbers
 from screwsim.model.writing import Writer, scales
@@ -36,8 +37,8 @@ def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
     network = _network(parts)
     _refuse(network, parts)
-    writer = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network)
-    _write(writer, parts)
+    writer, law = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
+    _write(writer, parts, law)
     numbers, port = writer.numbers, parts.oil_port
     found = structured(
         network.key(),
@@ -53,10 +54,14 @@ def compose(parts: Parts) -> Composition:
         found,
         np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        breakpoints=breakpoints(
-            parts, parts.geometry.volume_law(), parts.all(FlowPath), () if port is None else port.breakpoints
+        breakpoints=breakpoints(parts, law, parts.all(FlowPath), () if port is None else port.breakpoints),
+        recipe=Recipe(
+            np.array(numbers.values),
+            list(numbers.named),
+            list(numbers.named.values()),
+            None if numbers.lost else held(parts, law, numbers.held),
+            angles_of(parts, law),
         ),
-        recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )
 
@@ -150,12 +155,12 @@ def _network(parts: Parts) -> Network:
     return network
 
 
-def _write(writer: Writer, parts: Parts) -> None:
+def _write(writer: Writer, parts: Parts, law: Any) -> None:
     """Write what the composition has of its own, and put the calls of its kernels into the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
     ports, between_chambers = [path for _, path in parts.ports], [path for _, path in parts.gaps]
     writing.write_gas(writer, parts.gas)
-    writing.write_volume(writer, geometry.volume_law())
+    writing.write_volume(writer, law)
     if parts.shaft is not None:
         writing.write_speed(writer, geometry.pitch)
     factors = scales(writer, parts)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,16 @@ class Recipe:
     P: np.ndarray
     places: list[int]
     names: list[str]  # of `writing.operating`
+    held: tuple[Held, ...] | None = None  # where the rest of them stand in parts; None where some stand nowhere
+    angles: tuple[Any, ...] = ()  # that the breakpoints follow from
+
+
+class Held(NamedTuple):
+    """A number of P that parts hold: its place, in which of what holds numbers it stands, and as what."""
+
+    place: int
+    holder: int
+    name: str
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ OWN = {name: name for name in (
 )}  # fmt: skip
 OWN |= {name: f"chamber__{name}" for name in ("path_flows", "given_off", "neighbour", "keep_port_states")}
 OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced_alone")}
-OWN |= {name: f"chamber__{name}" for name in ("faces_line", "add_to_lines", "add_outflow")}
+OWN |= {name: f"chamber__{name}" for name in ("faces_line", "lets_out", "add_to_lines", "add_outflow")}
 OWN |= {
     "films_into": "chamber__oil_films",
     "add_moment": "ledger__add_moment",

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -26,14 +27,31 @@ class Numbers:
     values: list[float]
     tables: list[np.ndarray] = field(default_factory=list)
     named: dict[int, str] = field(default_factory=dict)  # places in P of what `operating` names
+    held: dict[int, tuple[Any, str]] = field(default_factory=dict)  # … of the rest: what holds each, and as what
+    lost: bool = False  # is there a number of which neither is known?
     places: dict[str, int] = field(default_factory=dict)  # in P, by the names that the text has for them
 
-    def add(self, value: float, label: str, name: str | None = None) -> str:
-        """Return how the text reads a number, by a name made of its label; `name` is that of `operating`."""
+    def add(
+        self,
+        value: float,
+        label: str,
+        name: str | None = None,
+        of: tuple[Any, str] | None = None,
+        structural: bool = False,
+    ) -> str:
+        """Return how the text reads a number, by a name made of its label; `name` is that of `operating`.
+
+        One that has none is `of` a mapping, by its key, or of an object, by its field (`model.renumbered`), or it is
+        `structural`: the same in all scenes of the structure.
+        """
         self.values.append(float(value))
         at = len(self.values) - 1
         if name is not None:
             self.named[at] = name
+        elif of is not None:
+            self.held[at] = of
+        elif not structural:
+            self.lost = True
         label = first = "P_" + (label if label.isidentifier() else re.sub(r"\W", "_", label))
         again = 2
         while label in self.places:
@@ -44,7 +62,7 @@ class Numbers:
     def add_table(self, curve: tuple[np.ndarray, ...], label: str) -> str:
         start = sum(len(table) for table in self.tables)
         self.tables.append(pack_curve(*curve))
-        return self.add(float(start), label)
+        return self.add(float(start), label, structural=True)
 
     def place_of(self, cell: str) -> int:
         """Return where in P stands what the text reads so."""

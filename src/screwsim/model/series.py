@@ -6,6 +6,7 @@ from screwsim.model.compose import compose
 from screwsim.model.composition import Composition
 from screwsim.model.numbers import fixed_numbers, operating
 from screwsim.model.parts import Parts
+from screwsim.model.renumbered import beside_alike, renumbered
 from screwsim.model.trajectory import with_numbers
 
 MOST = 16  # kept of each: so many points of different machines may be solved side by side
@@ -27,6 +28,13 @@ class Composer:
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, int], tuple[Parts, Composition]] = {}  # by geometry and effects, which it holds
+        self._last: tuple[Parts, Composition] | None = None  # that was written
+
+    def lent(self) -> Composer:
+        """Return one that knows the same, and keeps for itself what it composes."""
+        found = Composer()
+        found._known, found._last = dict(self._known), self._last
+        return found
 
     def compose(self, parts: Parts) -> Composition:
         """Return what `compose` does."""
@@ -35,7 +43,11 @@ class Composer:
         if last is not None and _alike(parts, last[0]):
             return _filled(last[1], parts)
         self._known.pop(key, None)
-        return keep(self._known, key, (parts, compose(parts)))[1]
+        found = None if self._last is None else renumbered(*self._last, parts)
+        if found is None:
+            found = compose(parts)
+            self._last = parts, found
+        return keep(self._known, key, (parts, found))[1]
 
 
 def _alike(parts: Parts, other: Parts) -> bool:
@@ -43,18 +55,7 @@ def _alike(parts: Parts, other: Parts) -> bool:
 
     Machine and effects must be the same objects: what is in them is not looked at.
     """
-    if parts.geometry is not other.geometry or parts.effects is not other.effects or parts.gas != other.gas:
-        return False
-    if parts.oil_content is not other.oil_content or list(parts.plenums) != list(other.plenums):
-        return False
-    if parts.oil_content is not None and parts.plenums != other.plenums:
-        return False
-    return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
-
-
-def _supplied(parts: Parts) -> tuple[Any, ...]:
-    """Return what of the oil decides on the structure: nothing without oil, its transport, names of its supply."""
-    return () if parts.oil is None else (parts.oil.carried, *parts.oil.supply)
+    return parts.geometry is other.geometry and parts.effects is other.effects and beside_alike(parts, other)
 
 
 def _filled(composition: Composition, parts: Parts) -> Composition:

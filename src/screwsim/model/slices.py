@@ -37,14 +37,27 @@ def rates_at(angles, middles, y, context, n_e, f, g):
 
 
 @kernel
-def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq):
-    """Do what `rates_at` does; fill J[k] and Jq[k] with the derivatives of both by the states, exact ones."""
+def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq, own):
+    """Do what `rates_at` does; fill J[k] and Jq[k] with the derivatives of both by the states, exact ones.
+
+    Where `own` has rows it is filled instead, at k of the first chamber, then of the next, with the derivatives of a
+    chamber's rates by its own states; J, Jq and g have one row then, which is written over.
+    """
     E = np.empty(n_e)
     f_phi = np.empty(STATES)
     g_phi = np.empty(QUADRATURES)
-    for k in range(angles.shape[0]):
+    many = angles.shape[0]
+    alone = own.shape[0] > 0
+    n = own.shape[1]
+    for k in range(many):
+        row = 0 if alone else k
         surroundings(angles[k], middles[k], context, E)
-        exact_jacobian(y[k], E, E, BESIDE, context, f[k], g[k], J[k], Jq[k], f_phi, g_phi)
+        exact_jacobian(y[k], E, E, BESIDE, context, f[k], g[row], J[row], Jq[row], f_phi, g_phi)
+        if alone:
+            for chamber in range(STATES // n):
+                for i in range(n):
+                    for j in range(n):
+                        own[chamber * many + k, i, j] = J[0, chamber * n + i, chamber * n + j]
 
 
 @kernel

@@ -18,6 +18,7 @@ kilogram of oil holds,
 `balanced_alone(flows, mass_rate)` → that of the one port that is open to a line,
 `faces_line(phi, P, TAB)` → whether a chamber is open to a line,
 `add_to_lines(flows, phi, V, k, points, P, into, volume)` → its flows into them,
+`lets_out(phi, middle, P, TAB)` → whether it is open to the discharge line, by a gap beyond the last one, too,
 `add_outflow(heat, mass, flows, T_oil, weight, E)` → what leaves it to the discharge line.
 
 By number, for Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
@@ -60,6 +61,7 @@ add_to_lines: Any = Slot("add_to_lines")
 around_chamber: Any = Slot("around_chamber")
 balanced_alone: Any = Slot("balanced_alone")
 faces_line: Any = Slot("faces_line")
+lets_out: Any = Slot("lets_out")
 
 N: Any = Slot("N")
 N_FLOWS: Any = Slot("N_FLOWS")

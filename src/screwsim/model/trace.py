@@ -20,6 +20,7 @@ from screwsim.model.slots import (
     gas_phase,
     gas_state,
     given_off,
+    lets_out,
     mass_rate,
     oil_inflow,
     path_area,
@@ -199,7 +200,7 @@ def oil_with_outflow(times, dense, steps, context, n_e):
 
     By Gauss's points within each step: where the flow comes and goes, the ends of the steps tell too little.
     """
-    P = context.P
+    P, TAB = context.P, context.TAB
     E = np.empty(n_e)
     y = np.empty(N)
     flows = np.empty(N_FLOWS)
@@ -209,6 +210,8 @@ def oil_with_outflow(times, dense, steps, context, n_e):
         h = times[i + 1] - times[i]
         if times[i] + 0.5 * h > P[P_INJECTION] and h > 0.0:
             for point in range(POINTS):
+                if not lets_out(times[i] + NODES[point] * h, times[i] + 0.5 * h, P, TAB):
+                    continue
                 flows_within(NODES[point], i, times, dense, context, E, y, flows)
                 heat, mass = add_outflow(heat, mass, flows, y[S_T_OIL], WEIGHTS[point] * h, E)
     return heat, mass

@@ -5,6 +5,7 @@ on time is multiplied by `Writer.slow`.
 """
 
 import math
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -37,7 +38,7 @@ class Writer:
         self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float], network: Network
     ) -> None:
         self.numbers = Numbers(list(head))
-        self.made = {name: self.numbers.add(value, name) for name, value in made.items()}
+        self.made = {name: self.numbers.add(value, name, of=(made, name)) for name, value in made.items()}
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
@@ -69,7 +70,8 @@ class Writer:
                 arguments.append(name)
             elif name in values:
                 operating = None if prefix is None else prefix + name
-                number = self.numbers.add(values[name], f"{whose}_{name}", operating)
+                held = next(each for each in values.maps if name in each) if isinstance(values, ChainMap) else values
+                number = self.numbers.add(values[name], f"{whose}_{name}", operating, (held, name))
                 arguments.append(" * ".join([number, *factors.get(name, ())]))
             elif name in tables:
                 arguments.append(self.numbers.add_table(tables[name], f"{whose}_{name}"))
@@ -108,12 +110,13 @@ def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: M
     openings = [*writer.network.ports, *writer.network.gaps]
     for opening, (effect, path) in zip(openings, paths, strict=True):
         label = layout.label(opening)
-        flow = writer.numbers.add(path.flow_coefficient, f"{label}_flow_coefficient")
+        of = path, "flow_coefficient"
+        flow = writer.numbers.add(path.flow_coefficient, f"{label}_flow_coefficient", of=of)
         coefficient = " * ".join([flow, *scales.get(effect, ())])
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"), of=label)
         turned = []
         if path.mirror is not None:
-            turned = [f"phi = {writer.numbers.add(path.mirror, label + '_mirror')} - phi"]
+            turned = [f"phi = {writer.numbers.add(path.mirror, label + '_mirror', of=(path, 'mirror'))} - phi"]
         result = [f"return {coefficient} * {call}"]
         if writer.slow:  # asked for where something is open only
             slow = [] if path.mirror is None else ["here = phi"]
@@ -142,8 +145,9 @@ def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
 def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
     """Put each wall's conductance [W/K] and temperature [K] into the network (M170)."""
     for effect, wall in walls:
-        held = wall.temperature
-        temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
+        held, of = wall.temperature, (wall, "temperature")
+        stated = not isinstance(held, str)
+        temperature = writer.numbers.add(held, "wall_temperature", of=of) if stated else made(writer, held)
         call = writer.in_time(writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS, of=identifier(effect)))
         writer.network.walls.append(WallHeat(effect, call, temperature))
     writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
@@ -204,7 +208,8 @@ def write_volume(writer: Writer, law: Any) -> None:
         call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
         body = [f"return {call}"]
         if law.mirror is not None:
-            body = [f"phi = {writer.numbers.add(law.mirror, 'volume_mirror')} - phi", f"return {sign}{call}"]
+            mirror = writer.numbers.add(law.mirror, "volume_mirror", of=(law, "mirror"))
+            body = [f"phi = {mirror} - phi", f"return {sign}{call}"]
         writer.function(f"{name}(phi, P, TAB)", body)
 
 
@@ -239,7 +244,7 @@ def write_resistances(
     layout = Layout(writer.network)
     for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
-            held, values = path.resistance, {**path.values, **path.resistance.values}
+            held, values = path.resistance, ChainMap(path.resistance.values, path.values)
             warm = {"gap": clearances.get(effect, ())}
             call = partial(writer.call, of=layout.label(writer.network.gaps[index]))
             share = call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)

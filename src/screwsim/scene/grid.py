@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
+from screwsim.numerics.changed import changed
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
 from screwsim.scene.stated import settled
@@ -56,7 +56,7 @@ def joints_of(scene: Scene) -> tuple[Joint, ...]:
     for joint in scene.joints:
         paths = tuple(path for path in joint.paths if path in scene.sweep)
         if paths:
-            found.append(joint if paths == joint.paths else replace(joint, paths=paths, sample=None))
+            found.append(joint if paths == joint.paths else changed(joint, paths=paths, sample=None))
     return tuple(found)
 
 
@@ -64,8 +64,8 @@ def only(scene: Scene, paths: Iterable[str]) -> Scene:
     """Return the scene with a sweep of those of the paths alone that its own sweep varies."""
     kept = set(paths)
     sweep = {path: values for path, values in scene.sweep.items() if path in kept}
-    cut = replace(scene, sweep=sweep)
-    return replace(cut, joints=joints_of(cut))
+    cut = changed(scene, sweep=sweep)
+    return changed(cut, joints=joints_of(cut))
 
 
 def case_count(scene: Scene) -> int:
@@ -99,7 +99,7 @@ def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
 
 def case(scene: Scene, index: int) -> Scene:
     """Return one case of the grid, as a scene without a sweep and without text (`scene_text` makes it)."""
-    return with_values(replace(scene, sweep={}, joints=(), text=""), case_values(scene, index))
+    return with_values(changed(scene, sweep={}, joints=(), text=""), case_values(scene, index))
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
@@ -108,11 +108,11 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     The sections on the way must be there. `cross_check` tells whether the values fit together.
     """
     if FLUID in values:  # an axis names the fluid whole, with the composition of a blend
-        scene = replace(scene, gas=replace(scene.gas, mass_fractions=None, mole_fractions=None))
+        scene = changed(scene, gas=changed(scene.gas, mass_fractions=None, mole_fractions=None))
     for path, value in values.items():
         scene = _with_value(scene, path, value)
     scene = settled(scene, values)
-    return replace(scene, text="") if scene.text else scene
+    return changed(scene, text="") if scene.text else scene
 
 
 def _with_value(scene: Scene, path: str, value: Any) -> Scene:
@@ -120,13 +120,13 @@ def _with_value(scene: Scene, path: str, value: Any) -> Scene:
         return _replaced(scene, path.split("."), value)
     name, keys = effect_keys(path, scene.effects)
     active = scene.effects[name]
-    changed = replace(active, parameters=_replaced(active.parameters, keys, value))
-    return replace(scene, effects={**scene.effects, name: changed})
+    other = changed(active, parameters=_replaced(active.parameters, keys, value))
+    return changed(scene, effects={**scene.effects, name: other})
 
 
 def _replaced(part: Any, names: list[str], value: Any) -> Any:
     name, *rest = names
-    return replace(part, **{name: _replaced(getattr(part, name), rest, value) if rest else value})
+    return changed(part, **{name: _replaced(getattr(part, name), rest, value) if rest else value})
 
 
 def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
@@ -151,7 +151,7 @@ def _of_fluid(scene: Scene, fluid: str) -> Scene:
         path: tuple(values[place] for place in kept) if path in together else values
         for path, values in scene.sweep.items()
     }
-    return replace(scene, sweep=sweep)
+    return changed(scene, sweep=sweep)
 
 
 def leaf_of(scene: Scene, path: str) -> Leaf:

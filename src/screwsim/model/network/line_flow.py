@@ -21,7 +21,7 @@ def line_flow_texts(network: Network) -> list[str]:
     if network.pulsating:
         texts += [_faces_line(network), _balanced_alone(network), _add_to_lines(network)]
     if network.heated and not network.carried:
-        texts.append(_add_outflow(network))
+        texts += [_lets_out(network), _add_outflow(network)]
     return texts
 
 
@@ -80,9 +80,9 @@ def _balanced_alone(network: Network) -> str:
     )
 
 
-def _beyond(offset: int) -> str:
+def _beyond(offset: int, phi: str = "phi") -> str:
     """Tell in the text whether what lies so many lobe pitches ahead of a chamber at phi is the discharge line."""
-    return f"phi + {offset} * P[P_PITCH] > P[P_LIFE]"
+    return f"{phi} + {offset} * P[P_PITCH] > P[P_LIFE]"
 
 
 def _faces_line(network: Network) -> str:
@@ -115,6 +115,25 @@ def _add_to_lines(network: Network) -> str:
     return function(
         "chamber__add_to_lines(flows, phi, V, k, points, P, into, volume)",
         ['"""Add the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""'],
+        to.lines,
+    )
+
+
+def _lets_out(network: Network) -> str:
+    """Return the text that tells whether a chamber is open to the discharge line, beyond the last one by a gap."""
+    to, layout = Statements(), Layout(network)
+    for port in network.ports:
+        if port.cell == network.lines[1]:
+            with to.within(f"if {layout.area_at(port, 'phi')} > 0.0"):
+                to.add("return True")
+    for gap in network.gaps:
+        beyond = _beyond(network.offsets[gap.side], "middle")
+        with to.within(f"if {beyond} and {layout.area_at(gap, 'phi')} > 0.0"):
+            to.add("return True")
+    to.add("return False")
+    return function(
+        "chamber__lets_out(phi, middle, P, TAB)",
+        ['"""Tell whether a chamber at phi [rad] is open to the discharge line; `middle` tells what lies ahead."""'],
         to.lines,
     )
 

@@ -1,0 +1,78 @@
+"""An object with other values is that of `dataclasses.replace`, and has nothing else of the one before."""
+
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import pytest
+
+from screwsim.numerics.at_once import at_once
+from screwsim.numerics.changed import changed
+from screwsim.numerics.once import once
+
+
+@dataclass(frozen=True)
+class Plain:
+    a: float
+    b: tuple[int, ...] = ()
+
+    @once
+    def double(self) -> float:
+        return 2.0 * self.a
+
+
+class Kind(Protocol):
+    a: float
+
+
+@dataclass(frozen=True)
+class OfProtocol(Kind):
+    a: float
+    more: dict[str, float] = field(default_factory=dict)
+
+
+@at_once
+@dataclass(frozen=True)
+class Checked:
+    a: float
+
+    def __post_init__(self):
+        if self.a < 0.0:
+            raise ValueError("negative")
+
+
+@dataclass(frozen=True, slots=True)
+class Slotted:
+    a: float
+
+
+@dataclass(frozen=True)
+class Derived:
+    a: float
+    b: float = field(init=False, default=3.0)
+
+
+EVERY = [Plain(1.0, (2,)), OfProtocol(1.0, {"x": 2.0}), Checked(1.0), Slotted(1.0), Derived(1.0)]
+
+
+@pytest.mark.parametrize("of", EVERY, ids=lambda of: type(of).__name__)
+def test_another_value_gives_what_replacing_does(of):
+    found = changed(of, a=5.0)
+    assert found == replace(of, a=5.0)
+    assert type(found) is type(of)
+    assert of.a == 1.0
+
+
+def test_what_was_found_of_the_other_is_found_anew():
+    of = Plain(1.0)
+    assert of.double == 2.0
+    assert changed(of, a=4.0).double == 8.0
+
+
+def test_what_is_checked_is_checked_again():
+    with pytest.raises(ValueError, match="negative"):
+        changed(Checked(1.0), a=-1.0)
+
+
+def test_an_unknown_field_is_told():
+    with pytest.raises(TypeError, match="c"):
+        changed(Plain(1.0), c=2.0)
