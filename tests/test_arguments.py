@@ -2,13 +2,16 @@
 
 import inspect
 import math
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import screwsim
-from screwsim.inputs.arguments import FLAG, JOBS, NUMBER, TEXTS, takes
+from screwsim.inputs.arguments import FLAG, JOBS, NUMBER, TEXTS, one_of, takes
+from screwsim.study import seek
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 POINT = str(CONFIGS / "paper" / "point.yaml")
@@ -124,6 +127,36 @@ def results_in(scene, path):
 def test_numbers_of_numpy_are_numbers():
     assert JOBS.holds(np.int64(2)) and JOBS.holds(None) and NUMBER.holds(np.float64(0.5)) and FLAG.holds(np.True_)
     assert not JOBS.holds(np.float64(2.0)) and not NUMBER.holds(np.nan)
+
+
+def test_choices_are_held_by_what_they_are():
+    kind = one_of(True, False, None, "ledger")
+    assert all(map(kind.holds, (np.True_, np.False_, True, None, np.str_("ledger"))))
+    assert not any(map(kind.holds, (1, 0, 0.0, np.int64(1), np.float64(0.0), "", "Ledger", np.array([True, False]))))
+
+
+def test_texts_and_numbers_may_stand_in_columns():
+    """What numpy and pandas hand over is no shorter way to say "all"."""
+    scene = screwsim.load(POINT)
+    paths, figures = pd.Index(["oil_supply.ratio"]), pd.Series(["shaft_power"])
+    assert set(screwsim.sensitivities(scene, paths, figures, fine=False).derivatives) == {"shaft_power"}
+    size, ends = "machine.volume.max", np.array([400e-6, 600e-6])
+    asked = seek.question(scene, {size: ends}, {"gas_mass_flow": np.float32(0.1)}, pd.Series([500e-6, 450e-6]))
+    assert asked.sizes == (450e-6, 500e-6) and asked.spans[0].path == size
+    assert seek.question(scene, {size: ends}, {"gas_mass_flow": 0.1}, np.array([])).sizes == ()
+
+
+def test_a_pair_may_be_an_array(monkeypatch):
+    monkeypatch.setattr("screwsim.api.candidates_of", lambda fit, file, texts, levels: texts)
+    monkeypatch.setattr("screwsim.api._plan", lambda fit, points, **rest: points)
+    ends = np.array(["1000 rpm", "4000 rpm"])
+    assert screwsim.plan(FIT, ranges={"operation.speed": ends}) == ["operation.speed=1000 rpm..4000 rpm"]
+
+
+@pytest.mark.parametrize("limit", [np.float32(60.0), np.int64(60), Fraction(60)])
+def test_a_limit_of_any_number_ends_no_case_that_is_within(limit, tmp_path):
+    swept = screwsim.load(POINT).with_({"sweep.operation.speed": ["1000 rpm", "2000 rpm"], "numerics.error": "none"})
+    assert screwsim.run_sweep(swept, tmp_path / "out.h5", jobs=1, case_limit=limit).ok == 2
 
 
 def test_what_can_be_read_but_once_is_left_to_the_function():

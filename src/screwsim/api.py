@@ -4,7 +4,7 @@ Each is the study of the command of that name; its arguments are what the comman
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -192,7 +192,7 @@ def plan(
     """
     asked = _fit_of(fit, scene, data)
     for path, ends in (ranges or {}).items():
-        if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
+        if isinstance(ends, str | bytes | Mapping) or not isinstance(ends, Collection) or len(ends) != 2:
             raise UsageError(f"ranges[{path!r}]: {ends!r} is no pair (pass e.g. ('1000 rpm', '4000 rpm'))")
     texts = [f"{path}={low}..{high}" for path, (low, high) in (ranges or {}).items()]
     points = candidates_of(asked, candidates, texts, levels)

@@ -6,11 +6,13 @@ import math
 
 import pytest
 
+from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import load
+from screwsim.scene import cross_check, leaf_of, load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.measured import compare_measured, read_measured
+from screwsim.study.measured import FARTHEST_KELVIN, compare_measured, read_measured
 from screwsim.study.uncertain import with_uncertainty
+from screwsim.study.validation.discrepancy import numerical_of
 
 UNCERTAIN = "configs/paper/uncertain.yaml"
 
@@ -65,6 +67,7 @@ def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text,
         (["shaft_power=12 kW ± 0 kW"], "an uncertainty must be above 0"),
         (["shaft_power=12 kW ± -1 %"], "an uncertainty must be above 0"),
         (["discharge_temperature=15 degC ± 1 degC"], "(write kelvin, e.g. ± 2 K)"),
+        (["discharge_temperature=15 degC ± 1 %"], "a share of a temperature depends on its zero (write kelvin"),
         (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),
     ],
 )
@@ -95,7 +98,7 @@ def test_what_agrees_asks_for_no_explanation(scene, result):
 )
 def test_the_number_that_is_off_is_found_from_what_it_does(scene, result, path, factor):
     """Figures of the same machine with one number changed: that number leaves least, and is found within its curve."""
-    from screwsim.scene import value_at, with_values
+    from screwsim.scene import value_at
 
     wanted = factor * value_at(scene, path)
     other = simulate(with_values(scene, {path: wanted}), trace=False).performance
@@ -122,6 +125,39 @@ def test_no_number_is_offered_that_no_scene_could_have(scene, result):
     """Half the power: no change that a derivative can tell of, or that lies within limits, would explain it."""
     found = compare_measured(scene, result, read_measured(scene, ["shaft_power=6 kW ± 0.1 kW"]))
     assert all(0.5 <= each.wanted / each.value <= 1.5 for each in found.explanations)
+
+
+def test_no_temperature_is_offered_that_is_far_or_does_not_fit_to_the_others(pytestconfig):
+    """Condensing stays above evaporating, and a wall near room temperature is not told to be of liquid nitrogen."""
+    scene = load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml")
+    result = simulate(scene, trace=False)
+    for stated in ("shaft_power=1 kW ± 1 kW", "shaft_power=30 kW ± 1 kW", "cooling_capacity=230 kW ± 1 kW"):
+        found = compare_measured(scene, result, read_measured(scene, [stated]))
+        for each in found.explanations:
+            assert not cross_check(with_values(scene, {each.path: each.wanted}))
+            if leaf_of(scene, each.path).kind == "temperature":
+                assert abs(each.wanted - each.value) <= FARTHEST_KELVIN
+        assert stated.startswith("shaft_power=1 ") or found.explanations
+
+
+def test_one_difference_of_temperatures_has_one_numerical_error(pytestconfig):
+    """Discharge superheat is the discharge temperature less a constant: both err by as many kelvin."""
+    result = simulate(load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml"), trace=False)
+    names = ("discharge_temperature", "discharge_superheat")
+    first, second = (error_in_unit(name, result.performance, result.error) for name in names)
+    assert second == pytest.approx(first, rel=1e-6) and first > 1e-4
+    scene = load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml")
+    found = compare_measured(scene, result, read_measured(scene, [f"{name}=300 K" for name in names]))
+    assert [2.0 * row.numerical for row in found.rows] == pytest.approx([first, second])
+    assert [numerical_of(result, name) for name in names] == pytest.approx([first, second])
+
+
+def test_a_small_power_errs_over_the_shaft_power(pytestconfig):
+    """The pump's error counts in watts as the shaft power's scale has it, not over the pump's own few watts."""
+    result = simulate(load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml"), trace=False)
+    told = error_in_unit("oil_pump_power", result.performance, result.error)
+    assert told == pytest.approx(result.error.oil_pump_power * result.performance.shaft_power, rel=0.2)
+    assert error_in_unit("oil_circuit_residual", result.performance, result.error) is None
 
 
 def test_a_model_with_a_validation_tells_its_error(pytestconfig):

@@ -15,7 +15,7 @@ from screwsim.scene.typical import leaks_told
 from screwsim.study.sized import NEAR, sized
 from screwsim.study.sized import told as sized_told
 from screwsim.study.validation import sibling
-from screwsim.template import KINDS, asked_of, new_scene
+from screwsim.template import KINDS, asked_of, new_scene, refrigeration
 
 ROOT = Path(__file__).parents[2]
 templates = sibling(ROOT / "docs" / "tools" / "templates.py")
@@ -236,6 +236,16 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given beside --condition"),
         (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the surroundings' 1 bar"),
         (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
+        (
+            ["refrigeration", "--fluid", "R744"],
+            "--condition 0/40 degC: R744 saturates between -56.6 and 31.0 degC "
+            "(write e.g. --condition '-12.8/13.5 degC')",
+        ),
+        (
+            ["refrigeration", "--economizer", "--condition", "0/5 degC"],
+            "--economizer: the liquid, 275.65 K, is not warmer than the 278.15 K to which it could be cooled (a "
+            "--condition whose ends are farther apart, or no --economizer)",
+        ),
         (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),
         (["booster", "--motor", "45 kW"], "--motor: is of an air package's sheet (write screwsim new air"),
         (["refrigeration", "-o", "x.json"], "-o x.json: a scene is written, which ends in .yaml (write -o x.yaml)"),
@@ -249,6 +259,15 @@ def test_what_cannot_be_is_told_in_one_line(arguments, told, capsys, tmp_path, m
     assert (code, printed.out, printed.err.count("\n")) == (2, "", 1)
     assert printed.err.startswith(told), printed.err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("fluid", ["R744", "ammonia", "R1233zd(E)", "air", "helium", "water", "R454B"])
+def test_a_condition_that_is_proposed_is_one_of_the_fluid(fluid, capsys):
+    """What a refusal tells to write is not refused for the same reason."""
+    assert cli.exit_code(["new", "refrigeration", "--fluid", fluid, "--condition", "-300/900 degC"]) == 2
+    proposed = capsys.readouterr().err.rpartition("--condition '")[2].partition("'")[0]
+    duty = refrigeration.duty_of(fluid, 0.1, proposed, proposed)
+    assert 0.0 < duty.p_s < duty.p_d
 
 
 BY_SHEET = ["new", "air", "--motor", "45kW", "--flow", "7.5m^3/min", "--pressure", "7.5bar(g)", "-o", "mine.yaml"]

@@ -93,11 +93,11 @@ def check_drawer(folder: Path | None) -> None:
 def check_place(output: Path) -> None:
     """Raise UsageError where a run's results would replace anything but those of a run."""
     from screwsim.results import open_results
-    from screwsim.results.atomic import HDF5, keep_others
+    from screwsim.results.atomic import HDF5, holds, keep_others
 
     keep_others(output, HDF5)
     check_results(output)
-    if output.exists() and open_results(output).shape:
+    if holds(output) and open_results(output).shape:
         raise UsageError(f"{output}: holds results of a sweep (choose another -o, or remove it)")
 
 

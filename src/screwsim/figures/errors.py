@@ -89,6 +89,22 @@ def error_scale(name: str, scale: Scale, known: Mapping[str, Any], larger: Calla
     return size * larger(1.0, abs(known.get(TIMES["ideal"], 0.0))) if scale.times == "ideal" else size
 
 
+def error_in_unit(
+    name: str, performance: Mapping[str, Any], errors: Mapping[str, Any], otherwise: float | None = None
+) -> float | None:
+    """Return the estimated error of a figure in its own unit; by a relative one, or None, where none is estimated.
+
+    An error is relative to its `error_scale`, which is another than the figure itself of a power, a superheat, a flow
+    beside the net one.
+    """
+    relative = errors.get(name)
+    relative = otherwise if relative is None else relative
+    if relative is None:
+        return None
+    known = {each: 0.0 if value is None else value for each, value in performance.items()}
+    return float(error_scale(name, declared(name, performance).scale, known) * relative)
+
+
 def worst(errors: Figures) -> tuple[str, float]:
     """Return the figure of the largest error, and that error."""
     found, largest = "", 0.0

@@ -55,10 +55,20 @@ def shown(value: Any) -> str:
 
 
 def one_of(*values: Any) -> Kind:
-    """Return the kind of which these are all: True is not 1 here."""
+    """Return the kind of which these are all, numpy's own among them: True is not 1 here."""
     names = [repr(value) for value in values]
     words = f"none of {', '.join(names)}"
-    return Kind(lambda given: any(type(given) is type(value) and given == value for value in values), words)
+    return Kind(lambda given: any(_is(given, value) for value in values), words)
+
+
+def _is(given: Any, value: Any) -> bool:
+    if isinstance(value, bool):
+        return _flag(given) and bool(given) == value
+    return isinstance(given, type(value)) and given == value
+
+
+def _flag(given: Any) -> bool:
+    return type(given).__name__ in ("bool", "bool_")
 
 
 def instance(kind: type, remedy: str) -> Kind:
@@ -126,7 +136,7 @@ JOBS = Kind(
     "no number of workers (pass 1 or more, or None for all cores)",
 )
 SEED = whole(0, "no seed (pass a whole number from 0 on)")
-FLAG = Kind(lambda given: type(given).__name__ in ("bool", "bool_"), "neither True nor False")
+FLAG = Kind(_flag, "neither True nor False")
 REAL = Kind(_real, "no number")  # also NaN, of which the function itself tells
 NUMBER = Kind(_number, "no number")
 QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number nor a text as '3000 rpm'")

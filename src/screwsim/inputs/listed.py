@@ -6,6 +6,6 @@ from typing import TypeVar
 T = TypeVar("T")
 
 
-def listed(given: str | Iterable[T]) -> list[str] | list[T]:
+def listed(given: str | Iterable[T] | None) -> list[str] | list[T]:
     """Return what is given as a list; of one text, which is an iterable of its letters, that text alone."""
-    return [given] if isinstance(given, str) else list(given)
+    return [] if given is None else [given] if isinstance(given, str) else list(given)

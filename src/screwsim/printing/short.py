@@ -35,7 +35,7 @@ def first_figures(performance: Mapping[str, Any]) -> list[str]:
 
 
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
-    """Print title, status, the first warnings, ten figures with their numerical errors, the balances."""
+    """Print title, status, the first warnings, ten figures with their numerical errors, if any, the balances."""
     first = ": ".join(filter(None, (title, no_machine(result))))
     if first:
         say(_cut(printable(first), 1))
@@ -56,7 +56,8 @@ def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None
 def _rows(result: Result, names: Iterable[str]) -> Iterator[list[str]]:
     for name in names:
         number, unit = engineering(declared(name, result.performance), result.performance[name])
-        yield [shown_name(name), number, unit, small(result.error.get(name))]
+        error = result.error.get(name)  # what the scene states, as a ratio of its pressures, has exactly none
+        yield [shown_name(name), number, unit, small(error) if error else ""]
 
 
 def _last(result: Result, names: Sequence[str]) -> Iterator[str]:

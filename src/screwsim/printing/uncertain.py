@@ -6,6 +6,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_scales, shown_name
+from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
@@ -56,9 +57,9 @@ def print_uncertainty(result: Result) -> None:
 def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
     value, about = result.performance[name], declared(name, result.performance)
     factor, unit = _scale(about, value)
-    error = result.error.get(name)
+    error = error_in_unit(name, result.performance, result.error)
     number = f"{value:.2f}" if about.units == "K" else engineering(about, value)[0]
-    numerical = "" if error is None else f"± {factor * abs(value) * error:.1g}"
+    numerical = "" if error is None else f"± {factor * error:.1g}"
     inputs = f"± {factor * expanded:.2g}" if expanded else ""
     return [number, unit, numerical, inputs, ends_text(name, model, factor)]
 

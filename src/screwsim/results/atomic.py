@@ -32,9 +32,11 @@ def _sync_folder(folder: Path) -> None:
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path beside; put what was written there at `path` when the block ends well.
 
-    When anything fails it is removed and the old file stays. Raise UsageError, in one line, when the system refuses.
+    A link stays, and what it names is replaced. When anything fails the temporary file is removed and the old one
+    stays. Raise UsageError, in one line, when the system refuses.
     """
     check_target_kind(path)
+    path = followed(path)
     temporary = beside(path)
     try:
         with refused(path):
@@ -58,6 +60,11 @@ def write_csv(path: Path, names: Iterable[str], rows: Iterable[Iterable[Any]]) -
         writer.writerow(names)
         writer.writerows(rows)
     return str(path)
+
+
+def followed(path: Path) -> Path:
+    """Return the file that a link names in the end, there or not; of what is no link the path itself."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def beside(path: Path, folder: Path | None = None) -> Path:
@@ -143,13 +150,21 @@ def check_target_kind(path: Path) -> None:
         raise UsageError(f"{path}: is {what} (choose another -o)")
 
 
+def holds(path: Path) -> bool:
+    """Tell whether a file with something in it lies at `path`: an empty one, as programs make ahead, has no content."""
+    try:
+        return path.stat().st_size > 0
+    except OSError:
+        return False
+
+
 def keep_others(path: Path, begins: bytes) -> None:
-    """Raise UsageError where a file lies at `path` that does not begin so: none of ours, which stays."""
+    """Raise UsageError where a file that holds something lies at `path` and does not begin so: none of ours."""
     check_target_kind(path)
     try:
         with path.open("rb") as stream:
             found = stream.read(len(begins))
     except OSError:  # none there, or one that cannot be replaced either, which is told then
         return
-    if found.lower() != begins.lower():
+    if found and found.lower() != begins.lower():
         raise UsageError(OTHERS.format(path))

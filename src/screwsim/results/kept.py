@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import HDF5, OTHERS, check_target_kind, keep_others
+from screwsim.results.atomic import HDF5, OTHERS, check_target_kind, holds, keep_others
 
 
 def keep_in(folder: Path, begins: Mapping[str, str]) -> None:
@@ -44,7 +44,7 @@ def keep_other_documents(path: Path, *keys: str, alone: bool = False) -> None:
 def keep_other_hdf5(path: Path, attribute: str, begins: str = "") -> None:
     """Raise UsageError where a file lies at `path` that is no HDF5 with an attribute whose text begins so."""
     keep_others(path, HDF5)
-    if not path.exists():
+    if not holds(path):
         return
     import h5py
 

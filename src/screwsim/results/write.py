@@ -71,6 +71,7 @@ class Draft:
     def __init__(
         self, path: Path, scene: Scene, axes: Sequence[Axis], command: str, folder: Path | None = None
     ) -> None:
+        path = atomic.followed(path)
         self._path = path
         self._about = scene, axes, command
         self._temporary = atomic.beside(path, folder)

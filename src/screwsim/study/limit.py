@@ -21,11 +21,12 @@ _left: dict[greenlet, float] = {}  # [s], of those that wait for others
 _lock = threading.Lock()
 
 
-def check_limit(seconds: float | None) -> None:
-    """Raise UsageError unless a limit [s] is one; NaN is none."""
+def checked_limit(seconds: float | None) -> float | None:
+    """Return a limit [s] as the system's timer takes it; raise UsageError of one that is none, as NaN is."""
     if seconds is not None and not LEAST <= seconds <= MOST:
         what = f"is not a time from {LEAST:g} to {MOST:g} seconds (leave it out for {CASE_LIMIT:g} s)"
         raise UsageError(f"--case-limit {seconds:g}: {what}")
+    return None if seconds is None else float(seconds)
 
 
 class Limit:

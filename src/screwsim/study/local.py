@@ -123,8 +123,9 @@ def sensitivities(
     every, left_out = numeric_paths(scene)
     left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
     every = {path: value for path, value in every.items() if path not in FIXED}
-    names = tuple(dict.fromkeys(figure_of(scene, name) for name in listed(figures or ())))
-    values = every if paths is None or not paths else _asked(scene, listed(paths), every)
+    names = tuple(dict.fromkeys(figure_of(scene, name) for name in listed(figures)))
+    paths = listed(paths)
+    values = _asked(scene, paths, every) if paths else every
     result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
     if result.status != "ok":
         return Sensitivities(result)

@@ -14,9 +14,10 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
+from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, leaf_of
+from screwsim.scene import Scene, cross_check, leaf_of, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import within
@@ -27,6 +28,7 @@ from screwsim.study.local import Sensitivities, sensitivities
 OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
 AGREES = 2.0  # standard uncertainties within which both agree
 FARTHEST = 0.5  # of a number: a change beyond it is none that a derivative can tell of
+FARTHEST_KELVIN = 30.0  # likewise of a temperature, whose half says nothing: a tenth of it
 EXPLAINS = 0.9  # a number that leaves more than this of the differences, in squares, explains nothing
 _SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 
@@ -153,6 +155,8 @@ def _standard(figure: str, number: float, value: str, text: str, where: str) -> 
         text = f"{text} {'K' if declared(figure).units == 'K' else own}"
     if _unit(text) in ("degC", "°C"):
         raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
+    if unit == "%" and declared(figure).units == "K":
+        raise UsageError(f"{where}: a share of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
     if unit == "%" and own != "%":
         share = re.fullmatch(rf"({NUMBER})\s*%", text)
         size = 0.01 * float(share[1]) * abs(number) if share else math.nan
@@ -188,7 +192,7 @@ def _compared(result: Result, measured: Measured) -> Compared:
     inputs = result.uncertainty.get("figures", {}).get(name, {}).get("standard", 0.0)
     told = result.uncertainty.get("model", {}).get("figures", {}).get(name)
     model = None if told is None else (float(told["low"]), float(told["high"]))
-    numerical = abs(value) * (result.error.get(name) or 0.0) / COVERAGE
+    numerical = (error_in_unit(name, result.performance, result.error) or 0.0) / COVERAGE
     sigma = None
     if measured.standard is not None:
         sigma = (value - measured.value) / math.hypot(measured.standard, inputs, numerical)
@@ -214,10 +218,18 @@ def explanations(
             continue
         change = -sum(slope * each for slope, each in zip(slopes, off, strict=True)) / square
         left = sum((each + slope * change) ** 2 for slope, each in zip(slopes, off, strict=True)) / whole
-        possible = abs(change) <= FARTHEST * abs(value) and within(leaf_of(scene, path), value + change)
-        if possible and left <= EXPLAINS:
+        if left <= EXPLAINS and _possible(scene, path, value, change):
             kept.append(Explanation(path, value, value + change, left, _tolerances(scene, path, value, change)))
     return tuple(sorted(kept, key=lambda each: (round(each.left, 1), abs(each.wanted / each.value - 1.0))))
+
+
+def _possible(scene: Scene, path: str, value: float, change: float) -> bool:
+    """Tell whether a number [SI] may be other by a change that a derivative can tell of, beside the scene's others."""
+    leaf = leaf_of(scene, path)
+    farthest = FARTHEST_KELVIN if leaf.kind == "temperature" else FARTHEST * abs(value)
+    if abs(change) > farthest or not within(leaf, value + change):
+        return False
+    return not cross_check(with_values(scene, {path: value + change}))
 
 
 def _tolerances(scene: Scene, path: str, value: float, change: float) -> float | None:

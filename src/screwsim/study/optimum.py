@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from screwsim.figures import declared
-from screwsim.figures.errors import error_scale
+from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
@@ -205,10 +204,7 @@ def closed(scene: Scene, simulate: Simulate) -> Result:
 
 def absolute_error(result: Result, name: str, scene: Scene) -> float:
     """Return the estimated error of a figure in its own unit; by the wanted accuracy where nothing is estimated."""
-    known = {figure: 0.0 if value is None else value for figure, value in result.performance.items()}
-    relative = result.error.get(name)
-    scale = declared(name, result.performance).scale
-    return float(error_scale(name, scale, known) * (scene.numerics.accuracy if relative is None else relative))
+    return error_in_unit(name, result.performance, result.error, scene.numerics.accuracy) or 0.0
 
 
 def _told(

@@ -15,7 +15,7 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import Unreadable, read_text
-from screwsim.results.atomic import check_target_kind, make_folder, refused, replacing
+from screwsim.results.atomic import check_target_kind, followed, make_folder, refused, replacing
 from screwsim.results.table import Table, join
 from screwsim.study.part_files import is_whole, read_head, read_part, write_part
 
@@ -31,7 +31,8 @@ class Parts:
     def __init__(self, output: Path, identity: Mapping[str, Any], study: str = "sweep") -> None:
         self.output = output
         self.study = study  # in words, of which it holds the cases
-        self.folder = output.with_name(output.name + ".parts")
+        there = followed(output)  # on its disk, and one for all links to it
+        self.folder = there.with_name(there.name + ".parts")
         self.identity = dict(identity)  # what must agree for parts to belong together
         self._lock: Any = None
         self._small = 0

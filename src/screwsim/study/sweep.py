@@ -14,7 +14,7 @@ import numpy as np
 from screwsim.inputs.arguments import FLAG, REAL, TEXT, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.results.atomic import make_folder
+from screwsim.results.atomic import holds, make_folder
 from screwsim.results.identity import differences, unpacked
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, identity_of
@@ -27,7 +27,7 @@ from screwsim.study.agreement import Watch, wanted_of
 from screwsim.study.blocks import blocks_of
 from screwsim.study.cases import Block, Job, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
-from screwsim.study.limit import CASE_LIMIT, check_limit
+from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, shown
 from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
@@ -99,8 +99,7 @@ def run_sweep(
     scene, or cannot be written, when the scheduler cannot be reached, or where there is no GPU.
     """
     began = time.perf_counter()
-    check_limit(case_limit)
-    scene = scene_of(scene)
+    case_limit, scene = checked_limit(case_limit), scene_of(scene)
     if batch and gpu:
         raise UsageError("--batch and --gpu are two ways to solve points side by side (choose one of the two)")
     output = Path(output)
@@ -152,8 +151,7 @@ def sweep(
         import xarray  # noqa: F401 - only whether it is there
     except ImportError:
         file = Path(tempfile.mkdtemp(prefix="screwsim-")) / "sweep.h5"  # stays: Results reads when asked
-        run_sweep(scene, file, jobs=jobs, progress=progress, **options)
-        return open_results(file)
+        return open_results(run_sweep(scene, file, jobs=jobs, progress=progress, **options).path)
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=progress, **options)
         return open_results(Path(folder) / "sweep.h5").to_xarray(None)
@@ -327,7 +325,7 @@ def nothing(scene: Scene) -> None:
 
 def _claim(output: Path, parts: Parts, restart: bool) -> bool:
     """Return whether the file of this sweep is there; raise UsageError when file or parts are of something else."""
-    found = output.exists()
+    found = holds(output)
     if found:
         attributes = read_attributes(output)
         stored = {"scene_sha256": attributes["scene_sha256"], "version": attributes["screwsim_version"]}
@@ -358,8 +356,7 @@ def _finished(output: Path, began: float, parts: Parts, reused: int | None = Non
     """Return how the sweep in a file ended; by default an earlier run computed all of it."""
     parts.discard()  # what a crash left after the file was written
     ok, not_closed, failed = count_statuses(output)
-    count = ok + not_closed + failed
-    seconds = time.perf_counter() - began
+    count, seconds = ok + not_closed + failed, time.perf_counter() - began
     return SweepSummary(count, ok, not_closed, failed, count if reused is None else reused, seconds, output)
 
 

@@ -57,5 +57,9 @@ def new_scene(kind: str, asked: Asked) -> str:
         loads(text, f"new {kind}")
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
+        if asked.economizer and what.startswith("effects.economizer"):
+            why = what.partition(": ")[2].rpartition(" (")[0]
+            remedy = "a --condition whose ends are farther apart, or no --economizer"
+            raise UsageError(f"--economizer: {why} ({remedy})") from None
         raise UsageError(f"such a {kind} cannot be: {what or place}") from None
     return text

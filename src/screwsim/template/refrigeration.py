@@ -20,6 +20,7 @@ WARMED = 25.0  # [K] by which the oil is then warmed
 WARM = 333.15  # [K] at which the oil passes its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: from the others, and its length
 PORT = 0.0057  # its area over the squared diameter of the rotor: assumed, 2 cm^2 at 187 mm
+SHARES = 0.5, 0.8  # of the way from the triple to the critical point, where a condition lies that any fluid has
 STANDS_IN = "R134a"
 COPPER_EATS = ("ammonia", "r717", "nh3")
 CURVES = (
@@ -214,7 +215,7 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     for T in (found.low, found.high):
         if not limits.T_triple < T < limits.T_critical:
             what = f"{fluid} saturates between {limits.T_triple - 273.15:.1f} and {limits.T_critical - 273.15:.1f} degC"
-            raise UsageError(f"--condition {condition}: {what} (write e.g. --condition '{example}')")
+            raise UsageError(f"--condition {condition}: {what} (write e.g. --condition '{_within(limits)}')")
     if not found.low < found.high:
         raise UsageError(f"--condition {condition}: evaporates above condensing (write LOW/HIGH, e.g. '{example}')")
     p_s, p_d = constants.dew_pressure(fluid, found.low), constants.condensing_pressure(fluid, found.high)
@@ -224,6 +225,13 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
     work = sizes.isentropic_work(k, R, T, p_d / p_s)
     return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
+
+
+def _within(limits: constants.Limits) -> str:
+    """Return a condition that a fluid has."""
+    span, zero = limits.T_critical - limits.T_triple, 273.15
+    low, high = (limits.T_triple + share * span - zero for share in SHARES)
+    return f"{low:.1f}/{high:.1f} degC"
 
 
 def _oil(duty: Duty, oil: str) -> tuple[float, str]:

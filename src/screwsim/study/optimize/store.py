@@ -12,6 +12,7 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
+from screwsim.results.atomic import holds
 from screwsim.results.identity import differences, unpacked
 from screwsim.results.optimum import EVALUATION, POINT, Evaluated, write_optimum
 from screwsim.results.read import read_attributes
@@ -22,6 +23,7 @@ from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.shards import Parts
 
+COMMAND = "optimize"  # as results say by what they were made
 QUESTION = "question"  # in what tells results apart
 
 
@@ -60,16 +62,24 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     """Hold the parts of an optimisation; raise UsageError where they, or the file, are of something else."""
     own = {"scene_sha256": digest(asked.scene.text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
+    if holds(output):
+        _refuse_existing(output, restart)
     if not restart:
-        if output.exists():
-            read_attributes(output)  # raises of a file that is none of ours
-            raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
         _refuse_others(parts, own)
     parts.open(restart)
     try:
         yield parts
     finally:
         parts.close()
+
+
+def _refuse_existing(output: Path, restart: bool) -> None:
+    attributes = read_attributes(output)  # raises of a file that is none of ours
+    if not str(attributes.get("history", "")).endswith(f" {COMMAND}"):
+        raise UsageError(f"{output}: holds no optimisation's results (choose another -o, or remove it)")
+    if restart:
+        return
+    raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
 
 
 def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
@@ -106,7 +116,7 @@ def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray)
         question_text(asked),
     )
     axes = axes_of(record)
-    with Draft(output, asked.scene, axes, "optimize") as draft:
+    with Draft(output, asked.scene, axes, COMMAND) as draft:
         cases = len(record) * len(asked.points.points)
         draft.complete(record.parts.all(cases), beside=partial(write_optimum, found=found))
     record.parts.discard()

@@ -53,12 +53,12 @@ def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[f
     sizes [SI].
     """
     vary = vary if isinstance(vary, Mapping) else listed(vary)
-    wanted = _goals(scene, goals)
+    wanted, catalogue = _goals(scene, goals), catalogue if isinstance(catalogue, str) else tuple(catalogue)
     if catalogue and len(vary) != 1:
         raise UsageError("--catalogue: rounds one path (give one --vary with it)")
     path = next((str(each).partition("=")[0].strip() for each in vary), "")
     sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
-    sizes = tuple(sorted(map(float, sizes or ())))
+    sizes = tuple(sorted(map(float, sizes)))
     spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, vary, ranged=False, sizes=sizes)
     if len(spans) > len(wanted):
         more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best of them"
@@ -93,10 +93,10 @@ def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tupl
     found = []
     for path, ends in vary.items():
         check_continuous(scene, path)
-        ends = ends or schema_range(scene, path)
-        if ends is None:
+        whole = schema_range(scene, path) if ends is None else ends
+        if whole is None:
             raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
-        found.append(span_of(scene, path, *ends_of(path, ends)))
+        found.append(span_of(scene, path, *ends_of(path, whole)))
     return tuple(found)
 
 

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from screwsim.figures import declared
-from screwsim.figures.errors import error_scale
+from screwsim.figures.errors import error_in_unit, error_scale
 from screwsim.outputs import STAGES, Figures, Result
 
 if TYPE_CHECKING:
@@ -63,11 +62,10 @@ def handed_on(first: Result) -> str:
 def _told(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:
     """Yield stage, name and error of each figure of both stages that those of the whole are made of, as it is."""
     for which, result in enumerate(results):
-        known = {name: 0.0 if value is None else value for name, value in result.performance.items()}
         for name in USED:
-            error = result.error.get(name)
+            error = error_in_unit(name, result.performance, result.error)
             if error is not None:
-                yield which, name, error * error_scale(name, declared(name, result.performance).scale, known)
+                yield which, name, error
 
 
 def _changed(pair: Pair, which: int, name: str, error: float) -> Pair:

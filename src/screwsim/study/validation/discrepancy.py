@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.figures import declared
+from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import EFFICIENCY, Result
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
@@ -60,10 +61,7 @@ def compared(
 
 def numerical_of(result: Result, figure: str) -> float | None:
     """Return the estimated numerical error [SI] of a figure, taken as a standard uncertainty; None where none is."""
-    if result.error.get(figure) is None:
-        return None
-    size = max(abs(result.performance[figure]), declared(figure, result.performance).scale.least)
-    return float(result.error[figure]) * size
+    return error_in_unit(figure, result.performance, result.error)
 
 
 def interval(point: Compared) -> tuple[float, float, float]:
