@@ -50,6 +50,12 @@ def new(
     economizer: Annotated[
         bool, typer.Option("--economizer", help="With an economizer's port, of refrigeration and heat_pump.")
     ] = False,
+    slide: Annotated[
+        bool, typer.Option("--slide", help="With a slide valve for part load, of refrigeration and heat_pump.")
+    ] = False,
+    variable_speed: Annotated[
+        bool, typer.Option("--variable-speed", help="An air package with an inverter, and the speeds of its sheet.")
+    ] = False,
     output: Annotated[Path | None, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
 ) -> None:
     """Write a complete, commented scene of a realistic machine: leaks, oil, losses, scaled with its size."""
@@ -64,8 +70,13 @@ def new(
     other = next((name for name, stated in sheet.items() if stated is not None), None)
     if other is not None and kind in KINDS and kind != AIR:
         raise UsageError(f"{other}: is of an air package's sheet (write screwsim new {AIR}; {kind} has --displacement)")
-    if economizer and kind in KINDS and kind not in CONDENSING:
-        raise UsageError(f"--economizer: is of {' and '.join(CONDENSING)}, whose liquid it cools (remove it)")
+    for name, given, kinds, why in (
+        ("--economizer", economizer, CONDENSING, "whose liquid it cools"),
+        ("--slide", slide, CONDENSING, "which it unloads"),
+        ("--variable-speed", variable_speed, (AIR,), "whose sheet it is of"),
+    ):
+        if given and kind in KINDS and kind not in kinds:
+            raise UsageError(f"{name}: is of {' and '.join(kinds)}, {why} (remove it)")
     asked = asked_of(
         fluid,
         displacement,
@@ -78,6 +89,8 @@ def new(
         free_air=flow,
         pressure=pressure,
         economizer=economizer,
+        slide=slide,
+        variable=variable_speed,
     )
     if asked.by_sheet and kind == AIR:
         from screwsim.printing.tables import wrapped

@@ -98,6 +98,6 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     yield from told([(where, result.warnings) for where, result in every if result.status == "ok"])
     if "operation.speed" in {control.path for control in rated.asked.controls}:
         motor = rated.asked.scene.effects.get("motor")
-        if motor is None or motor.parameters.drive_efficiency == 1.0:
-            yield "part load by speed is without the losses of an inverter (effects.motor.drive_efficiency)"
+        if motor is None or not motor.parameters.inverts:
+            yield "part load by speed is without the losses of an inverter (effects.motor.inverter)"
     yield meant
