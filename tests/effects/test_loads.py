@@ -119,10 +119,10 @@ def test_the_load_dependent_moment_is_that_of_the_load():
 # ---- motor ----
 
 
-def electrical(shaft, **parameters):
+def electrical(shaft, omega=300.0, **parameters):
     (reading,) = motor.build(motor.Parameters(rated_power=1e5, **parameters), MACHINE)
     none = {"isothermal_efficiency": None, "isentropic_efficiency": 0.8, "cop": None, "heating_cop": None}
-    given = reading.read(SimpleNamespace(shaft_power=shaft, motor_power=None, **none))
+    given = reading.read(SimpleNamespace(shaft_power=shaft, motor_power=None, omega=omega, **none))
     found, notes = valued(given, "motor")
     assert {name for name, value in found.items() if value is None} == set(notes) and all(notes.values())
     return found

@@ -48,6 +48,12 @@ def new(
     economizer: Annotated[
         bool, typer.Option("--economizer", help="With an economizer's port, of refrigeration and heat_pump.")
     ] = False,
+    slide: Annotated[
+        bool, typer.Option("--slide", help="With a slide valve for part load, of refrigeration and heat_pump.")
+    ] = False,
+    variable_speed: Annotated[
+        bool, typer.Option("--variable-speed", help="An air package with an inverter, and the speeds of its sheet.")
+    ] = False,
     output: Annotated[Path | None, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
 ) -> None:
     """Write a complete, commented scene of a realistic machine: leaks, oil, losses, scaled with its size."""
@@ -58,8 +64,10 @@ def new(
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
-    stated = {"--motor": motor, "--flow": flow, "--pressure": pressure, "--economizer": economizer or None}
-    kind_of(kind, [name for name, value in stated.items() if value is not None])
+    sheet = {"--motor": motor, "--flow": flow, "--pressure": pressure}
+    chosen = {"--economizer": economizer, "--slide": slide, "--variable-speed": variable_speed}
+    stated = [name for name, value in sheet.items() if value is not None]
+    kind_of(kind, [*stated, *(name for name, is_so in chosen.items() if is_so)])
     asked = asked_of(
         fluid,
         displacement,
@@ -72,6 +80,8 @@ def new(
         free_air=flow,
         pressure=pressure,
         economizer=economizer,
+        slide=slide,
+        variable=variable_speed,
     )
     if asked.by_sheet:
         from screwsim.printing.tables import wrapped

@@ -153,7 +153,7 @@ def fresh(problem: Problem, R: Array, streams: Array) -> float:
 
 def heat(problem: Problem, power: float) -> float:
     """Return the heat [W] that the fresh gas takes up on its way, by the power of the shaft [W] (M275)."""
-    return sum(part.power(power) for _, part in problem.parts.all(SuctionHeat))
+    return sum(part.power(power, problem.parts.omega) for _, part in problem.parts.all(SuctionHeat))
 
 
 def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Array:

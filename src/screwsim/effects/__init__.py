@@ -12,7 +12,7 @@ from screwsim.effects.base import Effect
 from screwsim.numerics import sources
 from screwsim.numerics.trial import found_in
 
-_NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "parts", "port_window", "valves"}
+_NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "inverter", "line_valve", "parts", "port_window", "valves"}
 _PORTS = ("suction_port", "discharge_port", "check_valves", "reed_valves", "ring_leakage", "cylinder_heat")
 _GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve", "bypass")
 _LINES = ("shaft_leakage", "suction_line", "suction_throttle")

@@ -1,35 +1,68 @@
 """Discharge port: flow between the discharge plenum and the chamber.
 
-What: nozzle flow (M12) through the port area over the angle, law (18) or a table. Both directions.
+What: nozzle flow (M12) through the port area over the angle, law (18) or a table. Both directions. With an exponent of
+Chisholm's the gas has to take its oil along, which costs pressure: separated flow through an orifice (M430).
 Source: Chernov et al. 2015, eqs. (3), (4), (18); the middle branch of (18) is corrected: its printed form is
-discontinuous (docs/model.md M18).
+discontinuous (docs/model.md M18). With oil: Murdock 1962, Chisholm 1977.
 Assumptions: the discharge plenum keeps the pressure of the discharge line; what flows back has the given
-temperature, or else the flow-weighted mean of the outflow, found together with the cycle.
-Parameters: flow_coefficient.
+temperature, or else the flow-weighted mean of the outflow, found together with the cycle. With oil: it comes to the
+port at rest against it, as the gas does; oil that the rotors throw through it is not known.
+Parameters: flow_coefficient, chisholm_exponent.
 """
+
+from dataclasses import dataclass, replace
 
 from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath
 from screwsim.effects.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_OUT
+from screwsim.fluid.wet_nozzle import wet_flux
+from screwsim.inputs.declare import number
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import PORTS
 
 NAME = "discharge_port"
 
 
-def build(parameters: PortParameters, machine) -> list[FlowPath]:
-    return [port_path(parameters, machine.discharge_law(), DISCHARGE)]
+@dataclass(frozen=True)
+class Parameters(PortParameters):
+    """Parameters of the discharge port."""
+
+    chisholm_exponent: float | None = number(
+        "n: gas takes its oil along through the port; 0.25 of orifices (Chisholm 1977), 0.5 a mixture without slip "
+        "(absent: the oil slows nothing)",
+        None,
+        ge=0.0,
+        le=0.5,
+    )
 
 
-def check(parameters: PortParameters, facts) -> Faults:
-    return check_port(NAME, facts)
+def build(parameters: Parameters, machine) -> list[FlowPath]:
+    path, exponent = port_path(parameters, machine.discharge_law(), DISCHARGE), parameters.chisholm_exponent
+    if exponent is None:
+        return [path]
+    values = {**path.values, "chisholm_exponent": exponent}
+    return [replace(path, values=values, law=wet_flux, law_title=f"with its oil, Chisholm's n = {exponent:g} (M430)")]
+
+
+def check(parameters: Parameters, facts) -> Faults:
+    yield from check_port(NAME, facts)
+    if parameters.chisholm_exponent is None:
+        return
+    path = f"effects.{NAME}.chisholm_exponent"
+    if facts.oil is None:
+        yield Fault(path, "needs oil (write an oil section, or remove it)")
+    elif not facts.oil.carried:
+        yield Fault(path, "needs oil.transport: carried (write that, or remove it)")
+    elif not any("T_oil" in active.effect.states for active in facts.effects.values()):
+        yield Fault(path, "needs oil in the chambers (add e.g. effects.oil_heat)")
 
 
 EFFECT = Effect(
     name=NAME,
     title="flow between the discharge line and the chamber",
-    equations=("M12", "M13", "M18"),
-    source="Chernov et al. 2015, eqs. (3), (4), (18)",
-    parameters=PortParameters,
+    equations=("M12", "M13", "M18", "M430"),
+    source="Chernov et al. 2015, eqs. (3), (4), (18); Chisholm 1977",
+    parameters=Parameters,
     build=build,
     check=check,
     needs=frozenset({PORTS}),

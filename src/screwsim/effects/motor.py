@@ -2,15 +2,17 @@
 
 What: P_el = (P_shaft + P_loss)/η_d, P_loss = ℓ P_r [c + (1 − c) x²], x = P_shaft/P_r, ℓ = 1/η_r − 1 (M148): of the loss
 at rated load the share c does not depend on the load, the rest goes with its square. Efficiencies and COP on P_el
-follow (M149). Or η over the load x from a table: the loss of the motor is interpolated (M204).
+follow (M149). Or η over the load x from a table: the loss of the motor is interpolated (M204). With `inverter` motor
+and inverter lose by speed and torque (M431–M433).
 Source: separation of losses of induction machines (textbook; IEC 60034-2-1); IEC 60034-30-1 states η_r by class and
 size: a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
-Assumptions: the loss does not depend on the speed but through the power; it heats neither gas nor oil, or with
-`cooling: suction_gas` (semi-hermetic machines) what is sucked in, on its way to the suction line (M275). An expander's
-generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it. Above OVERLOAD
-times the rated power a warning says so; above BREAKDOWN times no motor turns (IEC 60034-12 asks for 1.6 to 2 times the
-rated torque, catalogues state up to 3.5), and the point has failed.
-Parameters: rated_power, efficiency, constant_share or efficiency_file, cooling, drive_efficiency.
+Assumptions: without `inverter` the loss does not depend on the speed but through the power; it heats neither gas nor
+oil, or with `cooling: suction_gas` (semi-hermetic machines) what is sucked in, on its way to the suction line (M275).
+An expander's generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it.
+Above OVERLOAD times the rated power a warning says so; above BREAKDOWN times no motor turns (IEC 60034-12 asks for 1.6
+to 2 times the rated torque, catalogues state up to 3.5), and the point has failed.
+Parameters: rated_power, efficiency, constant_share or efficiency_file, cooling, drive_efficiency
+or inverter.
 """
 
 from collections.abc import Callable
@@ -20,6 +22,7 @@ from math import inf
 
 import numpy as np
 
+from screwsim.effects import inverter
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
 from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import choice, file, number, quantity
@@ -77,9 +80,16 @@ class Parameters:
     drive_efficiency: float = number(
         "eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0, hardly=(0.5, None)
     )
+    inverter: inverter.Inverter | None = None
+
+    @property
+    def inverts(self) -> bool:
+        """Are losses of an inverter in the electrical power?"""
+        return self.inverter is not None or self.drive_efficiency < 1.0
 
 
 Loss = Callable[[float], float]
+Losses = Callable[[float, float], tuple[float, float]]  # of motor and inverter [W], by load [W] and speed [rad/s]
 
 
 def loss_of_shares(parameters: Parameters) -> Loss:
@@ -121,22 +131,37 @@ def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
     return at
 
 
-def motor_loss(parameters: Parameters, load: float, loss: Loss) -> float:
-    """Return the loss of motor and inverter [W] at a load [W], negative for a generator's (M148, M204)."""
-    inner = load + parameters.rated_power * loss(load / parameters.rated_power)
+def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, float]:
+    """Return the losses of motor and inverter [W] at a load [W], negative for a generator's (M148, M204)."""
+    own = parameters.rated_power * loss(load / parameters.rated_power)
+    inner = load + own
     driven = inner / parameters.drive_efficiency if inner >= 0.0 else inner * parameters.drive_efficiency
-    return driven - load
+    return own, driven - inner
 
 
-def heat_of(parameters: Parameters, loss: Loss) -> Callable[[float], float]:
-    """Return the heat [W] that suction gas takes up by the shaft power [W] (M275): of the motor, not its inverter."""
-    rated = parameters.rated_power
-    return lambda power: rated * loss(power / rated)
+def losses_of(parameters: Parameters) -> Losses:
+    """Return what motor and inverter lose [W], each, by load [W] and speed of the male rotor [rad/s]."""
+    stated, drive, rated = parameters.efficiency_file, parameters.inverter, parameters.rated_power
+    loss = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
+    if drive is None:
+        return lambda load, omega: motor_loss(parameters, load, loss)
+    terms = inverter.loss_of(drive)
+
+    def lost(load: float, omega: float) -> tuple[float, float]:
+        at = inverter.turning(drive, load, rated, omega)
+        mains = loss(load / rated) if stated else loss(1.0) * inverter.motor_share(parameters.constant_share, at)
+        return rated * mains * (1.0 + drive.harmonic_loss), inverter.inverter_loss(terms, at)
+
+    return lost
+
+
+def heat_of(losses: Losses) -> Callable[[float, float], float]:
+    """Return the heat [W] that suction gas takes up by shaft power and speed (M275): of the motor, not its inverter."""
+    return lambda power, omega: losses(power, omega)[0]
 
 
 def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
-    stated = parameters.efficiency_file
-    losses = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
+    losses = losses_of(parameters)
 
     def load_of(figures) -> float:
         return figures.shaft_power if figures.motor_power is None else figures.motor_power
@@ -145,17 +170,20 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         """Return that the motor cannot give its load, or a warning that it gives it not for long."""
         load, rated = abs(load_of(figures)), parameters.rated_power
         share = load / rated
+        drive = parameters.inverter
+        beyond = () if drive is None else inverter.told(drive, inverter.turning(drive, load, rated, figures.omega))
         if share <= OVERLOAD:
-            return "", ()
+            return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {share:.3g} times effects.motor.rated_power"
         if share > BREAKDOWN:
             return f"{what}: no motor turns beyond {BREAKDOWN:g} times (choose a larger one)", ()
-        return "", (f"{what}: it would not last, and its losses are beyond what M148 knows (choose a larger one)",)
+        why = f"{what}: it would not last, and its losses are beyond what M148 knows (choose a larger one)"
+        return "", (why, *beyond)
 
     def read(figures) -> Given:
         """Return loss, electrical power and what is referred to it (M148, M149)."""
         shaft, load = figures.shaft_power, load_of(figures)
-        loss = motor_loss(parameters, load, losses)
+        loss = sum(losses(load, figures.omega))
         electrical = load + loss
         driving = shaft > 0.0 and electrical > 0.0
         giving = shaft < 0.0 and electrical < 0.0
@@ -169,7 +197,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         return found
 
     reading = Reading(names_of(FIGURES), read, judge=judge)
-    return [reading, SuctionHeat(heat_of(parameters, losses))] if parameters.cooling == SUCTION else [reading]
+    return [reading, SuctionHeat(heat_of(losses))] if parameters.cooling == SUCTION else [reading]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -178,6 +206,11 @@ def check(parameters: Parameters, facts) -> Faults:
             read_table(parameters.efficiency_file)
         except UsageError as error:
             yield Fault("effects.motor.efficiency_file", str(error))
+    if parameters.inverter is not None:
+        if parameters.drive_efficiency < 1.0:
+            what = "is given beside effects.motor.inverter, whose losses go by frequency and current"
+            yield Fault("effects.motor.drive_efficiency", f"{what} (remove one of the two)")
+        yield from inverter.faults(parameters.inverter, "effects.motor.inverter")
     if parameters.cooling != SUCTION:
         return
     path = "effects.motor.cooling"
@@ -192,8 +225,8 @@ def check(parameters: Parameters, facts) -> Faults:
 EFFECT = Effect(
     name="motor",
     title="electrical power of motor and inverter",
-    equations=("M148", "M149", "M204", "M275"),
-    source="separation of losses; IEC 60034-30-1",
+    equations=("M148", "M149", "M204", "M275", "M431", "M432", "M433"),
+    source="separation of losses; IEC 60034-30-1; IEC 61800-9-2",
     parameters=Parameters,
     build=build,
     check=check,

@@ -296,7 +296,7 @@ def _paths(parts: Parts) -> Iterator[str]:
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
-            held = "" if path.resistance is None else f", {path.resistance.title}"
+            held = ", ".join(["", *filter(None, [path.law_title, path.resistance and path.resistance.title])])
             held += ", open as its valve is" if path.opening is not None else ""
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")

@@ -12,9 +12,12 @@ from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
 from screwsim.template.asked import Asked, asked_of
 
-SHEET, LIQUID = ("--motor", "--flow", "--pressure"), ("--economizer",)
+SHEET, SPEEDS = ("--motor", "--flow", "--pressure"), ("--variable-speed",)
+LIQUID, SLIDE = ("--economizer",), ("--slide",)
 WHOSE = {  # what is said of an option where the kind does not take it
     **dict.fromkeys(SHEET, "is of an air package's sheet (write screwsim new {takers}; {name} has --displacement)"),
+    **dict.fromkeys(SPEEDS, "is of {takers}, whose sheet it is of (remove it)"),
+    **dict.fromkeys(SLIDE, "is of {takers}, which it unloads (remove it)"),
     **dict.fromkeys(LIQUID, "is of {takers}, whose liquid it cools (remove it)"),
 }
 
@@ -27,9 +30,9 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "refrigeration": Kind(refrigeration.cooling, LIQUID),
-    "heat_pump": Kind(refrigeration.heating, LIQUID),
-    "air": Kind(gas.air, SHEET),
+    "refrigeration": Kind(refrigeration.cooling, LIQUID + SLIDE),
+    "heat_pump": Kind(refrigeration.heating, LIQUID + SLIDE),
+    "air": Kind(gas.air, SHEET + SPEEDS),
     "booster": Kind(gas.booster),
     "expander": Kind(gas.expander),
     "reciprocating": Kind(reciprocating.reciprocating),

@@ -43,6 +43,8 @@ class Asked:
     motor: float | None = None  # rated power of an air package's, [W]
     free_air: float | None = None  # that an air package delivers, [m^3/s]: its size is to be sought
     economizer: bool = False
+    slide: bool = False  # a slide valve
+    variable: bool = False  # an inverter, and speeds to sweep
 
     @property
     def by_sheet(self) -> bool:
@@ -63,6 +65,8 @@ def asked_of(
     free_air: str | None = None,
     pressure: str | None = None,
     economizer: bool = False,
+    slide: bool = False,
+    variable: bool = False,
 ) -> Asked:
     """Return what is asked for; raise UsageError, in one line, for what cannot be.
 
@@ -88,14 +92,15 @@ def asked_of(
     if delivered is not None and size:
         raise UsageError(f"--flow: is given beside {size}, which states the size, too (remove one of the two)")
     if diameter is None:
-        return Asked(fluid, flow, at, vi, oil, condition, None, rated, delivered, economizer)
+        return Asked(fluid, flow, at, vi, oil, condition, None, rated, delivered, economizer, slide, variable)
     if flow is not None:
         raise UsageError("--diameter: is given beside --displacement, which states it, too (remove one of the two)")
     rotor = _quantity("--diameter", "length", diameter, "204 mm")
     if not sizes.SMALLEST <= rotor <= sizes.LARGEST:
         ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
         raise UsageError(f"--diameter {diameter}: screws are cut from {ends} (choose one within)")
-    return Asked(fluid, sizes.displaced(rotor, at or SPEED), at, vi, oil, condition, rotor, rated, None, economizer)
+    displaced = sizes.displaced(rotor, at or SPEED)
+    return Asked(fluid, displaced, at, vi, oil, condition, rotor, rated, None, economizer, slide, variable)
 
 
 def _by_pressure(condition: str | None, pressure: str | None) -> str | None:

@@ -25,6 +25,8 @@ COMPRESSING = 0.88  # for an estimate: efficiency without friction, which goes w
 FRICTION = 1.5  # over that of the films alone: bearings, and oil that is brought to speed
 SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut
 FAN = 0.04  # of the motor
+INVERTER = 0.03  # of the motor, that an inverter loses at the point of its class: 97 % as configs/air, assumed
+SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on a sheet of a package of variable speed
 WIDE = 110  # columns of a comment
 SOLIDITY = 0.63  # of end faces, as the text of flooded machines has it
 
@@ -101,10 +103,9 @@ def air(asked: Asked) -> str:
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
     rated = sizes.motor_for(gas_flow * duty.work / ETA) if asked.motor is None else 1e-3 * asked.motor
-    motor = _motor(rated)
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
-        **motor,
+        **_speeds(asked, rated, speed),
         "flooded": texts.flooded(size, LEAVES),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(AIR_OIL * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
@@ -112,9 +113,30 @@ def air(asked: Asked) -> str:
         "sheet": _sheet(asked),
         "named": _titled(asked, flow, speed),
         "least": f"{1e-5 * (duty.at.low + SHUT):.3g} bar",
-        "fan": f"{FAN * float(motor['rated'].split()[0]):.2g} kW",
+        "fan": f"{FAN * rated:.2g} kW",
     }
     return texts.filled("air", values)
+
+
+def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
+    """Return what differs between packages of fixed and of variable speed, with a motor of so many kW."""
+    motor = _motor(rated)
+    if not asked.variable:
+        return {
+            "motor": texts.filled("fixed_speed", motor),
+            "valve": "    inlet_valve: {pressure_loss: 15 mbar}\n",
+            "fan_control": "",
+            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n",
+        }
+    inverter = {"share": f"{100.0 * INVERTER:g}", "loss": f"{INVERTER * rated:.3g} kW", "speed": sizes.rpm(speed)}
+    points = ", ".join(f"{float(sizes.rpm(share * speed).split()[0]):.0f} rpm" for share in SPEEDS)
+    told = "# The points of its data sheet, from all of its speed to a third."
+    return {
+        "motor": texts.filled("variable_speed", {**motor, **inverter}),
+        "valve": "",
+        "fan_control": ", control: flow",
+        "sweep": f"\n{told}\nsweep:\n  operation.speed: [{points}]\n",
+    }
 
 
 def _named(asked: Asked) -> str:

@@ -8,6 +8,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
+from screwsim.machine.rotors.slide import fitting
 from screwsim.scene import loads
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, beside_of, condition_of
@@ -21,6 +22,7 @@ WARM = 333.15  # [K] at which the oil passes its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: from the others, and its length
 PORT = 0.0057  # its area over the squared diameter of the rotor: assumed, 2 cm^2 at 187 mm
 SHARES = 0.5, 0.8  # of the way from the triple to the critical point, where a condition lies that any fluid has
+AXIAL = 5.0  # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
 STANDS_IN = "R134a"
 COPPER_EATS = ("ammonia", "r717", "nh3")
 CURVES = (
@@ -105,7 +107,23 @@ def _scene(asked: Asked, plant: Plant) -> str:
         "shaft_area": sizes.area(sizes.SHAFTS * size.scale * size.clearance),
     }
     text = texts.filled("refrigeration", values)
+    if asked.slide:
+        ratio = asked.ratio or usual
+        values["machine"] = texts.machine(size, asked, usual, duty.p_d / duty.p_s, flow, speed, _slide(text, ratio))
+        text = texts.filled("refrigeration", values) + texts.filled("slot", {})
     return f"{text}{_economizer(text, size)}" if asked.economizer else text
+
+
+def _slide(text: str, ratio: float) -> str:
+    """Return the lines of a slide valve of a machine whose text is there, by its rotors."""
+    profile = build_parts(loads(text)).geometry.profile
+    assert profile is not None  # of a family
+    axial = max(AXIAL, ratio)
+    slide = fitting(
+        profile.rotors, *(profile.rotors.discharge_angle(each) for each in (min(ratio, 0.5 * axial), axial))
+    )
+    spans = {name: f"{math.degrees(getattr(slide, f'{name}_span')):.0f} deg" for name in ("male", "female")}
+    return texts.filled("slide", {"axial": f"{axial:g}", "travel": f"{math.floor(1e3 * slide.travel)} mm", **spans})
 
 
 def _economizer(text: str, size: sizes.Size) -> str:

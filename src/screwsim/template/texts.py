@@ -32,8 +32,13 @@ def sized(flow: float, speed: float) -> sizes.Size:
     raise UsageError(f"{stated}: {what} {sizes.mm(sizes.LARGEST)} (choose {usual}, or another --speed)")
 
 
-def machine(size: sizes.Size, asked: Asked, usual: float, pressures: float, flow: float, speed: float) -> str:
-    """Return the section of the machine; `usual` is the built-in volume ratio that the pressures call for."""
+def machine(
+    size: sizes.Size, asked: Asked, usual: float, pressures: float, flow: float, speed: float, slide: str = ""
+) -> str:
+    """Return the section of the machine; `usual` is the built-in volume ratio that the pressures call for.
+
+    `slide` are lines of a slide valve.
+    """
     told = f"for a pressure ratio of {pressures:.3g}; machines are sold with 1.8 to 5"
     if asked.ratio is not None:
         told = f"as asked; a pressure ratio of {pressures:.3g} calls for about {usual:g}"
@@ -41,6 +46,7 @@ def machine(size: sizes.Size, asked: Asked, usual: float, pressures: float, flow
         "size": _size(size, asked.diameter is not None, sizes.flow_text(flow), sizes.rpm(speed)),
         "ratio": f"{asked.ratio or usual:g}",
         "ratio_told": told,
+        "slide": slide,
     }
     return filled("rotors", values)
 

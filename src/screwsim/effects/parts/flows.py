@@ -68,7 +68,7 @@ class FlowPath:
     into the chamber, from the numbers of the chamber's own port state, `p_1` [Pa], `rho_1` [kg/m³], `h_1` [J/kg],
     `exponent_1` (1/k), `oil_ratio_1` (0 without carried oil), and of the port state beyond, `p_2` …; with `width`,
     `values` and symbols. It must be smooth, nothing at equal pressures, and have the sign of p_2 − p_1. Its stream
-    brings what the port state that it comes from has.
+    brings what the port state that it comes from has. `law_title` says what it is, for `screwsim explain`.
     """
 
     to: str
@@ -88,6 +88,7 @@ class FlowPath:
     beside: bool = False
     port: bool = False
     law: Kernel | None = None
+    law_title: str = ""
 
     @property
     def between(self) -> bool:

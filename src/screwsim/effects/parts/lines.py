@@ -42,12 +42,12 @@ class LineLeak:
 
 @dataclass(frozen=True)
 class SuctionHeat:
-    """Heat [W] that the gas takes up on its way to the machine, by the power of the shaft [W] (M275).
+    """Heat [W] that the gas takes up on its way to the machine, by shaft power [W] and speed [rad/s] (M275).
 
     Needs a `SuctionLine`, into which the warmed gas comes.
     """
 
-    power: Callable[[float], float]
+    power: Callable[[float, float], float]
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,7 @@ def _warmed(book: Book, cycle: Cycle, met: Streams, fresh: State) -> State:
     found = fresh
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:
-            heat = part.power(cycle.shaft_power)
+            heat = part.power(cycle.shaft_power, cycle.parts.omega)
             after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
             rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
             book.add(name, energy=heat, exergy=-met.fresh * rise)

@@ -8,9 +8,11 @@ Source: shape: N. Stosic, I. Smith, A. Kovacevic, Screw Compressors, Springer 20
 derived there. φ and ψ as in `leakage`, z from the inlet plane; lengths in m, angles in rad, spans in male radians.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.leakage import TURN
@@ -20,6 +22,8 @@ from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.settings import SlideValve
 
 PATH = "machine.slide_valve"
+LEAST = 0.22  # of the largest volume, that a slide leaves closed in at the end of its way: about a quarter of the flow
+NARROW = 40.0  # degrees of a bore, that a slide has at least where its radial port asks for less: assumed
 
 
 @dataclass(frozen=True)
@@ -62,12 +66,37 @@ def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> 
     return Slid(stop, moved, opens + moved / h, spans, closes)
 
 
+def fitting(rotors: Rotors, opens: float, face_opens: float) -> SlideValve:
+    """Return a slide that begins at the inlet end, as wide as its radial port, or `NARROW`, and its way.
+
+    `opens` and `face_opens` as of `slid`. Spans are whole degrees. The way leaves `LEAST` of the largest volume closed
+    in, where that is not beyond what is refused.
+    """
+    wide = (max(math.degrees(span), NARROW) for span in _port_spans(rotors, opens))
+    male, female = (math.radians(math.ceil(span)) for span in wide)
+    last = max(tip.end for tip, *_ in groove_tips(rotors.pair, rotors.chain, rotors.h))
+    begins, largest = rotors.largest
+    passed = brentq(lambda phi: float(rotors.volume(np.array([phi]))[0]) - LEAST * largest, begins, face_opens)
+    travel = rotors.h * min(passed - last, 0.99 * (face_opens - last))
+    return SlideValve(travel=travel, male_span=male, female_span=female)
+
+
+def _port_spans(rotors: Rotors, opens: float) -> tuple[float, float]:
+    """Return how far the radial port at full load reaches from the cusp on the male and the female bore."""
+    male, female = (
+        ratio * (rotors.wrap - opens - width + tip.end)
+        for (tip, width, _), ratio in zip(
+            groove_tips(rotors.pair, rotors.chain, rotors.h), (1.0, rotors.pair.k), strict=True
+        )
+    )
+    return male, female
+
+
 def _refuse_spans(rotors: Rotors, slide: SlideValve, opens: float) -> None:
     """Raise UsageError for a slide narrower than the radial port at full load, or wider than a bore."""
     pair, wrong = rotors.pair, []
-    sides = zip(groove_tips(pair, rotors.chain, rotors.h), ("male", "female"), (1.0, pair.k), strict=True)
-    for (tip, width, _), name, ratio in sides:
-        own, given = ratio * (rotors.wrap - opens - width + tip.end), getattr(slide, f"{name}_span")
+    for own, name in zip(_port_spans(rotors, opens), ("male", "female"), strict=True):
+        given = getattr(slide, f"{name}_span")
         most = TURN - 2.0 * (pair.beta1 if name == "male" else pair.beta2)
         text = f"{PATH}.{name}_span: {np.degrees(given):.4g} deg"
         if given < own - 1e-9:

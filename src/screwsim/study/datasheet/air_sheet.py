@@ -82,7 +82,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     yield "discharge", f"{quantity('Pa', at.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
     found = full.result.performance if full.ok else {}
     load = f", {_percent(found['shaft_power'] / motor.rated_power)} of it at full flow" if found else ""
-    inverter = "" if motor.drive_efficiency == 1.0 else " with its inverter"
+    inverter = " with its inverter" if motor.inverts else ""
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
     yield "motor", f"{quantity('W', motor.rated_power)} rated{load}{eta}"
     if package.fan is not None:

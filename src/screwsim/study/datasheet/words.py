@@ -96,6 +96,6 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     yield from told([(where, result.warnings) for where, result in every if result.status == "ok"])
     if "operation.speed" in {control.path for control in rated.asked.controls}:
         motor = motor_of(rated.asked.scene)
-        if motor is None or motor.drive_efficiency == 1.0:
-            yield "part load by speed is without the losses of an inverter (effects.motor.drive_efficiency)"
+        if motor is None or not motor.inverts:
+            yield "part load by speed is without the losses of an inverter (effects.motor.inverter)"
     yield meant

@@ -1,0 +1,143 @@
+"""Inverter of a motor: what it loses by frequency and current, and what the motor then loses by speed and torque.
+
+What: f is the speed over that of the motor's rated frequency, i the torque over the rated one, which the current that
+makes torque follows. P_i = ℓ [c_0 + c_1 i + (1 − c_0 − c_1) i f/0.9] (M431): what runs on without load, what switching
+and conducting lose, and what rectifier and choke lose of the power. ℓ is the loss at 90 % of the frequency and all of
+the current, which EU 2019/1781 has makers state; or the points that it has them state are fitted (M432). The motor
+loses ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; of a motor stated by
+a table 1 + r times what that says.
+Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
+estimated; r is 0.15 up to 90 kW as we know IEC TS 60034-30-2, whose text was not at hand.
+Assumptions: torque and current in proportion, no weakening of the field: above rated speed a warning says so; the loss
+heats nothing that the machine sees.
+Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.effects.base import Faults
+from screwsim.inputs.declare import file, number, quantity
+from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
+
+FREQUENCY = 0.9  # of the point at which the loss is stated
+IRON = 1.5
+COLUMNS = "speed", "current", "loss"
+FEWEST, POOR = 5, 0.1  # rows of a file, and what a fit may leave of its largest loss
+WEAK = 1.02  # of the rated speed, above which the field would be weakened
+
+
+@dataclass(frozen=True)
+class Inverter:
+    """An inverter, by what its maker states."""
+
+    rated_speed: float = quantity(
+        "speed", "of the male rotor, where the motor turns at its rated frequency and gives its rated torque", gt=0.0
+    )
+    loss: float | None = quantity(
+        "power", "its loss at 90 % of the rated frequency and the rated current (IEC 61800-9-2)", None, ge=0.0
+    )
+    standing_share: float = number("c_0: share of that loss without current", 0.3, ge=0.0, le=1.0)
+    current_share: float = number("c_1: share of that loss that goes with the current alone", 0.4, ge=0.0, le=1.0)
+    points_file: str | None = file(
+        "CSV with columns speed, current (shares of the rated ones), loss (W): the maker's points in place of the three"
+    )
+    harmonic_loss: float = number(
+        "r: what the motor loses more than on the mains, over its loss there", 0.15, ge=0.0, le=2.0, hardly=(None, 0.5)
+    )
+
+
+class Turning(NamedTuple):
+    """Speed and torque of a motor over the rated ones."""
+
+    speed: float
+    torque: float
+
+
+def turning(inverter: Inverter, power: float, rated: float, omega: float) -> Turning:
+    """Return how a motor of a rated power [W] turns that gives a power [W] while the rotor turns at omega [rad/s]."""
+    speed = omega / inverter.rated_speed
+    return Turning(speed, abs(power) / rated / speed)
+
+
+def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
+    """Return what an inverter loses [W]: standing, by current, by its square, and by current and frequency (M431)."""
+    if inverter.points_file is not None:
+        return fitted(read_points(inverter.points_file))
+    assert inverter.loss is not None  # checked
+    standing, current = inverter.standing_share, inverter.current_share
+    by_power = (1.0 - standing - current) / FREQUENCY
+    return inverter.loss * standing, inverter.loss * current, 0.0, inverter.loss * by_power
+
+
+def inverter_loss(terms: tuple[float, float, float, float], at: Turning) -> float:
+    """Return the loss of an inverter [W] (M431, M432)."""
+    standing, current, square, power = terms
+    return standing + at.torque * (current + square * at.torque + power * at.speed)
+
+
+def motor_share(constant_share: float, at: Turning) -> float:
+    """Return a motor's loss, of a sine, over that at its rated point (M433)."""
+    return constant_share * at.speed**IRON + (1.0 - constant_share) * at.torque**2
+
+
+def read_points(path: str) -> list[tuple[float, float, float]]:
+    """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where there are none."""
+    try:
+        cells = read_sheet(path).columns(*COLUMNS)
+    except Unreadable as reason:
+        raise UsageError(f"cannot be read: {reason} (name a CSV file with the columns {', '.join(COLUMNS)})") from None
+    except BadSheet as fault:
+        raise UsageError(str(fault)) from None
+    try:
+        rows = [(float(speed), float(current), float(loss)) for _, (speed, current, loss) in cells]
+    except ValueError:
+        raise UsageError(f"has a cell without a number in the columns {', '.join(COLUMNS)} (write one)") from None
+    if not all(0.0 <= f <= 2.0 and 0.0 <= i <= 2.0 and isfinite(w) and w > 0.0 for f, i, w in rows):
+        raise UsageError("has a speed or current beyond 0 and 2, or a loss not above 0 (shares, not percent; W)")
+    return rows
+
+
+def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float, float]:
+    """Return the four terms that fit a maker's points best (M432); raise UsageError where they tell no such law."""
+    f, i, loss = np.array(rows).reshape(-1, 3).T
+    terms = np.stack([np.ones_like(i), i, i * i, i * f], axis=1)
+    if len(rows) < FEWEST or np.linalg.matrix_rank(terms) < terms.shape[1]:
+        what = f"needs {FEWEST} points or more, three currents and two speeds among them"
+        raise UsageError(f"{what} (write all eight of IEC 61800-9-2)")
+    found = np.linalg.lstsq(terms, loss, rcond=None)[0]
+    left = float(np.max(np.abs(terms @ found - loss)))
+    if left > POOR * float(loss.max()):
+        raise UsageError(f"has points up to {left:.3g} W off the law of M432 (check their speeds and currents)")
+    standing, current, square, power = found.tolist()
+    return standing, current, square, power
+
+
+def told(inverter: Inverter, at: Turning) -> tuple[str, ...]:
+    """Return what a warning says of a motor beyond its rated speed."""
+    if at.speed <= WEAK:
+        return ()
+    what = f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed"
+    return (f"{what}, where its field is weakened: its losses are beyond what M433 knows (a higher rated_speed)",)
+
+
+def faults(inverter: Inverter, path: str) -> Faults:
+    """Yield what an inverter lacks, or has twice."""
+    if inverter.points_file is not None:
+        if inverter.loss is not None:
+            yield Fault(f"{path}.loss", f"is given beside {path}.points_file, which has it (remove one of the two)")
+        try:
+            fitted(read_points(inverter.points_file))
+        except UsageError as error:
+            yield Fault(f"{path}.points_file", str(error))
+    elif inverter.loss is None:
+        yield Fault(f"{path}.loss", "is missing (write e.g. loss: 2.3 kW, or points_file: points.csv)")
+    if inverter.standing_share + inverter.current_share > 1.0:
+        yield Fault(f"{path}.current_share", "is more than standing_share leaves of the loss (both at most 1 together)")

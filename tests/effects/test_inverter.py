@@ -1,0 +1,133 @@
+"""An inverter and the motor behind it: each loss against a sum by hand, a maker's points, and what is refused."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import screwsim
+from screwsim.effects import inverter, motor
+from screwsim.inputs.faults import SceneError, UsageError
+
+RATED, SPEED, LOSS = 1e5, 300.0, 3000.0  # [W, rad/s, W]
+DRIVE = inverter.Inverter(rated_speed=SPEED, loss=LOSS, harmonic_loss=0.0)
+POINTS = [(0, 0.25), (0, 0.5), (0, 1), (0.5, 0.25), (0.5, 0.5), (0.5, 1), (0.9, 0.5), (0.9, 1)]  # IEC 61800-9-2
+POINT = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_7.yaml"
+
+
+def losses(power, omega, drive=DRIVE, **motors):
+    stated = motor.Parameters(rated_power=RATED, efficiency=0.95, inverter=drive, **motors)
+    return motor.losses_of(stated)(power, omega)
+
+
+def test_at_the_point_of_its_class_an_inverter_loses_what_is_stated():
+    """90 % of the frequency, all of the current: 90 % of the power."""
+    assert losses(0.9 * RATED, 0.9 * SPEED)[1] == pytest.approx(LOSS, rel=1e-12)
+
+
+def test_at_constant_torque_and_a_third_of_the_speed_most_of_the_loss_stays():
+    """ℓ (0.3 + 0.4 + 0.3 · 0.3/0.9) = 0.8 ℓ, where a constant efficiency would leave a third."""
+    assert losses(0.3 * RATED, 0.3 * SPEED)[1] == pytest.approx(0.8 * LOSS, rel=1e-12)
+
+
+def test_without_load_the_standing_loss_is_left():
+    assert losses(0.0, SPEED)[1] == pytest.approx(0.3 * LOSS, rel=1e-12)
+
+
+def test_at_rated_speed_a_motor_on_a_sine_loses_what_it_does_on_the_mains():
+    mains = motor.losses_of(motor.Parameters(rated_power=RATED, efficiency=0.95))
+    for load in (0.25, 0.5, 1.0, 1.2):
+        assert losses(load * RATED, SPEED)[0] == pytest.approx(mains(load * RATED, SPEED)[0], rel=1e-12)
+
+
+def test_copper_follows_the_torque_and_iron_the_speed():
+    """At half speed and full torque: rated loss times 0.6 + 0.4 · 0.5^1.5, and r more."""
+    rated = RATED * (1 / 0.95 - 1)
+    assert losses(0.5 * RATED, 0.5 * SPEED)[0] == pytest.approx(rated * (0.6 + 0.4 * 0.5**1.5), rel=1e-12)
+    drive = inverter.Inverter(rated_speed=SPEED, loss=LOSS, harmonic_loss=0.15)
+    assert losses(RATED, SPEED, drive)[0] == pytest.approx(1.15 * rated, rel=1e-12)
+
+
+def test_a_generator_loses_as_much():
+    assert losses(-5e4, 200.0) == pytest.approx(losses(5e4, 200.0), rel=1e-12)
+
+
+def test_a_table_of_the_motor_is_kept_and_loses_more_on_an_inverter(tmp_path):
+    table = tmp_path / "motor.csv"
+    table.write_text("load,efficiency\n0.5,0.94\n1,0.95\n")
+    drive = inverter.Inverter(rated_speed=SPEED, loss=LOSS, harmonic_loss=0.2)
+    found = losses(0.5 * RATED, 0.5 * SPEED, drive, efficiency_file=str(table))[0]
+    assert found == pytest.approx(1.2 * 0.5 * RATED * (1 / 0.94 - 1), rel=1e-9)
+
+
+def stated(path, law):
+    path.write_text("speed,current,loss\n" + "".join(f"{f},{i},{law(f, i)}\n" for f, i in POINTS))
+    return inverter.Inverter(rated_speed=SPEED, points_file=str(path), harmonic_loss=0.0)
+
+
+def test_a_makers_points_are_met(tmp_path):
+    def law(f, i):
+        return 700.0 + 900.0 * i + 400.0 * i * i + 1000.0 * i * f
+
+    drive = stated(tmp_path / "points.csv", law)
+    for f, i in (*POINTS[3:], (0.7, 0.8)):
+        assert losses(i * f * RATED, f * SPEED, drive)[1] == pytest.approx(law(f, i), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0.9,1,3000\n0.9,0.5,2000\n", "needs 5 points or more"),
+        ("".join(f"0.9,{i},{1000 * i}\n" for i in (0.2, 0.4, 0.6, 0.8, 1)), "needs 5 points or more, three currents"),
+        ("90,100,3000\n" * 5, "shares, not percent"),
+        ("".join(f"{f},{i},{w}\n" for (f, i), w in zip(POINTS, [9, 1, 9, 1, 9, 1, 9, 1], strict=True)), "off the law"),
+        ("a,1,3\n" * 5, "without a number"),
+    ],
+)
+def test_points_that_tell_no_law_are_refused(tmp_path, rows, message):
+    path = tmp_path / "points.csv"
+    path.write_text(f"speed,current,loss\n{rows}")
+    with pytest.raises(UsageError, match=message):
+        inverter.fitted(inverter.read_points(str(path)))
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("{rated_speed: 2950 rpm}", "inverter.loss: is missing"),
+        (
+            "{rated_speed: 2950 rpm, loss: 3 kW, points_file: none.csv}",
+            "given beside effects.motor.inverter.points_file",
+        ),
+        ("{rated_speed: 2950 rpm, points_file: none.csv}", "inverter.points_file: cannot be read"),
+        ("{rated_speed: 2950 rpm, loss: 3 kW, standing_share: 0.7}", "current_share: is more than standing_share"),
+    ],
+)
+def test_what_an_inverter_lacks_or_has_twice_is_refused(more, message):
+    with pytest.raises(SceneError, match=message):
+        screwsim.load(POINT, [f"effects.motor.inverter={more}"])
+
+
+def test_an_inverter_beside_a_constant_efficiency_is_refused():
+    sets = ["effects.motor.inverter={rated_speed: 2950 rpm, loss: 3 kW}", "effects.motor.drive_efficiency=0.97"]
+    with pytest.raises(SceneError, match=r"given beside effects\.motor\.inverter"):
+        screwsim.load(POINT, sets)
+
+
+def test_a_weakened_field_is_warned_of():
+    assert inverter.told(DRIVE, inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.01 * SPEED)) == ()
+    (warning,) = inverter.told(DRIVE, inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.5 * SPEED))
+    assert "its field is weakened" in warning
+
+
+@pytest.mark.parametrize("name", ["shaft_power", "gas_mass_flow"])
+def test_nothing_of_the_cycle_changes(name):
+    with_it = screwsim.simulate(screwsim.load(POINT, ["effects.motor.inverter={rated_speed: 2950 rpm, loss: 3 kW}"]))
+    assert with_it.performance[name] == screwsim.simulate(screwsim.load(POINT)).performance[name]
+    assert with_it.performance.motor_loss > 0.0
+
+
+def test_of_a_cooled_motor_the_gas_takes_up_its_own_loss_alone():
+    parameters = motor.Parameters(rated_power=RATED, efficiency=0.95, inverter=DRIVE, cooling="suction_gas")
+    _, heat = motor.build(parameters, SimpleNamespace())
+    assert heat.power(0.5 * RATED, 0.5 * SPEED) == pytest.approx(losses(0.5 * RATED, 0.5 * SPEED)[0], rel=1e-12)
