@@ -17,9 +17,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.report import plot
 from screwsim.results import open_results
 from screwsim.results.schema import axes_of
-from screwsim.results.table import InMemory, join, regrouped, table_of
+from screwsim.results.table import InMemory, Table, join, regrouped, table_of
 from screwsim.results.write import Draft, write_tables
-from screwsim.scene import case, case_count
+from screwsim.scene import Scene, case, case_count
 from screwsim.scene.grid import dimensions
 from screwsim.study import shards
 from screwsim.study.blocks import Blocks
@@ -34,6 +34,13 @@ def reference(tmp_path_factory) -> Path:
     output = tmp_path_factory.mktemp("reference") / "one.h5"
     run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
     return output
+
+
+@pytest.fixture(scope="module")
+def long() -> tuple[Scene, Table]:
+    """Return a scene of many cases and the table of all of them, which nobody writes into."""
+    swept = scene(LONG)
+    return swept, table_of([fake_simulate(case(swept, index)) for index in range(case_count(swept))], keep_cycle=False)
 
 
 def test_small_parts_are_joined_and_the_file_is_the_same(reference, tmp_path, monkeypatch):
@@ -88,10 +95,9 @@ def shorter_blocks(swept):
 
 @pytest.mark.parametrize("sizes", [[900], [1, 899], [450, 450], [7] * 128 + [4]])
 @pytest.mark.parametrize("chunk", [640, 4096, 262144])
-def test_a_file_does_not_depend_on_how_its_cases_came(sizes, chunk, tmp_path, monkeypatch):
-    swept = scene(LONG)
+def test_a_file_does_not_depend_on_how_its_cases_came(sizes, chunk, long, tmp_path, monkeypatch):
+    swept, whole = long
     monkeypatch.setattr("screwsim.results.netcdf._CHUNK", chunk)
-    whole = table_of([fake_simulate(case(swept, index)) for index in range(case_count(swept))], keep_cycle=False)
     write_tables(tmp_path / "whole.h5", swept, axes_of(swept), InMemory(whole), "sweep")
     source = InMemory(whole)
     pieces = list(regrouped([whole], sizes))
@@ -112,11 +118,10 @@ class OneMoment:
 
 
 @pytest.mark.parametrize("changes", [{}, {"effects": ("blow_hole",)}, {"ledger": {"residue": np.zeros(1)}}])
-def test_a_file_laid_out_ahead_is_that_laid_out_in_the_end(changes, tmp_path, monkeypatch):
+def test_a_file_laid_out_ahead_is_that_laid_out_in_the_end(changes, long, tmp_path, monkeypatch):
     """A first part may know less of the names than all parts, or others: the file is laid out again then."""
     monkeypatch.setattr("screwsim.results.schema.datetime", OneMoment)
-    swept = scene(LONG)
-    whole = table_of([fake_simulate(case(swept, index)) for index in range(case_count(swept))], keep_cycle=False)
+    swept, whole = long
     write_tables(tmp_path / "late.h5", swept, axes_of(swept), InMemory(whole), "sweep")
     with Draft(tmp_path / "early.h5", swept, axes_of(swept), "sweep") as draft:
         draft.lay_out(replace(whole.rows(slice(1)), **changes))
