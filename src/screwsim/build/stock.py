@@ -1,5 +1,7 @@
 """Machine, gas and effects of a scene, kept for the next one of a sweep."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

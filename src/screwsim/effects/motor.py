@@ -15,6 +15,8 @@ Parameters: rated_power, efficiency, constant_share or efficiency_file, cooling,
 or inverter.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,5 +1,7 @@
 """What is composed of the parts of a scene: texts to be compiled, the numbers that go in, and what is where."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple

@@ -1,5 +1,7 @@
 """The compositions of a series of scenes: one that differs by its numbers alone is not written anew."""
 
+from __future__ import annotations
+
 from typing import Any
 
 from screwsim.model.compose import compose
