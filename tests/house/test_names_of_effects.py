@@ -24,6 +24,7 @@ FIGURES = "a figure, a curve or an entry of results, which keeps its name"
 REMEDY = "sends the reader of a message to the effect by name"
 STUDY = "a study, page or export of this effect, above the simulation"
 WORDS = "a word of its own that an effect is called by as well"
+WRITES = "it writes scenes with effects"
 ALLOWED = {
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
@@ -52,7 +53,9 @@ ALLOWED = {
     "study/datasheet/words.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/read.py": ({"economizer"}, STUDY),
-    "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, "it writes scenes with effects"),
+    "template/__init__.py": ({"economizer"}, REMEDY),
+    "template/gas.py": ({"motor"}, WRITES),
+    "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, WRITES),
 }
 IMPORTS = {  # of what an effect's file has
     "solve/start_up.py": {"gas_torque"},
