@@ -99,6 +99,15 @@ class Directions:
         P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return Numbers(P.copy(), c.TAB, machinery.R.copy()), given
 
+    def meeting(self, direction: Direction, met: Array) -> Numbers:
+        """Return the numbers of a direction's problem where it meets other unknowns than its cycle does."""
+        machinery, at, side, noted = self.spare, self.cycle.at, direction.side, self.cycle.pitch.noted
+        P, R = machinery.composition.P, machinery.R
+        P[:], R[:] = side.P, side.R
+        set_unknowns(direction.problem, machinery, met)
+        P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
+        return Numbers(P.copy(), side.TAB, R.copy())
+
     @once
     def shifted(self) -> Array:
         """The states at the pitch's start, before the injection."""
