@@ -18,7 +18,7 @@ from screwsim.derivatives.slices import NODES
 from screwsim.model.contexts import CoupledContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned
-from screwsim.numerics.reused import zeros
+from screwsim.numerics.reused import empty
 
 Array = np.ndarray
 RATES = "slices__rates_at_all"
@@ -70,7 +70,7 @@ def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Ar
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
     """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
-    As many at a time as there are lanes; behind the last ones the rest of them is nothing; numbers stand as they stood.
+    As many at a time as there are lanes; behind the last ones stands nothing of meaning; numbers stand as they stood.
     """
     at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
     for first in range(0, len(asked), LANES):
@@ -85,7 +85,7 @@ def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[s
             rows = _in_lanes(pitch, nodes, [each.numbers for each in now], entry)
             found = [each.reshape(*shape, -1, LANES) for each in rows]
         else:
-            found = [np.zeros((*shape, size, LANES)) for size in (pitch.N, pitch.q)]
+            found = [empty(*shape, size, LANES) for size in (pitch.N, pitch.q)]
             for i, (numbers, edges) in enumerate(now):
                 pitch.put(numbers)
                 found[0][..., i], found[1][..., i] = rates(pitch, Y, edges)
@@ -106,7 +106,7 @@ def _entry(machinery: Machinery) -> Any:
 
 
 def _room(size: int, _of: Any) -> Array:
-    return zeros(size)
+    return empty(size)
 
 
 def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
