@@ -7,7 +7,7 @@ its phases.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -90,7 +90,7 @@ def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Tur
     c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
-    passing: dict[int, tuple[Array, ...]] = {}  # of gaps, by how many pitches apart chambers are
+    passing: dict[int, tuple[Any, ...]] = {}  # of gaps, by how many pitches apart chambers are
     for path in (path for _, path in parts.all(FlowPath)):
         of_port = not path.between
         index = ports if of_port else len(c.plenum_paths) + gaps
@@ -112,7 +112,7 @@ def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Tur
             yield Turn(Side(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k]))
 
 
-def _passes(drops: Array) -> tuple[Array, ...]:
+def _passes(drops: Array) -> tuple[Any, ...]:
     """Return behind which angles, and of which chambers, pressure differences change their sign: rows, columns."""
     return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
 
