@@ -10,6 +10,7 @@ compiling takes is not in it. A point is `simulate` with its error estimate, as 
 
 from __future__ import annotations
 
+import math
 import statistics
 import sys
 import time
@@ -54,9 +55,9 @@ class Counted:
             self.rates += Y.size // pitch.n
             return rates(pitch, Y, edges)
 
-        def counted_lanes(pitch: Pitch, nodes: Any, *asked: Any) -> Any:
-            self.rates += sum(each.y.size for each in nodes) // pitch.n
-            return lanes(pitch, nodes, *asked)
+        def counted_lanes(pitch: Pitch, nodes: Any, numbers: Any, *asked: Any) -> Any:
+            self.rates += len(numbers) * math.prod(nodes.y.shape) // pitch.n
+            return lanes(pitch, nodes, numbers, *asked)
 
         def counted_slopes(pitch: Pitch, angles: Any, *asked: Any, **how: Any) -> Any:
             self.jacobians += len(angles) * pitch.N // pitch.n

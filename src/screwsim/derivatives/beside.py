@@ -16,7 +16,7 @@ from screwsim.derivatives.slices import NODES
 from screwsim.model.contexts import CoupledContext
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned
-from screwsim.numerics.reused import zeros
+from screwsim.numerics.reused import empty
 
 Array = np.ndarray
 RATES = "slices__rates_at_all"
@@ -30,12 +30,36 @@ _ROWS = Kind("p", (FLOAT,), 2)
 KINDS = (_whole, _whole, Kind("v", (FLOAT,), 2), _CONTEXT, INTEGER, _ROWS, _ROWS)
 
 
+class Laid(NamedTuple):
+    """Where the rows of each lane stand, of which shape they are, and what holds them."""
+
+    addresses: list[int]
+    shape: tuple[int, ...]
+    held: Any
+
+    @classmethod
+    def each(cls, arrays: Sequence[Array]) -> Laid:
+        """Return arrays, one a lane; those that are missing at the end stand where the first does."""
+        first, *others = arrays = [np.ascontiguousarray(each) for each in arrays]
+        at = address(first)
+        addresses = [at, *(at if each is first else address(each) for each in others)]
+        return cls([*addresses, *[at] * (LANES - len(addresses))], first.shape, arrays)
+
+    @classmethod
+    def parts(cls, whole: Array, part: int) -> Laid:
+        """Return parts of an array, so many rows a lane; rows that are missing at the end are its last ones again."""
+        missing = LANES * part - len(whole)
+        whole = np.concatenate([whole, whole[len(whole) - missing :]]) if missing else np.ascontiguousarray(whole)
+        at, step = address(whole), part * whole.strides[0]
+        return cls([at + step * lane for lane in range(LANES)], (part, *whole.shape[1:]), whole)
+
+
 class Nodes(NamedTuple):
     """Where rates are asked: angles [rad], angles of the same segments of the laws [rad], states, a row each."""
 
-    angles: Array
-    middles: Array
-    y: Array
+    angles: Laid
+    middles: Laid
+    y: Laid
 
 
 class Asked(NamedTuple):
@@ -56,9 +80,7 @@ def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Ar
     slices, many = pitch.slices if edges is None else pitch.slices._replace(edges=edges), pitch.count * NODES
     part = -(-many // LANES)
     nodes = slices.angles.ravel(), np.repeat(slices.middles, NODES), Y.reshape(many, -1)
-    whole = [np.concatenate([each, each[many - LANES * part :]]) if LANES * part > many else each for each in nodes]
-    lanes = [Nodes(*(each[lane * part :][:part] for each in whole)) for lane in range(LANES)]
-    found = _in_lanes(pitch, lanes, [pitch.numbers] * LANES, entry)
+    found = _in_lanes(pitch, Nodes(*(Laid.parts(each, part) for each in nodes)), [pitch.numbers] * LANES, entry)
     f, g = (np.moveaxis(each, -1, 0).reshape(LANES * part, -1)[:many] for each in found)
     return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
 
@@ -66,7 +88,7 @@ def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Ar
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
     """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
-    As many at a time as there are lanes; behind the last ones the rest of them is nothing; numbers stand as they stood.
+    As many at a time as there are lanes; behind the last ones stands nothing of meaning; numbers stand as they stood.
     """
     at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
     for first in range(0, len(asked), LANES):
@@ -77,11 +99,11 @@ def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[s
             angles = slices.angles.ravel()
             moved = [each.edges for each in now]
             own = [angles if e is None else slices._replace(edges=e).angles.ravel() for e in moved]
-            nodes = [Nodes(each, middles, y) for each in own]
+            nodes = Nodes(Laid.each(own), Laid.each([middles] * len(now)), Laid.each([y] * len(now)))
             rows = _in_lanes(pitch, nodes, [each.numbers for each in now], entry)
             found = [each.reshape(*shape, -1, LANES) for each in rows]
         else:
-            found = [np.zeros((*shape, size, LANES)) for size in (pitch.N, pitch.q)]
+            found = [empty(*shape, size, LANES) for size in (pitch.N, pitch.q)]
             for i, (numbers, edges) in enumerate(now):
                 pitch.put(numbers)
                 found[0][..., i], found[1][..., i] = rates(pitch, Y, edges)
@@ -102,10 +124,10 @@ def _entry(machinery: Machinery) -> Any:
 
 
 def _room(size: int, _of: Any) -> Array:
-    return zeros(size)
+    return empty(size)
 
 
-def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
+def _in_lanes(pitch: Pitch, nodes: Nodes, numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
     """Return rates at the nodes (nodes, …, lanes) of each lane, with its numbers; all lanes have as many."""
     machinery = pitch.machinery
     port_states, work = machinery.coupled_space()["spaces"]
@@ -118,24 +140,16 @@ def _in_lanes(pitch: Pitch, nodes: Sequence[Nodes], numbers: Sequence[Numbers], 
         rows[name] = aligned(len(first))
         each_of = first[:, None] if alike else np.transpose([getattr(each, name) for each in numbers])
         rows[name][:, : len(numbers)] = each_of
-    by_lane = {name: [np.ascontiguousarray(getattr(each, name)) for each in nodes] for name in Nodes._fields}
-    by_lane["TAB"] = [np.ascontiguousarray(each.TAB) for each in numbers]
-    out = [aligned(len(nodes[0].y) * size, room=_room).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
-    words: list[int] = [(1 << len(nodes)) - 1]
-
-    def lanes(name: str) -> None:
-        first, *others = by_lane[name]
-        at = address(first)
-        addresses = [at, *(at if each is first else address(each) for each in others)]
-        words.extend([*addresses, *[at] * (LANES - len(addresses)), *first.shape])
-
-    for name in Nodes._fields:
-        lanes(name)
+    by_lane = {"TAB": Laid.each([numbers[0].TAB] if alike else [each.TAB for each in numbers])}
+    out = [aligned(nodes.y.shape[0] * size, room=_room).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
+    words: list[int] = [(1 << len(numbers)) - 1]
+    for each in nodes:
+        words.extend([*each.addresses, *each.shape])
     for name in CoupledContext._fields:
         if name in rows:
             words.extend([address(rows[name]), len(rows[name])])
         else:
-            lanes(name)
+            words.extend([*by_lane[name].addresses, *by_lane[name].shape])
     words.append(machinery.composition.n_E_all)
     for each in out:
         words.extend([address(each), *each.shape[:2]])

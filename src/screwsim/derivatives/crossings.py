@@ -5,7 +5,7 @@ its phases.
 """
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,9 +54,12 @@ def crossings(pitch: Pitch) -> list[Crossing]:
     slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * LOOKED).ravel()
     wide = np.repeat(slices.widths, len(LOOKED))
-    turns = list(_turning(pitch, angles, wide))
-    others = (*_equilibria(pitch, angles), *border_crossings(pitch, angles))
-    return sorted({*_placed(pitch.machinery.trajectory, turns), *others})
+    c, life = pitch.machinery.composition, pitch.machinery.trajectory
+    starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
+    states = life.states_at((starts[:, None] + angles).ravel()).reshape(c.chambers, len(angles), -1)
+    turns = list(_turning(pitch, angles, wide, states[..., -1]))
+    others = (*_equilibria(pitch, angles), *border_crossings(pitch, angles, states))
+    return sorted({*_placed(life, turns), *others})
 
 
 def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
@@ -76,25 +79,25 @@ def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
             yield Crossing(brentq(given_off, low, high, PLACED * (high - low), PLACED) - start, CORNERED)
 
 
-def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
+def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Turn]:
     """Yield where between angles [rad] flows turn round in paths that are open; `wide` are their slices [rad].
 
-    Areas are asked for only where pressures pass each other.
+    `p` [Pa] are the pressures of all chambers there. Areas are asked for only where pressures pass each other, which is
+    the same for all gaps between the same chambers.
     """
     c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
-    p = life.states_at((starts[:, None] + angles).ravel())[:, -1].reshape(c.chambers, -1)
+    passing: dict[int, tuple[Any, ...]] = {}  # of gaps, by how many pitches apart chambers are
     for path in (path for _, path in parts.all(FlowPath)):
         of_port = not path.between
         index = ports if of_port else len(c.plenum_paths) + gaps
         ports, gaps = ports + of_port, gaps + (not of_port)
+        number, passes = parts.number(path.to) if of_port else 0, passing.get(path.offset)
         if of_port:
-            number = parts.number(path.to)
-            drops = p - _line_pressures(life, number, angles)
-        else:  # those ahead of the last one are the discharge, whose port tells
-            number, drops = 0, p[: c.chambers - path.offset] - p[path.offset :]
-        passes = np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
+            passes = _passes(p - _line_pressures(life, number, angles))
+        elif passes is None:  # those ahead of the last one are the discharge, whose port tells
+            passes = passing[path.offset] = _passes(p[: c.chambers - path.offset] - p[path.offset :])
         if not len(passes[0]):
             continue
         ends = (starts[passes[0], None] + angles[passes[1][:, None] + (0, 1)]).ravel()
@@ -105,6 +108,11 @@ def _turning(pitch: Pitch, angles: Array, wide: Array) -> Iterator[Turn]:
             beyond = Side(None, number) if of_port else Side(float(starts[j + path.offset]))
             width = float(c.P[P_PORT_WIDTH + number]) if of_port else float(c.P[P_GAP_WIDTH] * p[j, k])
             yield Turn(Side(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k]))
+
+
+def _passes(drops: Array) -> tuple[Any, ...]:
+    """Return behind which angles, and of which chambers, pressure differences change their sign: rows, columns."""
+    return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
 
 
 def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:

@@ -77,7 +77,7 @@ class Directions:
         if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
         numbers = Numbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
-        change = self._change(numbers, by)
+        change = self._change(problem, numbers, by)
         start, cells = self._injected(numbers, step)
         return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
@@ -97,6 +97,15 @@ class Directions:
         P[noted], machinery.R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return Numbers(P.copy(), c.TAB, machinery.R.copy()), given
 
+    def meeting(self, direction: Direction, met: Array) -> Numbers:
+        """Return the numbers of a direction's problem where it meets other unknowns than its cycle does."""
+        machinery, at, side, noted = self.spare, self.cycle.at, direction.side, self.cycle.pitch.noted
+        P, R = machinery.composition.P, machinery.R
+        P[:], R[:] = side.P, side.R
+        set_unknowns(direction.problem, machinery, met)
+        P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
+        return Numbers(P.copy(), side.TAB, R.copy())
+
     @once
     def shifted(self) -> Array:
         """The states at the pitch's start, before the injection."""
@@ -107,8 +116,11 @@ class Directions:
         """What `numbers` returns of the cycle's own problem."""
         return self.numbers(self.cycle.pitch.problem, self.cycle.met)
 
-    def _change(self, numbers: Numbers, by: float) -> Change:
+    def _change(self, problem: Problem, numbers: Numbers, by: float) -> Change:
         """Return the change of the rates: of numbers and of edges, which move with the breakpoints, and its side."""
+        stay = problem.composition.breakpoints is self.cycle.pitch.problem.composition.breakpoints
+        if stay and not numbers.P[P_PITCH]:
+            return Change(numbers)
         there = self.spare.pitch_breakpoints()  # it has the numbers of this problem (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
@@ -136,7 +148,7 @@ class Directions:
     def _injected(self, numbers: Numbers, step: float) -> tuple[Array, Array]:
         """Return by how much states behind the injection and the cells it sets change with numbers."""
         cycle, pitch = self.cycle, self.cycle.pitch
-        if pitch.injected is None:
+        if pitch.injected is None or numbers.nothing:
             return np.zeros(pitch.N), np.zeros(len(pitch.cells()))
         sides = (pitch.injects(self.shifted, cycle.at.plus(by, numbers)) for by in (step, -step))
         (y, cells), (y_below, cells_below) = sides
@@ -144,6 +156,13 @@ class Directions:
 
 
 def along(cycle: Closed, directions: Sequence[Direction]) -> Linearised:
-    """Return the cycle linearised along directions, a column each."""
-    start, cells = (np.stack([getattr(each, name) for each in directions], axis=-1) for name in ("start", "cells"))
-    return linearised(cycle, [each.change for each in directions], Sources(start, cells))
+    """Return the cycle linearised along directions, a column each; of those that it does not feel nothing is asked."""
+    felt = [j for j, each in enumerate(directions) if not each.change.nothing or each.start.any() or each.cells.any()]
+    some = [directions[j] for j in felt] or directions[:1]
+    start, cells = (np.stack([getattr(each, name) for each in some], axis=-1) for name in ("start", "cells"))
+    found = linearised(cycle, [each.change for each in some], Sources(start, cells))
+    if len(some) == len(directions):
+        return found
+    among = np.zeros((len(some), len(directions)))
+    among[range(len(felt)), felt] = 1.0
+    return found._replace(by_changes=found.by_changes.weighted(among))

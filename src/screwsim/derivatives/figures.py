@@ -82,7 +82,7 @@ def placed(
     at, entries, response = direction.side, problem.entries, moves.response
     if moves.unknowns.any():
         met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
-        at = made.numbers(problem, met)[0]
+        at = made.meeting(direction, met)
     pitch.put(at.plus(by, pitch.cells_as_numbers(response.cells)))
 
     def fill() -> None:

@@ -65,13 +65,16 @@ class At(NamedTuple):
         return (above - below) / (2.0 * SHIFT)
 
 
-def border_crossings(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
-    """Yield where a chamber of the last history passes the border of its phases, between angles [rad] of the pitch."""
+def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Crossing]:
+    """Yield where a chamber of the last history passes the border of its phases, between angles [rad] of the pitch.
+
+    `states` are those of all chambers there (chambers, angles, …).
+    """
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     if not pitch.has_phases:
         return
-    for start in (float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist():
-        phases = pitch.phases_of(life.states_at(start + angles))
+    every = pitch.phases_of(states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
+    for start, phases in zip((float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist(), every, strict=True):
         for k in np.flatnonzero(np.diff(phases)).tolist():
             low, high = float(angles[k]), float(angles[k + 1])
             while high - low > PLACED:

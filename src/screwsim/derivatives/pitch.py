@@ -236,7 +236,7 @@ class Pitch:
         machinery, c = self.machinery, self.machinery.composition
         edges = self.slices.edges if edges is None else edges
         begins = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + edges[:-1]
-        machinery.install(np.append(begins, c.P[P_LIFE]), life, np.zeros((len(life), machinery.nq)))
+        machinery.install(np.append(begins, c.P[P_LIFE]), life, 0.0)
 
     def image(self, q: Array, life: Trajectory | None = None) -> Array:
         """Return what a life (None: the last history) of these quadratures makes of the unknowns, in coordinates."""

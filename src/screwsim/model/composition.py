@@ -24,11 +24,12 @@ class Recipe:
 
 
 class Held(NamedTuple):
-    """A number of P that parts hold: its place, in which of what holds numbers it stands, and as what."""
+    """A number of P that parts hold: its place, in which of what holds numbers it stands, as what, and how."""
 
     place: int
     holder: int
     name: str
+    by_key: bool  # is the holder a mapping
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,9 @@ def held(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]]) -> tupl
     by_id = {id(each): i for i, each in enumerate(holders)}
     if len(by_id) < len(holders) or not all(id(holder) in by_id for holder, _ in numbers.values()):
         return None
-    return tuple(Held(place, by_id[id(holder)], name) for place, (holder, name) in numbers.items())
+    return tuple(
+        Held(place, by_id[id(holder)], name, isinstance(holder, Mapping)) for place, (holder, name) in numbers.items()
+    )
 
 
 def angles_of(parts: Parts, law: Any) -> tuple[Any, ...]:
@@ -77,9 +79,9 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
     P[: len(head)] = head
     named = operating(parts)
     P[recipe.places] = [named[name] for name in recipe.names]
-    for place, holder, name in recipe.held:
-        of = holders[holder]
-        P[place] = of[name] if isinstance(of, Mapping) else getattr(of, name)
+    P[[each.place for each in recipe.held]] = [
+        holders[at][name] if by_key else getattr(holders[at], name) for _, at, name, by_key in recipe.held
+    ]
     angles, paths, port = angles_of(parts, law), parts.all(FlowPath), parts.oil_port
     own = any("." in name for name, _ in paths)
     found = composition.breakpoints

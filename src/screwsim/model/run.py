@@ -211,7 +211,7 @@ class Machinery:
         self.module.history__states_at(angles, times, dense, int(self.kept[1]), rows[1])
         return rows[0]
 
-    def install(self, times: Array, dense: Array, quads: Array) -> None:
+    def install(self, times: Array, dense: Array, quads: Array | float) -> None:
         """Put a history of states in place as the last turn's, and fill the port states of its steps."""
         steps = len(dense)
         self._make_room(steps)

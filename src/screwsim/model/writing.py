@@ -244,7 +244,9 @@ def write_resistances(
     layout = Layout(writer.network)
     for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
-            held, values = path.resistance, ChainMap(path.resistance.values, path.values)
+            held = path.resistance
+            maps: tuple[Any, ...] = held.values, path.values
+            values = ChainMap(*maps)
             warm = {"gap": clearances.get(effect, ())}
             call = partial(writer.call, of=layout.label(writer.network.gaps[index]))
             share = call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
