@@ -16,7 +16,7 @@ from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.template import Asked, new_scene
-from screwsim.template.gas import first_flow
+from screwsim.template.gas import INVERTER, first_flow
 from screwsim.template.sizes import rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
@@ -91,5 +91,6 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
     rotors = 1e3 * scene.machine.rotor_diameter
     assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings by that size"]
     assumed += ["4 kg of oil per kg of air", "losses of a typical package, a fan of 4 % of the motor"]
+    assumed += [f"an inverter that loses {100.0 * INVERTER:g} % of it"] if asked.variable else []
     yield f"assumed: {', '.join(assumed)}"
     yield from (f"warning: {each}" for each in found.result.warnings)
