@@ -140,6 +140,7 @@ def figure(curves: list[tuple[Machine, list[Point], list[Point]]]) -> Any:
 def main() -> None:
     """Draw the figure and print the tables."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
     curves: list[tuple[Machine, list[Point], list[Point]]] = []
     for machine in MACHINES:
         plain = list(points(machine))
