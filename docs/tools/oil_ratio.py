@@ -133,7 +133,8 @@ def figure(curves: list[tuple[Machine, list[Point], list[Point]]]) -> Any:
         axes.set_xlabel("Oil over gas (kg/kg)")
         axes.set_ylabel("Specific power (kW/(m³/min))" if machine.figure == SPECIFIC else "Isentropic efficiency (%)")
         style.plain_ticks(axes.xaxis, axes.yaxis)
-    axes.legend(loc="upper right")
+        if machine is curves[-1][0]:
+            axes.legend(loc="upper right")
     return drawn
 
 
