@@ -134,7 +134,7 @@ def figure(curves: list[tuple[Machine, list[Point], list[Point]]]) -> Any:
         axes.set_ylabel("Specific power (kW/(m³/min))" if machine.figure == SPECIFIC else "Isentropic efficiency (%)")
         style.plain_ticks(axes.xaxis, axes.yaxis)
         if machine is curves[-1][0]:
-            axes.legend(loc="upper right")
+            axes.legend(loc="lower left")
     return drawn
 
 

@@ -91,9 +91,7 @@ class Parameters:
 
 
 Loss = Callable[[float], float]
-Losses = Callable[
-    [float, float], tuple[float, float]
-]  # of the motor, and with its inverter [W], by load [W], speed [rad/s]
+Losses = Callable[[float, float], tuple[float, float]]  # of the motor, with its inverter [W], by load [W] and [rad/s]
 
 
 def loss_of_shares(parameters: Parameters) -> Loss:
