@@ -7,6 +7,7 @@ from scenes import OIL_VOLUME, make, run
 from screwsim.build import build_parts
 from screwsim.explain import explain
 from screwsim.fluid import nozzle
+from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.wet_nozzle import wet_share
 from screwsim.inputs.faults import SceneError
 
@@ -33,7 +34,9 @@ def area(changes, exponent=None):
     cycle, p_d = result.cycle, result.performance.discharge_pressure
     p, rho = cycle["pressure"], cycle["gas_mass"] / cycle["volume"]
     out = np.flatnonzero((cycle["mass_flow_discharge_port"] < -0.02) & (p > 1.02 * p_d))
-    k = build_parts(make(changes)).gas.k
+    gas = build_parts(make(changes)).gas
+    assert isinstance(gas, IdealGas)
+    k = gas.k
     areas = []
     for i in out:
         choke, choked = nozzle.choking(k)

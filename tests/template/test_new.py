@@ -318,6 +318,17 @@ def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys)
     assert lines[-1].startswith("warning: the motor's load is")
 
 
+@pytest.mark.slow
+def test_large_packages_at_a_high_speed_are_told_of_and_a_lower_one_is_better():
+    """250 kW at 2950 rpm: 48 m/s at the tips; at 1800 rpm 5 % less power for the air."""
+    fast, slow = (asked_of(*[None] * 3, speed, None, None, motor="250 kW") for speed in (None, "1800 rpm"))
+    found = [sized("air", asked) for asked in (fast, slow)]
+    told = [list(sized_told(asked, each)) for asked, each in zip((fast, slow), found, strict=True)]
+    assert told[0][1].startswith("tips run at 48 m/s") and not any(line.startswith("tips") for line in told[1])
+    powers = [each.result.performance.package_specific_power for each in found]
+    assert powers[1] == pytest.approx(0.951 * powers[0], rel=5e-3)
+
+
 def test_a_size_that_is_stated_needs_no_search():
     asked = asked_of(None, "520 m^3/h", None, None, None, None, motor="45 kW", pressure="8 bar(g)")
     assert not asked.by_sheet

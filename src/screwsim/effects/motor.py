@@ -91,7 +91,7 @@ class Parameters:
 
 
 Loss = Callable[[float], float]
-Losses = Callable[[float, float], tuple[float, float]]  # of motor and inverter [W], by load [W] and speed [rad/s]
+Losses = Callable[[float, float], tuple[float, float]]  # of the motor, with its inverter [W], by load [W] and [rad/s]
 
 
 def loss_of_shares(parameters: Parameters) -> Loss:
@@ -134,15 +134,15 @@ def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
 
 
 def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, float]:
-    """Return the losses of motor and inverter [W] at a load [W], negative for a generator's (M148, M204)."""
+    """Return the loss of a motor, and with its inverter [W], at a load [W], negative for a generator's (M148, M204)."""
     own = parameters.rated_power * loss(load / parameters.rated_power)
     inner = load + own
     driven = inner / parameters.drive_efficiency if inner >= 0.0 else inner * parameters.drive_efficiency
-    return own, driven - inner
+    return own, driven - load
 
 
 def losses_of(parameters: Parameters) -> Losses:
-    """Return what motor and inverter lose [W], each, by load [W] and speed of the male rotor [rad/s]."""
+    """Return what a motor loses, and with its inverter [W], by load [W] and speed of the male rotor [rad/s]."""
     stated, drive, rated = parameters.efficiency_file, parameters.inverter, parameters.rated_power
     loss = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
     if drive is None:
@@ -152,7 +152,8 @@ def losses_of(parameters: Parameters) -> Losses:
     def lost(load: float, omega: float) -> tuple[float, float]:
         at = inverter.turning(drive, load, rated, omega)
         mains = loss(load / rated) if stated else loss(1.0) * inverter.motor_share(parameters.constant_share, at)
-        return rated * mains * (1.0 + drive.harmonic_loss), inverter.inverter_loss(terms, at)
+        own = rated * mains * (1.0 + drive.harmonic_loss)
+        return own, own + inverter.inverter_loss(terms, at)
 
     return lost
 
@@ -185,7 +186,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
     def read(figures) -> Given:
         """Return loss, electrical power and what is referred to it (M148, M149)."""
         shaft, load = figures.shaft_power, load_of(figures)
-        loss = sum(losses(load, figures.omega))
+        _, loss = losses(load, figures.omega)
         electrical = load + loss
         driving = shaft > 0.0 and electrical > 0.0
         giving = shaft < 0.0 and electrical < 0.0

@@ -14,11 +14,14 @@ from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.template import Asked, new_scene
-from screwsim.template.gas import first_flow
+from screwsim.template.gas import INVERTER, first_flow
 from screwsim.template.sizes import rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
 NEAR, TRIES = 1e-3, 8  # of what is stated, within which it is met, and how many sizes are tried
+FAST = (
+    40.0  # [m/s] of the tips, above which films of oil cost a package points of efficiency (docs/how-to/new-machine.md)
+)
 HEAVY, LIGHT = 1.15, 0.6  # loads of a motor (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly fit
 
 
@@ -83,11 +86,15 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
     if asked.motor is not None and not LIGHT <= load <= HEAVY:
         word = "more" if load > HEAVY else "less"
         yield f"the motor gets {word} than sheets have it carry (check --flow, --motor and --pressure, or --speed)"
+    tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
+    if tips > FAST:
+        yield f"tips run at {tips:.0f} m/s, where films of oil take much (a lower --speed, larger rotors)"
     ratio = scene.machine.built_in_volume_ratio
     assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} by the pressure ratio"]
     assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]
     rotors = 1e3 * scene.machine.rotor_diameter
     assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings by that size"]
     assumed += ["4 kg of oil per kg of air", "losses of a typical package, a fan of 4 % of the motor"]
+    assumed += [f"an inverter that loses {100.0 * INVERTER:g} % of it"] if asked.variable else []
     yield f"assumed: {', '.join(assumed)}"
     yield from (f"warning: {each}" for each in found.result.warnings)

@@ -123,7 +123,7 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
     motor = _motor(rated)
     if not asked.variable:
         return {
-            "motor": texts.filled("fixed_speed", motor),
+            "driven": texts.filled("fixed_speed", motor),
             "valve": "    inlet_valve: {pressure_loss: 15 mbar}\n",
             "fan_control": "",
             "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n",
@@ -132,7 +132,7 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
     points = ", ".join(f"{float(sizes.rpm(share * speed).split()[0]):.0f} rpm" for share in SPEEDS)
     told = "# The points of its data sheet, from all of its speed to a third."
     return {
-        "motor": texts.filled("variable_speed", {**motor, **inverter}),
+        "driven": texts.filled("variable_speed", {**motor, **inverter}),
         "valve": "",
         "fan_control": ", control: flow",
         "sweep": f"\n{told}\nsweep:\n  operation.speed: [{points}]\n",

@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.leakage import TURN
@@ -20,6 +19,7 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.ports import groove_tips
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.settings import SlideValve
+from screwsim.numerics.roots import brentq
 
 PATH = "machine.slide_valve"
 LEAST = 0.22  # of the largest volume, that a slide leaves closed in at the end of its way: about a quarter of the flow
