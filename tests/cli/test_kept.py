@@ -165,6 +165,7 @@ def test_what_is_written_into_a_folder_replaces_nothing_of_others(command, name,
 @pytest.mark.parametrize(
     "command", [["rotors", ROTORS], ["export", "loads", POINT, *ROUGH], ["startup", DRIVE, "--longest", "0.02"]]
 )
+@pytest.mark.usefixtures("sketched")  # figures are told by their names
 def test_what_is_written_into_a_folder_is_written_again(command, tmp_path):
     before = exit_code([*command, "-o", str(tmp_path)])
     written = sorted(tmp_path.rglob("*"))

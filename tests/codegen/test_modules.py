@@ -92,6 +92,28 @@ def test_what_has_run_for_a_while_is_written_for_speed_once(python, tmp_path):
     assert (again.stdout, again.stderr) == (f"{TAKEN}{{True}} 0 42.0\n", "")
 
 
+PARTLY = f"""
+import itertools, types
+from screwsim.codegen import modules
+modules.PATIENCE, modules.time = 1.0, types.SimpleNamespace(perf_counter=itertools.count().__next__)  # a second a call
+module = modules.load("{TEXT}", "test")
+for _ in range(2):
+    value, variant = module.twice(21.0), next(iter(module.twice._variants.values()))
+    for _ in range(int(0.2 * getattr(variant, "_size", 0.0))):
+        module.twice(21.0)
+print(value, len(module.made))
+"""
+
+
+def test_what_runs_for_a_while_in_many_processes_is_written_for_speed(python, tmp_path):
+    """Each runs it for two fifths of the time that the code has: the third writes it again, the fourth has it."""
+    cache = tmp_path / "cache"
+    assert [python(PARTLY, SCREWSIM_CACHE=str(cache)).stdout for _ in range(2)] == [MADE, TAKEN]
+    assert {path.suffix for path in cache.iterdir()} == {".code", ".py", ".ran"}
+    assert [python(PARTLY, SCREWSIM_CACHE=str(cache)).stdout for _ in range(2)] == [MADE, TAKEN]
+    assert {path.suffix for path in cache.iterdir()} == {".code", ".py", ".fast"}
+
+
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n"
 
 

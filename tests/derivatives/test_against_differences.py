@@ -112,12 +112,18 @@ def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figure
             assert found.relative(figure, path) == pytest.approx(exact.relative(figure, path), rel=STOOD_IN), path
 
 
-def differenced(scene, path, figure, step, rtol):
-    """Return the derivative of a figure in percent per percent, and its value, by tightly closed cycles."""
+def all_differenced(scene, path, figures, step, rtol):
+    """Return the derivatives of figures in percent per percent, by tightly closed cycles."""
     value, problem = value_at(scene, path), problem_of(scene)
     tight = Tight(problem, leased(problem), rtol=rtol)
-    sides = [figures_of(tight.of(with_values(scene, {path: value * (1.0 + by)})))[figure] for by in (step, -step)]
-    return (sides[0] - sides[1]) / (2.0 * step * figures_of(tight.base)[figure])
+    above, below = (figures_of(tight.of(with_values(scene, {path: value * (1.0 + by)}))) for by in (step, -step))
+    at = figures_of(tight.base)
+    return {figure: (above[figure] - below[figure]) / (2.0 * step * at[figure]) for figure in figures}
+
+
+def differenced(scene, path, figure, step, rtol):
+    """Return the derivative of one figure so."""
+    return all_differenced(scene, path, [figure], step, rtol)[figure]
 
 
 def test_a_number_that_moves_the_corner_of_a_gap_has_its_derivative():

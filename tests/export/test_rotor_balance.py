@@ -1,6 +1,7 @@
 """Rotors stand but for their turning: gas, contact and bearings balance; a uniform pressure does nothing."""
 
 import math
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 SPANS, SHAFTS = (0.04, 0.06), (0.06, 0.05)
 
 
+@cache
 def laid_of(name: str) -> Laid:
     return lay(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
 

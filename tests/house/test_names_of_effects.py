@@ -70,30 +70,28 @@ def named(path: Path) -> str:
 
 
 @cache
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def nodes(path: Path) -> list[ast.AST]:
+    return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 @cache
 def texts(path: Path) -> frozenset[str]:
     """Return the strings of a source, docstrings apart."""
-    tree = parsed(path)
-    owners = (node for node in ast.walk(tree) if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef))
+    owners = (node for node in nodes(path) if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef))
     docs = {id(node.body[0].value) for node in owners if node.body and isinstance(node.body[0], ast.Expr)}
-    strings = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    strings = (node for node in nodes(path) if isinstance(node, ast.Constant) and isinstance(node.value, str))
     return frozenset(node.value for node in strings if id(node) not in docs)
 
 
 def named_in(path: Path) -> set[str]:
     """Return the effects that strings of a source name: alone, or as effects.NAME."""
-    effects, every = set(catalogue()), texts(path)
+    effects, every = catalogue().keys(), texts(path)
     return (effects & every) | {name for text in every for name, _ in PATH.findall(text) if name in effects}
 
 
 def imported(path: Path) -> set[str]:
     """Return the effects whose files a source imports from."""
-    nodes = (node for node in ast.walk(parsed(path)) if isinstance(node, ast.ImportFrom))
-    modules = [(node.module or "").split(".") for node in nodes]
+    modules = [(node.module or "").split(".") for node in nodes(path) if isinstance(node, ast.ImportFrom)]
     return {each[2] for each in modules if each[:2] == ["screwsim", "effects"] and len(each) > 2} - HELPERS
 
 
@@ -150,7 +148,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
 
 def compared(path: Path) -> Iterator[str]:
     """Yield what a source holds against a word, or against the name of one."""
-    for node in ast.walk(parsed(path)):
+    for node in nodes(path):
         if isinstance(node, ast.Compare) and isinstance(node.left, ast.Attribute):
             words = node.comparators[0]
             if isinstance(words, ast.Tuple) and words.elts:

@@ -4,8 +4,8 @@ A module's name is the hash of all its text and of what compiles it, so that an 
 stale one cannot be run. What is compiled of it, one file for each function and kinds of arguments, is kept in the cache
 folder; a text that is not asked to compile anything is not even read.
 
-A function is written soon at first. Once that has run for a while it is written again for speed, with the same bits:
-who waits for a first result need not wait for what only many results pay for.
+A function is written soon at first. Once that has run for a while, in this process and those before, it is written
+again for speed, with the same bits: who waits for a first result need not wait for what only many results pay for.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ _libraries: dict[int, tuple[Module, Any]] = {}  # of the modules that were compi
 _writing = threading.RLock()
 MOST_LIBRARIES = 3
 PATIENCE = 5e-6  # [s a byte] that code which was written soon runs before it is written for speed: what that takes
+SHARES = 16  # of that time: what a process has run of it is told others in so many steps
+_FULL = 4096  # [byte] of the file of these
 _measuring: list[object] = []  # who measures times: each step on it is one of the interpreter's own
 
 
@@ -114,6 +116,10 @@ class Module(ModuleType):
             kept = machine.for_device(text).encode()
             store.keep(symbol, kept)
         return kept
+
+    def run_file(self, name: str, kinds: tuple[Kind, ...]) -> str:
+        """Return the name of the file that tells how long a function which was written soon has run; '': none does."""
+        return "" if self._outside or self._checks else f"{self._symbol(name, kinds)}.ran"
 
     def _symbol(self, name: str, kinds: tuple[Kind, ...]) -> str:
         of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
@@ -200,7 +206,7 @@ class Function:
         with self._alone:
             if key not in self._variants:
                 variant, size = self._compiled(key, self._module.fast or bool(_measuring))
-                self._variants[key] = _Tried(variant, self, key, size) if size else variant
+                self._variants[key] = _Tried(variant, self, key, size, self._run_file(key)) if size else variant
             return self._variants[key]
 
     def hasten(self, key: tuple[int, ...]) -> None:
@@ -210,24 +216,45 @@ class Function:
                 with compiling.again():
                     self._variants[key] = self._compiled(key, True)[0]
 
+    def _run_file(self, key: tuple[int, ...]) -> str:
+        return self._module.run_file(self._name, tuple(KINDS[kind] for kind in key))
+
     def _compiled(self, key: tuple[int, ...], fast: bool) -> tuple[Variant, int]:
         return self._module.compiled(self._name, tuple(KINDS[kind] for kind in key), fast)
 
 
 class _Tried:
-    """A variant that was written soon, of so many bytes, and how long it has run."""
+    """A variant that was written soon, of so many bytes, and how long it has run.
 
-    def __init__(self, variant: Variant, function: Function, key: tuple[int, ...], size: int) -> None:
-        self._variant, self._function, self._key, self._size = variant, function, key, size
-        self._ran = 0.0
+    `file` tells what processes before ran of it, a line a share of its time; '': it is not kept.
+    """
+
+    def __init__(self, variant: Variant, function: Function, key: tuple[int, ...], size: int, file: str) -> None:
+        self._variant, self._function, self._key, self._size, self._file = variant, function, key, size, file
+        before = sum(store.sound(line) is not None for line in store.read_lines(file, _FULL)) if file else 0
+        self._share = PATIENCE * size / SHARES
+        self._ran = before * self._share if before else 0.0  # a share may be endless
+        self._untold = self._ran + self._share
 
     def __call__(self, words: Sequence[float]) -> Any:
         started = time.perf_counter()
         found = self._variant(words)
         self._ran += time.perf_counter() - started
+        if _measuring or self._ran > self._untold:
+            self._consider()
+        return found
+
+    def _consider(self) -> None:
+        """Write it for speed where it has run for long enough, or tell others how long it has."""
         if _measuring or self._ran > PATIENCE * self._size:
             self._function.hasten(self._key)
-        return found
+            if self._file:
+                store.drop(self._file)
+            return
+        while self._untold < self._ran:
+            self._untold += self._share
+            if self._file:
+                store.append_line(self._file, "", _FULL)
 
 
 _Calls = Variant | _Tried

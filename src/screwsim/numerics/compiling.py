@@ -86,11 +86,12 @@ _own = threading.local()
 
 @contextmanager
 def again() -> Iterator[None]:
-    """Take note that what runs is compiled once more, for speed: within a solution, and none of its time."""
-    before, started = seconds_again(), time.perf_counter()
+    """Take note that what runs is compiled once more, for speed: in silence, and none of a solution's time."""
+    before, started, waits = seconds_again(), time.perf_counter(), _now.set(None)
     try:
         yield
     finally:
+        _now.reset(waits)
         _own.seconds = before + time.perf_counter() - started
 
 

@@ -5,6 +5,7 @@ connected regions of free pixels.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -37,8 +38,10 @@ class Solids:
         self.x, self.y = np.meshgrid(x, y)
         from_male, from_female = np.hypot(self.x, self.y), np.hypot(self.x - A, self.y)
         self.male_bore, self.female_bore = from_male < R1, from_female < R2
-        # no rotor reaches further, the thickness of its pixels included
-        self.around_male, self.around_female = from_male < R1 + FINE, from_female < R2 + FINE
+        # no rotor reaches further, the thickness of its pixels included: where that is, and these points [m]
+        around = np.flatnonzero(from_male < R1 + FINE), np.flatnonzero(from_female < R2 + FINE)
+        self.around = [(at, self.x.flat[at], self.y.flat[at]) for at in around]
+        self.labels = lru_cache(maxsize=4)(self._labels)  # of the sections that were looked at last
 
     def in_male(self, x, y, psi):
         """Return which points [m] lie in the male rotor at ψ."""
@@ -53,23 +56,27 @@ class Solids:
 
     @staticmethod
     def _look(image, u, v, radius):
-        i, j = np.rint((v + radius) / FINE).astype(int), np.rint((u + radius) / FINE).astype(int)
-        inside = (i >= 0) & (j >= 0) & (i < len(image)) & (j < len(image))
-        return inside & image[np.clip(i, 0, len(image) - 1), np.clip(j, 0, len(image) - 1)]
+        last = len(image) - 1
+        i, j = (np.rint((each + radius) / FINE).astype(np.int32) for each in (v, u))
+        rows, columns = np.clip(i, 0, last), np.clip(j, 0, last)
+        return image[rows, columns] & (rows == i) & (columns == j)
 
     def free(self, psi):
         """Return the free pixels of a section at ψ."""
         found = self.male_bore | self.female_bore
-        for around, inside in ((self.around_male, self.in_male), (self.around_female, self.in_female)):
-            found[around] &= ~inside(self.x[around], self.y[around], psi)
+        for (at, x, y), inside in zip(self.around, (self.in_male, self.in_female), strict=True):
+            found.flat[at[inside(x, y, psi)]] = False
         return found
+
+    def _labels(self, psi):
+        return ndimage.label(self.free(psi))[0]
 
     def chamber(self, psi, lobe=0):
         """Return the pixels of the chamber ahead of male lobe `lobe` (1: the next one behind), as connected regions.
 
         It holds what touches the lobe's leading flank near its tip, and the bottom of the groove that lobe enters.
         """
-        labels = ndimage.label(self.free(psi))[0]
+        labels = self.labels(float(psi))
         pair, own = self.pair, psi - lobe * self.pair.pitch
         tip = -np.linspace(0.02, 0.12, 40)  # male frame, ahead of the tip
         seeds = [
