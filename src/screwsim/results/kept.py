@@ -9,7 +9,6 @@ from pathlib import Path
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import HDF5, OTHERS, check_target_kind, holds, keep_others
 
-
 PAGE = '<meta name="generator" content="screwsim '  # what our pages say of themselves
 PDF = "/Creator (screwsim)"
 
