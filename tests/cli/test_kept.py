@@ -171,3 +171,27 @@ def test_what_is_written_into_a_folder_is_written_again(command, tmp_path):
     written = sorted(tmp_path.rglob("*"))
     assert exit_code([*command, "-o", str(tmp_path)]) == before != 2
     assert written and sorted(tmp_path.rglob("*")) == written
+
+
+PAGES = {  # the command, and what another program may have under such a name: it begins as ours does
+    "report": ("report", ".html", b"<!DOCTYPE html>\n<html><body>my thesis</body></html>\n"),
+    "sheet": ("datasheet", ".html", b"<!doctype html>\n<html><body>my thesis</body></html>\n"),
+    "sheet as PDF": ("datasheet", ".pdf", b"%PDF-1.4\n% my thesis\n"),
+}
+RATED = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "--jobs", "1", *ROUGH]
+
+
+@pytest.mark.parametrize("kind", PAGES)
+def test_a_page_replaces_its_own_and_no_other(kind, swept, tmp_path, capsys):
+    command, ending, text = PAGES[kind]
+    machine = str(CONFIGS / "r134a" / "point.yaml")
+    asked = [command, swept] if command == "report" else [command, machine, *RATED]
+    mine, own = tmp_path / f"mine{ending}", tmp_path / f"own{ending}"
+    mine.write_bytes(text)
+    assert exit_code([*asked, "-o", str(mine)]) == 2
+    assert f"{mine}: {OTHERS}" in capsys.readouterr().err
+    assert mine.read_bytes() == text
+    own.touch()
+    for _ in range(2):
+        assert exit_code([*asked, "-o", str(own)]) == 0
+    assert own.stat().st_size > 1000

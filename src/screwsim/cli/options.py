@@ -75,9 +75,9 @@ def check_columns(output: Path | None, title: str, *names: str) -> None:
 
 def check_page(output: Path) -> None:
     """Raise UsageError where the name of a page does not end as one, or a file lies there that is none."""
-    from screwsim.results.atomic import keep_others
+    from screwsim.results.kept import PAGE, keep_without
 
-    keep_others(output, b"<!doctype html>")
+    keep_without(output, PAGE)
     if output.suffix.lower() not in PAGES:
         good = output.with_suffix(PAGES[0])
         raise UsageError(f"-o {output}: a page is written, which ends in {' or '.join(PAGES)} (write -o {good})")

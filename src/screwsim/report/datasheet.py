@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.results.atomic import keep_others, make_folder, write_text
+from screwsim.results.atomic import make_folder, write_text
+from screwsim.results.kept import PAGE, PDF, keep_without
 from screwsim.version import version
 
 WIDE, HIGH = 640.0, 300.0  # of a drawing
@@ -24,12 +25,11 @@ LONG = 42  # letters of all heads of a table, from which on units go below their
 
 def check_sheet(output: Path) -> None:
     """Raise UsageError where the name of a sheet is neither that of a page nor of a PDF, or another file lies there."""
-    kinds = {".pdf": b"%PDF", ".html": b"<!doctype html>", ".htm": b"<!doctype html>"}
-    begins = kinds.get(output.suffix.lower())
-    if begins is None:
+    mark = {".pdf": PDF, ".html": PAGE, ".htm": PAGE}.get(output.suffix.lower())
+    if mark is None:
         good = " or ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
         raise UsageError(f"-o {output}: a sheet is a page or a PDF (write -o {good})")
-    keep_others(output, begins)
+    keep_without(output, mark)
 
 
 def write_sheet(sheet: Any, output: Path) -> str:

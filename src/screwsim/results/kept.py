@@ -7,6 +7,9 @@ from pathlib import Path
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import HDF5, OTHERS, check_target_kind, holds, keep_others
 
+PAGE = '<meta name="generator" content="screwsim '  # what our pages say of themselves
+PDF = "/Creator (screwsim)"
+
 
 def keep_in(folder: Path, begins: Mapping[str, str]) -> None:
     """Raise UsageError where a folder holds a file of one of the names that does not begin as those that are ours."""

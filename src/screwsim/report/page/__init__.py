@@ -25,10 +25,11 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
     if missing:
         raise UsageError(f"the page needs {' and '.join(missing)}: pip install 'screwsim[report]'")
     from screwsim.results import open_results
-    from screwsim.results.atomic import keep_others, make_folder, write_text
+    from screwsim.results.atomic import make_folder, write_text
+    from screwsim.results.kept import PAGE, keep_without
 
     target = Path(output)
-    keep_others(target, b"<!doctype html>")
+    keep_without(target, PAGE)
     text = page_of(open_results(path), claims)
     make_folder(target.parent)
     return write_text(target, text)
