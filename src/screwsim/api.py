@@ -3,6 +3,8 @@
 Each is the study of the command of that name; its arguments are what the command is given.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
