@@ -62,14 +62,18 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     parts = Parts(output, own, "optimisation")
     if not restart:
         if output.exists():
-            read_attributes(output)  # raises of a file that is none of ours
-            raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
+            _refuse_existing(output)
         _refuse_others(parts, own)
     parts.open(restart)
     try:
         yield parts
     finally:
         parts.close()
+
+
+def _refuse_existing(output: Path) -> None:
+    read_attributes(output)  # raises of a file that is none of ours
+    raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
 
 
 def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
