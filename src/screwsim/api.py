@@ -3,6 +3,8 @@
 Each is the study of the command of that name; its arguments are what the command is given.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -160,7 +162,7 @@ def diagnose(
     `scene` and `data` replace the files that the fit names; `unchanged` is the prior probability that nothing has
     changed, `pairs` the prior odds of two changes at once against one (0: only single changes).
     """
-    asked = _fit_of(fit, scene, data)
+    asked = _read(fit, scene, data, fixed=False)
     return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=shown("diagnose", progress))
 
 
@@ -190,7 +192,7 @@ def plan(
 
     Candidates are the points of a CSV file, or all combinations of `levels` values from each range.
     """
-    asked = _fit_of(fit, scene, data)
+    asked = _read(fit, scene, data, fixed=False)
     for path, ends in (ranges or {}).items():
         if isinstance(ends, str | bytes | Mapping) or not isinstance(ends, Collection) or len(ends) != 2:
             raise UsageError(f"ranges[{path!r}]: {ends!r} is no pair (pass e.g. ('1000 rpm', '4000 rpm'))")
@@ -199,25 +201,15 @@ def plan(
     return _plan(asked, points, count=count, jobs=jobs, progress=shown("plan", progress))
 
 
-def _read(fit: Any) -> Fit:
-    """Return a fit that is one, or that of a file; raise UsageError with what to pass."""
+def _read(fit: Any, scene: Any = None, data: Any = None, fixed: bool = True) -> Fit:
+    """Return a fit that is one, or that of a file, with other files in it; raise UsageError with what to pass."""
     if not isinstance(fit, Fit | str | os.PathLike):
         raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
-    return fit if isinstance(fit, Fit) else read_fit(fit)
-
-
-def _fit_of(
-    fit: Fit | str | os.PathLike[str],
-    scene: str | os.PathLike[str] | None = None,
-    data: str | os.PathLike[str] | None = None,
-) -> Fit:
-    if not isinstance(fit, Fit | str | os.PathLike):
-        raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
-    if isinstance(fit, Fit):
-        if scene is not None or data is not None:
-            raise UsageError("scene and data replace files of a fit's file (pass its path, not a Fit)")
-        return fit
-    return read_fit(fit, scene=scene, data=data, fixed=False)
+    if not isinstance(fit, Fit):
+        return read_fit(fit, scene=scene, data=data, fixed=fixed)
+    if scene is not None or data is not None:
+        raise UsageError("scene and data replace files of a fit's file (pass its path, not a Fit)")
+    return fit
 
 
 def results_of(given: Any) -> Results:

@@ -8,6 +8,8 @@ Each returns the axes; without `ax` it draws into those of a new figure of pyplo
 `screwsim plot` writes them: `screwsim.plot.write`.
 """
 
+from __future__ import annotations
+
 import os
 from collections.abc import Callable
 from typing import Any

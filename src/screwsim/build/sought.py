@@ -1,8 +1,8 @@
-"""Numbers that a scene leaves open, one figure each that tells them: the oil's flow, and what effects leave open.
+"""Numbers that a scene leaves open and that are found with the cycle, each from one figure that is stated instead.
 
-`oil_supply.discharge_temperature` asks for the oil that brings the mixture to that temperature (docs/model.md M370),
-`oil_supply.flow` for so much that it is that of a pump (M393). What effects leave open their parameters say
-(`effects.parts.sought`). All are found with the cycle (`solve.circuit`), each as a coordinate in kelvin.
+`oil_supply.discharge_temperature` asks for as much oil as brings the mixture to that temperature (docs/model.md M370),
+`oil_supply.flow` for as much as a pump delivers (M393). What effects leave open is said by their parameters
+(`effects.parts.sought`). All are found together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
 """
 
 import math

@@ -121,10 +121,12 @@ def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) ->
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
-        built = [
-            changed(part, values={**part.values, **numbers}) if isinstance(part, Numbered) else part for part in built
-        ]
+        built = [_with(part, numbers) if isinstance(part, Numbered) else part for part in built]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
     return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
+
+
+def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
+    return changed(part, values={**part.values, **numbers})

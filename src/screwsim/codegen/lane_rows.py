@@ -1,6 +1,6 @@
-"""Histories of all lanes, read a row at a time: what stands beside each other is loaded at once, and turned to lanes.
+"""Histories of all lanes, read a row at a time: neighbouring numbers are loaded together and transposed into lanes.
 
-A gather asks for eight numbers of eight lanes in as much time as eight loads of eight numbers each; so what
+Gathering eight numbers of eight lanes takes as long as eight loads of eight numbers each. So what
 `numerics.history.read` does for one column after the other is done here for eight columns of one lane, lane by lane.
 Each number is made by the same operations in the same order: no bit differs.
 """

@@ -1,9 +1,9 @@
-"""What comes back of the discharge line: how far what a turn makes of it is from what all later turns would make.
+"""What comes back from the discharge line: how far the effect of one turn is from that of all turns to come.
 
-Gas and oil that flow back mix with what is compressed and leave with it. Warmer by ΔT they make the outflow warmer by
-their share s of its heat capacity, which is what flows back warmer next: later turns add s/(1 − s) ΔT in all. That
-holds where oil is carried, whose heat leaves with it; heat that a given outlet temperature, droplets, or a gas
-whose two phases are followed take does not come back.
+Gas and oil that flow back mix with what is compressed and leave with it. If they are warmer by ΔT, they warm the
+outflow by s ΔT, where s is their share of its heat capacity, and that is what flows back next: all later turns together
+add s/(1 − s) ΔT. This holds where oil is carried, whose heat leaves with it. It does not hold for heat that goes to a
+stated outlet temperature, to droplets, or to a gas whose two phases are followed: that heat does not come back.
 
 Source: docs/explanation/numerics.md, what the cycle makes.
 """

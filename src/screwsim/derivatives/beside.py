@@ -1,7 +1,7 @@
-"""Rates at all nodes side by side in the lanes of a core: each lane with numbers of its own, or with nodes of its own.
+"""Rates at all nodes side by side in the lanes of a core: each lane has its own numbers, or its own nodes.
 
-Lanes are written when they are first asked for, in seconds, and kept: what runs in them does not depend on what ran
-before, so that one scene has one answer.
+Lanes are compiled when they are first asked for, which takes seconds, and kept. What runs in a lane does not depend on
+what ran before, so that a scene always has the same answer.
 """
 
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What of a closed cycle deserves a word: figures that hardly can be, what goes astray, errors above the wanted."""
+"""What is worth a warning in a closed cycle: implausible figures, flows gone astray, errors above those asked for."""
 
 import math
 from collections.abc import Iterator

@@ -1,5 +1,7 @@
 """Faults that a person can mend: each says where, what and the remedy."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from numbers import Real

@@ -1,8 +1,7 @@
-"""Who integrates the turns that are asked for in this thread: each machinery its own, or somebody for many.
+"""Who integrates the turns that a thread asks for: each machinery its own, or one caller for many.
 
-Points that are solved side by side also wait for each other at stations on their way, so that a part of it is done for
-all of them before the next: what it asks for (code, tables) is in the processor's cache then, which after a turn it is
-not.
+Points that are solved side by side also wait for each other at stations on their way. Each part of the way is then done
+for all points before the next one begins, while the code and tables that it needs are in the processor's cache.
 """
 
 import threading

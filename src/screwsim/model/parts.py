@@ -1,4 +1,4 @@
-"""What a scene names, built: what the composer takes, and everything that asks what is simulated."""
+"""The parts of a scene, built: what the composer takes, and what all others ask to learn what is simulated."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

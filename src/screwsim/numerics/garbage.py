@@ -1,7 +1,7 @@
-"""Python's search for garbage, put off where many objects are made of which none is garbage: texts, scenes composed.
+"""Python's garbage collection, put off while many objects are made that are no garbage: parsed texts, composed scenes.
 
-Trees of a text are some hundred thousand objects, made one after the other and none of them in a ring: each search on
-the way goes through all of them and finds nothing. Reading a text without takes half the time.
+The tree of a text has some hundred thousand objects, made one after the other, without any cycles: every collection on
+the way visits all of them and finds nothing. Without it a text is read in half the time.
 """
 
 import gc

@@ -1,7 +1,7 @@
-"""What a cycle makes and what acts back on it: numbers that are closed together with the states.
+"""Feedback unknowns: numbers that a cycle makes and that act back on it. They are closed together with the states.
 
-One turn maps them to the next. They are compared and mixed in coordinates: most in logarithms, as the states are,
-others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
+One turn maps them to the next. They are compared and mixed in coordinates: most of them as logarithms, as the states
+are, the others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
 """
 
 from collections.abc import Sequence

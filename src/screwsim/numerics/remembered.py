@@ -1,8 +1,8 @@
-"""What follows from objects that many cases share: found once for the same objects, without a look at what they hold.
+"""Results that follow from objects shared by many cases: found once for each object, without looking into it.
 
-`functools.lru_cache` asks for the hash of its arguments, which for a section of a scene costs more than most of what is
-remembered of it. Objects are held as long as they are remembered, so that where they stand tells them. They must be
-such that nobody changes.
+`functools.lru_cache` hashes its arguments, which for a section of a scene costs more than most of the results that are
+remembered. Here objects are known by their address, and are held for as long as their results are remembered. They must
+never change.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
-"""Arrays in memory that others had before: what nobody holds any more is given out again.
+"""Arrays in memory that is used again once nobody holds it any more.
 
-An allocator may give large arrays back to the system, which then hands out page after page anew: in a virtual machine
-that takes as long as what is written into them. Who holds an array, or a view of it, holds its memory.
+An allocator may return large arrays to the system, which then has to map their pages anew: in a virtual machine that
+takes as long as filling them. Whoever holds an array, or a view of it, holds its memory.
 """
 
 import sys

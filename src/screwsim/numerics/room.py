@@ -1,4 +1,4 @@
-"""Room for numbers of which few may ever be written: pages of the system that cost nothing until they are."""
+"""Memory for many numbers of which few may ever be written: pages cost nothing until they are."""
 
 import mmap
 from math import prod

@@ -1,5 +1,7 @@
 """The record that carries the results of one simulation."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,5 +1,7 @@
 """Results from HDF5: figures by name, read when asked for; nothing but what results hold is taken from a file."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Load a scene: file, base, overrides, typed sections, cross-checks; every fault at once."""
 
+from __future__ import annotations
+
 import os
 import re
 from collections.abc import Iterable

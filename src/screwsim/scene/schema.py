@@ -1,5 +1,7 @@
 """JSON Schema of a scene, for editors and other programs, from the same declarations that read it."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

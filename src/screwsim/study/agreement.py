@@ -1,4 +1,4 @@
-"""That workers compute with what the sweep began with, and that the scene's files stay as they were: by content."""
+"""Checks, by content, that workers run the code with which a sweep began and that the scene's files did not change."""
 
 import os
 import sys

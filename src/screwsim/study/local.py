@@ -4,6 +4,8 @@ They are exact where the cycle can be linearised (`derivatives`), and difference
 them a number's are is told with them.
 """
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,7 @@
 """A compressor map at points: what its polynomials say at temperatures inside its envelope."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,5 +1,7 @@
 """A point as a program asks for it: simulated, and the derivatives of its figures when they are asked for."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A scene that a study found, as a file: its base, and the paths that differ from it; whole where that says not all."""
+"""A scene that a study found, as a file: its base and the paths that differ from it, or the whole scene if need be."""
 
 import os
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,7 @@
 """Goal seek: the values of paths at which figures are what they are wanted to be, and machines sized that way."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
