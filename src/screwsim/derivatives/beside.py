@@ -4,6 +4,8 @@ Lanes are compiled when they are first asked for, which takes seconds, and kept.
 what ran before, so that a scene always has the same answer.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
