@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Generator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -137,42 +136,6 @@ def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.Tes
     if report.passed:
         report.keywords = {}
     return report
-
-
-SHOWN = 0.005  # [s] from which `--durations` shows a phase, too
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_report_to_serializable(report: Any) -> dict[str, Any] | None:
-    """Write nothing of a quick way in or out of a test that passed: `_told` does not send it."""
-    aside = isinstance(report, pytest.TestReport) and report.passed and report.when != "call"
-    return {} if aside and report.duration < SHOWN else None
-
-
-def pytest_sessionstart(session: pytest.Session) -> None:
-    """Let a process of pytest-xdist tell the first one once of a test: to tell of all takes that a millisecond each."""
-    for plugin in session.config.pluginmanager.get_plugins():
-        if type(plugin).__name__ == "WorkerInteractor":
-            plugin.sendevent = partial(_told, plugin.sendevent)
-
-
-def _told(send: Callable[..., None], name: str, **what: Any) -> None:
-    nothing = name == "testreport" and "outcome" not in what["data"]
-    if not nothing and name not in ("logstart", "logfinish"):
-        send(name, **what)
-
-
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Give whole files, as `--dist loadfile` does, and forget those that are done: all were counted with each test."""
-    from xdist.scheduler import LoadFileScheduling
-
-    class Files(LoadFileScheduling):
-        def _pending_of(self, workload: Any) -> int:
-            for name in [name for name, tests in workload.items() if all(tests.values())]:
-                del workload[name]
-            return super()._pending_of(workload)
-
-    return Files(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 @pytest.fixture(scope="module")
