@@ -41,5 +41,5 @@ def new_scene(kind: str, asked: Asked) -> str:
             why = what.partition(": ")[2].rpartition(" (")[0]
             remedy = "a --condition whose ends are farther apart, or no --economizer"
             raise UsageError(f"--economizer: {why} ({remedy})") from None
-        raise UsageError(f"such a {kind} cannot be: {what or place}") from None
+        raise UsageError(f"such {'an' if kind[0] in 'aeiou' else 'a'} {kind} cannot be: {what or place}") from None
     return text
