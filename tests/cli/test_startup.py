@@ -86,4 +86,4 @@ def test_a_drive_that_cannot_be_followed_ends_with_the_remedy(inertia, capsys):
     assert cli.exit_code(asked) == 4
     printed = " ".join(capsys.readouterr().out.split())
     assert "status: failed, the drive moves too fast for its coupling to be followed over a pitch" in printed
-    assert "effects.drive.motor_inertia" in printed
+    assert "(a larger motor_inertia or rotor_inertia, or a softer, less damped coupling)" in printed

@@ -24,8 +24,8 @@ MOST_STOPS = 40  # of one pitch
 LONGEST_HOLD = 20.0  # s
 MOST_RATES = 300_000  # evaluations over a pitch: beyond, inertias and coupling are none of one machine
 TOO_FAST = (
-    "the drive moves too fast for its coupling to be followed over a pitch (a larger effects.drive.motor_inertia or "
-    "rotor_inertia, or a softer, less damped coupling)"
+    "the drive moves too fast for its coupling to be followed over a pitch (a larger motor_inertia or rotor_inertia, "
+    "or a softer, less damped coupling)"
 )
 
 
