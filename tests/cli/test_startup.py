@@ -76,3 +76,14 @@ def test_traces_and_figure_are_written(started, tmp_path):
 def test_a_scene_without_a_drive_cannot_be_started(capsys):
     assert cli.exit_code(["startup", str(CONFIGS / "paper/point.yaml")]) == 2
     assert "the scene has no drive to start (name drive under effects)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("inertia", ["motor_inertia", "rotor_inertia"])
+def test_a_drive_that_cannot_be_followed_ends_with_the_remedy(inertia, capsys):
+    """An inertia of 1e-9 kg m² on 6 N m s/rad moves within nanoseconds: a pitch would take hours."""
+    scene = str(CONFIGS / "drive/point.yaml")
+    asked = ["startup", scene, "--set", f"effects.drive.{inertia}=1e-9 kg m^2", "--set", "numerics.error=none"]
+    assert cli.exit_code(asked) == 4
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "status: failed, the drive moves too fast for its coupling to be followed over a pitch" in printed
+    assert "(a larger motor_inertia or rotor_inertia, or a softer, less damped coupling)" in printed

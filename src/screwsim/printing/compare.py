@@ -46,7 +46,8 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         say("\n".join(plain_table(["scene", "A", "B"], rows, 1)))
     if found.status_changes:
         say()
-        say(f"{found.status_changes} points have another status")
+        count = found.status_changes
+        say(f"{count} point{'s have' if count != 1 else ' has'} another status")
         for each in found.first_status_changes:
             say(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
     if not found.compared:

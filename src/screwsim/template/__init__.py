@@ -60,9 +60,7 @@ def new_scene(kind: str, asked: Asked) -> str:
         loads(text, f"new {kind}")
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
-        if asked.economizer and what.startswith("effects.economizer"):
-            why = what.partition(": ")[2].rpartition(" (")[0]
-            remedy = "a --condition whose ends are farther apart, or no --economizer"
-            raise UsageError(f"--economizer: {why} ({remedy})") from None
-        raise UsageError(f"such a {kind} cannot be: {what or place}") from None
+        port = refrigeration.refused_port(what) if asked.economizer else ""
+        such = f"such {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+        raise UsageError(port or f"{such} cannot be: {what or place}") from None
     return text

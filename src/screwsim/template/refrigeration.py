@@ -143,6 +143,13 @@ def _economizer(text: str, size: sizes.Size) -> str:
     return texts.filled("economizer", {**values, "area": sizes.area(PORT * size.diameter**2, 2)})
 
 
+def refused_port(what: str) -> str:
+    """Return why there can be no economizer, with a remedy that the command has; empty of a fault of another kind."""
+    place, _, why = what.partition(": ")
+    remedy = "a --condition whose ends are farther apart, or no --economizer"
+    return f"--economizer: {why.rpartition(' (')[0]} ({remedy})" if place.startswith("effects.economizer") else ""
+
+
 def _rests(fluid: str) -> str:
     """Return what λ and η_s of the machine rest on, as lines of a comment."""
     if fluid.lower() in CURVES:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.inputs.faults import UsageError
 from screwsim.machine.drive.train import Train
 
 Array = np.ndarray
@@ -19,6 +20,11 @@ AWAY = 2.0  # times that speed have rotors that break away
 EXCESS = 0.02  # of the load, by which the coupling's torque exceeds it then
 MOST_STOPS = 40  # of one pitch
 LONGEST_HOLD = 20.0  # s
+MOST_RATES = 300_000  # evaluations over a pitch: beyond, inertias and coupling are none of one machine
+TOO_FAST = (
+    "the drive moves too fast for its coupling to be followed over a pitch (a larger motor_inertia or rotor_inertia, "
+    "or a softer, less damped coupling)"
+)
 
 
 class Motion(NamedTuple):
@@ -135,4 +141,13 @@ def _integrated(rates: Any, span: tuple[float, float], y: Array, at: Array | Non
 
     size = np.array([no_load**2, no_load, 0.1, 1.0, 1e3, 1e3] if len(y) == 6 else [no_load, 0.1, 1e3, 1e3])
     longest = max((span[1] - span[0]) / 16.0, 1e-9) if len(y) == 6 else 0.01
-    return solve_ivp(rates, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=longest)
+    left = MOST_RATES
+
+    def counted(x: float, state: Array) -> list[float]:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise UsageError(TOO_FAST)
+        return rates(x, state)
+
+    return solve_ivp(counted, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=longest)
