@@ -53,8 +53,6 @@ ALLOWED = {
     "study/datasheet/words.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/read.py": ({"economizer"}, STUDY),
-    "template/__init__.py": ({"economizer"}, REMEDY),
-    "template/gas.py": ({"motor"}, WRITES),
     "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, WRITES),
 }
 IMPORTS = {  # of what an effect's file has
