@@ -111,3 +111,20 @@ def test_a_port_that_is_never_shut_before_it_is_widest_has_no_opening(tmp_path):
     path.write_text("angle_deg,area_m2\n0,1e-4\n660,1e-3\n720,0\n", encoding="utf-8")
     scene = load(str(CONFIGS / "paper" / "point.yaml"), [f"machine.discharge_port={{law: table, file: {path}}}"])
     assert Geometry(scene.machine).discharge_opens is None
+
+
+def test_a_scene_whose_table_has_changed_is_simulated_by_what_stands_there_now(tmp_path):
+    """The scene is loaded once, and its file written again between two solutions of it."""
+    file = tmp_path / "v.csv"
+    stated = f"machine.volume={{law: table, max: 600 cm^3, phi_A: null, file: {file}}}"
+
+    def write(power):
+        rows = (f"{2 * i},{6e-4 * math.sin(math.pi * i / 360) ** power:.9e}\n" for i in range(361))
+        file.write_text("angle_deg,volume_m3\n" + "".join(rows), encoding="utf-8")
+
+    write(2)
+    scene = load(SCENES["paper"], [stated])
+    before = simulate(scene, trace=False)
+    write(3)
+    after, anew = simulate(scene, trace=False), simulate(load(SCENES["paper"], [stated]), trace=False)
+    assert after.performance == anew.performance != before.performance

@@ -1,6 +1,7 @@
 """What the scenes of a series share: built and composed once, with the numbers of each scene for itself."""
 
 import dataclasses
+import math
 from pathlib import Path
 
 import numpy as np
@@ -142,3 +143,17 @@ def test_what_is_renumbered_is_of_the_same_structure(name):
         if found is not None:
             assert_same(found, compose(parts))
     assert renumbered(before, composition, build_parts(make({**SCENES[name], **more["no tips"]}))) is None
+
+
+def test_a_table_of_the_volume_is_read_for_its_own_scene_alone(tmp_path):
+    """The file of the scene before may be another by now, or gone."""
+    file, shared, found = tmp_path / "v.csv", Shared(), []
+    for power in (1.0, 1.5):
+        rows = (f"{2 * i},{6e-4 * math.sin(math.pi * i / 360) ** (2 * power):.9e}\n" for i in range(361))
+        file.write_text("angle_deg,volume_m3\n" + "".join(rows), encoding="utf-8")
+        tabled = make({"machine.volume": {"law": "table", "max": "600 cm^3", "phi_A": None, "file": str(file)}})
+        found.append(shared(tabled))
+        assert_same(found[-1], compose(build_parts(tabled)))
+    assert not np.array_equal(found[0].TAB, found[1].TAB)
+    file.unlink()
+    assert_same(shared(make()), compose(build_parts(make())))

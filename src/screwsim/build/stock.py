@@ -11,6 +11,8 @@ from screwsim.effects.base import ChamberState, FlowPath, HeatRate, LineLeak, Ma
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.models import find_gas_model
 from screwsim.fluid.settings import GasSettings
+from screwsim.inputs.declare import inputs_of
+from screwsim.inputs.textfiles import stamp
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
@@ -40,7 +42,7 @@ class Stock:
 
     def __init__(self) -> None:
         self._gas: dict[tuple[Any, ...], tuple[GasSettings, Gas]] = {}  # by the settings' id, and what else tells it
-        self._geometry: dict[int, MachineGeometry] = {}  # by the settings' id
+        self._geometry: dict[tuple[Any, ...], MachineGeometry] = {}  # by the settings' id, and the files they name
         self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
         self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
         self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
@@ -64,17 +66,18 @@ class Stock:
 
     def geometry(self, machine: MachineSettings) -> MachineGeometry:
         """Return the geometry of a machine."""
-        found = self._geometry.get(id(machine))
+        key = id(machine), *_stamps(machine)
+        found = self._geometry.get(key)
         if found is not None and found.settings is machine:
             return found
-        return keep(self._geometry, id(machine), kind_of(machine).geometry(machine))
+        return keep(self._geometry, key, kind_of(machine).geometry(machine))
 
     def effects(self, scene: Scene, geometry: Any, at: Lines) -> Effects:
         """Return the parts of a scene's effects on a geometry."""
         around = around_of(scene, at)
         every = scene.effects
         numbers = [(name, one.effect.numbers(one.parameters, around)) for name, one in _numbered(every).items()]
-        whole = id(every), id(geometry), *[(name, *given.items()) for name, given in numbers]
+        whole = id(every), id(geometry), *_stamps(every), *[(name, *given.items()) for name, given in numbers]
         known = self._whole.get(whole)
         if known is not None:
             return known[2]
@@ -92,9 +95,20 @@ class Stock:
 
     def _effect(self, name: str, active: ActiveEffect, geometry: Any, numbers: Mapping[str, float]) -> _Built:
         known = self._built.setdefault(name, {})
-        key = id(active), id(geometry), *numbers.items()
+        key = id(active), id(geometry), *_stamps(active.parameters), *numbers.items()
         found = known.get(key)
         return found or keep(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
+
+
+@Remembered
+def _files(part: Any) -> tuple[str, ...]:
+    """Return the files that a machine, an effect's parameters or all effects name."""
+    return tuple(each.value for each in inputs_of(part) if each.kind == "file" and each.value)
+
+
+def _stamps(part: Any) -> tuple[tuple[int, ...], ...]:
+    """Return what tells these files from those that were read before: what was built of others is not taken."""
+    return tuple(map(stamp, _files(part)))
 
 
 @Remembered

@@ -13,8 +13,9 @@ A field that another one may state in its place names that in `otherwise`: the s
 
 import dataclasses
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, TypedDict, Unpack
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 REQUIRED: Any = dataclasses.MISSING
 
@@ -191,3 +192,27 @@ def numbers(doc: str, default: Any = None, **limits: Unpack[Limits]) -> Any:
 def file(doc: str, default: Any = None, curve: str | None = None) -> Any:
     """Declare the path of a file, relative to the scene; of a curve over the angle also the column of its values."""
     return _field("file", default, doc, curve=curve)
+
+
+class Input(NamedTuple):
+    """One declared field of a scene with its value [SI]."""
+
+    path: str
+    kind: str
+    doc: str
+    value: Any
+
+
+def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
+    """Yield every declared field below a part of a scene, depth first."""
+    if isinstance(part, Mapping):
+        for name, active in part.items():
+            yield from inputs_of(active.parameters, f"{path}.{name}")
+        return
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        inner = f"{path}.{field.name}" if path else field.name
+        if "kind" in field.metadata:
+            yield Input(inner, field.metadata["kind"], field.metadata["doc"], value)
+        elif field.name == "effects" or dataclasses.is_dataclass(value):
+            yield from inputs_of(value, inner)

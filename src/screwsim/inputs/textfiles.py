@@ -38,6 +38,15 @@ def shipped(name: str | os.PathLike[str]) -> str:
     return str(found) if found.is_file() and ".." not in found.parts else text
 
 
+def stamp(path: str | os.PathLike[str]) -> tuple[int, ...]:
+    """Return what changes with a file, without reading it; () where it cannot be looked at."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return ()
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+
+
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     """Return what is in a regular file of `most` bytes or less; raise Unreadable."""
     try:

@@ -61,6 +61,7 @@ def compose(parts: Parts) -> Composition:
             list(numbers.named.values()),
             None if numbers.lost else held(parts, law, numbers.held),
             angles_of(parts, law),
+            law,
         ),
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )

@@ -21,6 +21,7 @@ class Recipe:
     names: list[str]  # of `writing.operating`
     held: tuple[Held, ...] | None = None  # where the rest of them stand in parts; None where some stand nowhere
     angles: tuple[Any, ...] = ()  # that the breakpoints follow from
+    law: Any = None  # of the volume, as it was read: its file may be another by now, or gone
 
 
 class Held(NamedTuple):

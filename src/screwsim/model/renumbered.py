@@ -72,8 +72,8 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
     recipe = composition.recipe
     if recipe.held is None or not beside_alike(parts, before):
         return None
-    law, other = parts.geometry.volume_law(), before.geometry.volume_law()
-    if not _machine_alike(parts, before) or not _law_alike(law, other) or not _effects_alike(parts, before):
+    law = parts.geometry.volume_law()
+    if not _machine_alike(parts, before) or not _law_alike(law, recipe.law) or not _effects_alike(parts, before):
         return None
     holders, head, P = list(_holders(parts, law)), fixed_numbers(parts), recipe.P.copy()
     P[: len(head)] = head
@@ -91,7 +91,7 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
         composition,
         P,
         breakpoints=found,
-        recipe=Recipe(P.copy(), recipe.places, recipe.names, recipe.held, angles),
+        recipe=Recipe(P.copy(), recipe.places, recipe.names, recipe.held, angles, law),
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )
 

@@ -7,7 +7,6 @@ c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the tabl
 """
 
 import math
-import os
 from collections.abc import Sequence
 from functools import lru_cache
 
@@ -15,7 +14,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, read_sheet
-from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.textfiles import Unreadable, stamp
 from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
 
@@ -30,16 +29,12 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
 
     A file that has not changed is read once. Raises `UsageError` in one line: the file, its line and the remedy.
     """
-    try:
-        found = os.stat(path)
-    except (OSError, ValueError):
-        return _read(path, column, ())
-    return _read(path, column, (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns))
+    return _read(path, column, stamp(path))
 
 
 @lru_cache(maxsize=32)
-def _read(path: str, column: str, stamp: tuple[int, ...]) -> tuple[Array, Array]:
-    """Read a curve; `stamp` tells a file from what it was before."""
+def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array]:
+    """Read a curve; `_stamp` tells a file from what it was before."""
     try:
         rows = read_sheet(path).columns("angle_deg", column)
     except Unreadable as reason:

@@ -6,13 +6,12 @@ traces are kept cycle (traces) and ledger (one value per case).
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 import os
 import platform
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -21,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.declare import KINDS
+from screwsim.inputs.declare import KINDS, inputs_of
 from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.results.identity import version
@@ -54,15 +53,6 @@ class Axis(NamedTuple):
         return variable_name(self.path)
 
 
-class Input(NamedTuple):
-    """One declared field of a scene with its value [SI]."""
-
-    path: str
-    kind: str
-    doc: str
-    value: Any
-
-
 def variable_name(path: str) -> str:
     """Return the HDF5 name of a dotted path."""
     return path.replace(".", "_")
@@ -91,21 +81,6 @@ def axes_of(scene: Scene) -> tuple[Axis, ...]:
         about = f"number of the {name.partition('_')[0]}, from 0"
         found.append(Axis(name, np.arange(size, dtype=np.int32), "1", about, tuple(map(along, paths))))
     return tuple(found)
-
-
-def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
-    """Yield every declared field below a part of a scene, depth first."""
-    if isinstance(part, Mapping):
-        for name, active in part.items():
-            yield from inputs_of(active.parameters, f"{path}.{name}")
-        return
-    for field in dataclasses.fields(part):
-        value = getattr(part, field.name)
-        inner = f"{path}.{field.name}" if path else field.name
-        if "kind" in field.metadata:
-            yield Input(inner, field.metadata["kind"], field.metadata["doc"], value)
-        elif field.name == "effects" or dataclasses.is_dataclass(value):
-            yield from inputs_of(value, inner)
 
 
 def numeric_inputs(scene: Scene) -> Iterator[tuple[str, Variable, float]]:

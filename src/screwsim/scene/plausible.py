@@ -11,6 +11,8 @@ from functools import cache
 from itertools import chain
 from typing import Any
 
+import numpy as np
+
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import ANY, KINDS, VOLUME
@@ -121,12 +123,12 @@ def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield that the volume of a table goes to and fro, with which its gas would be worked on in jerks."""
     law = getattr(scene.machine, "volume", None)  # of a machine of one's own it may be anything
     if isinstance(law, VolumeLaw) and law.file is not None:
-        yield from _of_table(law)
+        yield from _of_table(*read_curve(str(law.file), VOLUME))
 
 
 @Remembered
-def _of_table(law: VolumeLaw) -> tuple[tuple[str, str], ...]:
-    share, at = to_and_fro(*read_curve(str(law.file), VOLUME))
+def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str], ...]:
+    share, at = to_and_fro(angles, volumes)
     if share <= ROUGH:
         return ()
     what = f"the slope of the volume jumps to and fro from row to row, at {math.degrees(at):.4g} deg by {share:.0%}"

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import stamp
 from screwsim.results.identity import Files, Identity, code_identity, disagreement, file_identity, files_of
 from screwsim.results.schema import named_files
 from screwsim.scene.types import Scene
@@ -53,11 +54,11 @@ class Watch:
     def __init__(self, files: Files, identity: Identity) -> None:
         self._files = files
         self._began = files_of(identity)
-        self._stamps = {name: _stamp(path) for name, path in files.items()}
+        self._stamps = {name: stamp(path) for name, path in files.items()}
 
     def look(self) -> None:
         """Raise UsageError, in one line, when a file has another content than when the sweep began."""
-        stamps = {name: _stamp(path) for name, path in self._files.items()}
+        stamps = {name: stamp(path) for name, path in self._files.items()}
         if stamps == self._stamps:
             return
         what = disagreement(file_identity(self._files), self._began)
@@ -67,12 +68,3 @@ class Watch:
                 "and start the sweep again, which resumes it, or begin anew with --restart)"
             )
         self._stamps = stamps
-
-
-def _stamp(path: str) -> tuple[int, ...] | None:
-    """Return what changes with a file, without reading it."""
-    try:
-        found = os.stat(path)
-    except OSError:
-        return None
-    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
