@@ -1,5 +1,6 @@
 """What is written where a link or an empty file lies: the link stays, and an empty file holds nothing to be kept."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from screwsim.results.write import Draft
 from screwsim.scene import load
 from screwsim.study.optimize import store
 from screwsim.study.shards import Parts
+from screwsim.study.sweep import run_sweep
 
 POINT = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
 ROUGH = ["--set", "numerics.accuracy=1e-2", "--set", "numerics.error=none"]
@@ -97,3 +99,15 @@ def test_an_optimisation_that_begins_anew_replaces_an_optimisation_only(what, tm
     for _ in range(2):
         assert exit_code(["optimize", POINT, *WANTED, *ROUGH, "--jobs", "1", "--restart", "-o", str(own)]) == 0
     assert store.read_attributes(own)["history"].endswith(f" {store.COMMAND}")
+
+
+def test_a_sweep_into_a_pipe_computes_nothing(tmp_path):
+    pipe = tmp_path / "out.h5"
+    os.mkfifo(pipe)
+
+    def forbidden(scene):
+        raise AssertionError("a case was computed")
+
+    assert holds(pipe) and holds(tmp_path) and not holds(tmp_path / "none")
+    with pytest.raises(UsageError, match="is a pipe or a device, not a file"):
+        run_sweep(load(POINT, SWEEP[1:2]), pipe, jobs=1, simulate=forbidden)

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -151,11 +152,12 @@ def check_target_kind(path: Path) -> None:
 
 
 def holds(path: Path) -> bool:
-    """Tell whether a file with something in it lies at `path`: an empty one, as programs make ahead, has no content."""
+    """Tell whether something lies at `path`, but an empty file, as programs make them ahead."""
     try:
-        return path.stat().st_size > 0
+        found = path.stat()
     except OSError:
         return False
+    return found.st_size > 0 or not stat.S_ISREG(found.st_mode)
 
 
 def keep_others(path: Path, begins: bytes) -> None:
