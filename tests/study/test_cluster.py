@@ -64,6 +64,14 @@ def started() -> Iterator[Callable[..., Program]]:
         yield start
 
 
+def wait_for_scheduler(file: Path) -> None:
+    """Wait until a scheduler's file says where it is: the file is there before anything stands in it."""
+    deadline = time.monotonic() + 60.0
+    while not (file.exists() and file.read_text().rstrip().endswith("}")):
+        assert time.monotonic() < deadline, (file.parent / "dask.log").read_text()
+        time.sleep(0.05)
+
+
 @pytest.fixture(scope="module")
 def scheduler(started, tmp_path_factory):
     """Run a scheduler with two workers; give its file."""
@@ -74,10 +82,7 @@ def scheduler(started, tmp_path_factory):
     programs = [started("scheduler", *local, "--port", "0", "--scheduler-file", str(file), folder=folder)]
     one = ("worker", "--scheduler-file", str(file), "--nthreads", "1", "--nworkers", "2", *local)
     programs.append(started(*one, folder=folder))
-    deadline = time.monotonic() + 60.0
-    while not file.exists():
-        assert time.monotonic() < deadline, (folder / "dask.log").read_text()
-        time.sleep(0.05)
+    wait_for_scheduler(file)
     yield file
     for program in reversed(programs):
         program.terminate()
@@ -145,8 +150,7 @@ def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(
         programs.append(started("worker", *local, *ALONE, folder=tmp_path, package=other_package))
 
     try:
-        while not file.exists():
-            time.sleep(0.05)
+        wait_for_scheduler(file)
         if late:
             threading.Thread(target=join).start()
         else:
@@ -211,8 +215,7 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(
     thread = threading.Thread(target=kill)
     thread.start()
     try:
-        while not file.exists():
-            time.sleep(0.05)
+        wait_for_scheduler(file)
         with Client(json.loads(file.read_text())["address"], set_as_default=False) as client:
             client.wait_for_workers(1, timeout=60.0)
         with pytest.raises(UsageError, match=r"the scheduler, or its connection, was lost \(start it again; the sweep"):
@@ -250,8 +253,7 @@ def test_a_scheduler_without_workers_is_told(started, tmp_path):
         folder=tmp_path,
     )  # fmt: skip
     try:
-        while not file.exists():
-            time.sleep(0.05)
+        wait_for_scheduler(file)
         with pytest.raises(UsageError, match=r"no worker came within 0\.5 s \(start some"), Cluster(str(file), 0.5):
             pass
     finally:
@@ -309,10 +311,7 @@ def test_threads_of_one_worker_give_the_file_of_the_local_pool(started, tmp_path
     one = ("worker", "--scheduler-file", str(file), "--nthreads", "6", "--no-nanny", *local)
     try:
         programs.append(started(*one, folder=folder))
-        deadline = time.monotonic() + 60.0
-        while not file.exists():
-            assert time.monotonic() < deadline, (folder / "dask.log").read_text()
-            time.sleep(0.05)
+        wait_for_scheduler(file)
         run_sweep(paper, tmp_path / "out.h5", scheduler=str(file))
     finally:
         for program in reversed(programs):
