@@ -11,7 +11,7 @@ from screwsim.effects.base import ChamberState, FlowPath, HeatRate, LineLeak, Ma
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.models import find_gas_model
 from screwsim.fluid.settings import GasSettings
-from screwsim.inputs.declare import inputs_of
+from screwsim.inputs.declare import files_in
 from screwsim.inputs.textfiles import stamp
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
@@ -100,10 +100,7 @@ class Stock:
         return found or keep(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
 
 
-@Remembered
-def _files(part: Any) -> tuple[str, ...]:
-    """Return the files that a machine, an effect's parameters or all effects name."""
-    return tuple(each.value for each in inputs_of(part) if each.kind == "file" and each.value)
+_files = Remembered(files_in)  # of a machine, an effect's parameters or all effects
 
 
 def _stamps(part: Any) -> tuple[tuple[int, ...], ...]:

@@ -216,3 +216,8 @@ def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
             yield Input(inner, field.metadata["kind"], field.metadata["doc"], value)
         elif field.name == "effects" or dataclasses.is_dataclass(value):
             yield from inputs_of(value, inner)
+
+
+def files_in(part: Any) -> tuple[str, ...]:
+    """Return the files that declared fields below a part of a scene name."""
+    return tuple(each.value for each in inputs_of(part) if each.kind == "file" and each.value)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.inputs.declare import KINDS, inputs_of
+from screwsim.inputs.declare import KINDS, files_in, inputs_of
 from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.results.identity import version
@@ -97,8 +97,7 @@ def digest(text: str) -> str:
 
 def named_files(scene: Scene) -> dict[str, str]:
     """Return {name relative to the scene: path} of the files that it names."""
-    named = [entry.value for entry in inputs_of(scene) if entry.kind == "file" and entry.value]
-    paths = [Path(scene.folder) / name for name in named]
+    paths = [Path(scene.folder) / name for name in files_in(scene)]
     return {_relative(path, scene.folder): str(path) for path in paths}
 
 

@@ -27,6 +27,7 @@ from screwsim.scene.types import Scene
 _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
 # every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
 _NO_CACHE: dict[str, Any] = {"rdcc_nbytes": 0}
+EFFECT = "effect"  # the dimension of a knock-out
 
 
 def save(
@@ -205,9 +206,6 @@ def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tu
             size = min(chunk[split], shape[split] - start)
             part = (*(1 for _ in outer), size, *inner)
             yield (*outer, start, *(0 for _ in inner)), size * math.prod(inner), part
-
-
-EFFECT = "effect"  # the dimension
 
 
 def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:

@@ -10,6 +10,7 @@ from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.families import FAMILIES
+from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, Condition, beside_of, condition_of, refused
 from screwsim.template.refrigeration import OILS_FOR
@@ -129,7 +130,7 @@ def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:
             "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n",
         }
     inverter = {"share": f"{100.0 * INVERTER:g}", "loss": f"{INVERTER * rated:.3g} kW", "speed": sizes.rpm(speed)}
-    points = ", ".join(f"{float(sizes.rpm(share * speed).split()[0]):.0f} rpm" for share in SPEEDS)
+    points = ", ".join(f"{share * speed * 30.0 / math.pi:.0f} rpm" for share in SPEEDS)
     told = "# The points of its data sheet, from all of its speed to a third."
     return {
         "driven": texts.filled("variable_speed", {**motor, **inverter}),
@@ -186,7 +187,7 @@ def booster(asked: Asked) -> str:
     c_p = duty.R * duty.k / (duty.k - 1.0)
     gas_flow = LAMBDA * flow * duty.density
     taken = max(duty.work / ETA, duty.work / COMPRESSING + FRICTION * _friction(size, speed, oil) / gas_flow)
-    leaves = min(LEAVES, 273.15 + 5.0 * math.floor((duty.T + UNCOOLED * taken / c_p - 273.15) / 5.0))
+    leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + UNCOOLED * taken / c_p - ZERO_CELSIUS) / 5.0))
     left = taken - c_p * (leaves - duty.T)
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
     ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * WARMED)) / 2.0

@@ -10,6 +10,7 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting
 from screwsim.scene import loads
+from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, beside_of, condition_of
 
@@ -165,7 +166,7 @@ def _rests(fluid: str) -> str:
 
 def conditions(duty: Duty) -> dict[str, str]:
     """Return the temperatures of a duty as a scene states them; the liquid stays above the evaporator."""
-    e, c = (f"{T - 273.15:.6g}" for T in (duty.T_e, duty.T_c))
+    e, c = (f"{T - ZERO_CELSIUS:.6g}" for T in (duty.T_e, duty.T_c))
     return {
         "condition": f"{e}/{c} degC",
         "evaporating": f"{e} degC",
@@ -239,7 +240,8 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     assert limits is not None
     for T in (found.low, found.high):
         if not limits.T_triple < T < limits.T_critical:
-            what = f"{fluid} saturates between {limits.T_triple - 273.15:.1f} and {limits.T_critical - 273.15:.1f} degC"
+            least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
+            what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
             raise UsageError(f"--condition {condition}: {what} (write e.g. --condition '{_within(limits)}')")
     if not found.low < found.high:
         raise UsageError(f"--condition {condition}: evaporates above condensing (write LOW/HIGH, e.g. '{example}')")
@@ -254,7 +256,7 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
 
 def _within(limits: constants.Limits) -> str:
     """Return a condition that a fluid has."""
-    span, zero = limits.T_critical - limits.T_triple, 273.15
+    span, zero = limits.T_critical - limits.T_triple, ZERO_CELSIUS
     low, high = (limits.T_triple + share * span - zero for share in SHARES)
     return f"{low:.1f}/{high:.1f} degC"
 
@@ -266,5 +268,5 @@ def _oil(duty: Duty, oil: str) -> tuple[float, str]:
     leaves = max(LEAVES, duty.T_c + ABOVE)
     left = duty.work / EFFICIENCIES[1] - duty.heat_capacity * (leaves - duty.T_e - duty.more)
     ratio = max(1.0, math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves) * WARMED)) / 2.0)
-    kept = f"cooler: {{discharge_temperature: {leaves - 273.15:.0f} degC}}"
+    kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # a thermostat keeps the temperature of what leaves"

@@ -6,6 +6,7 @@ from importlib.resources import files
 from string import Template
 
 from screwsim.inputs.faults import UsageError
+from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
 from screwsim.template.asked import Asked
 
@@ -71,7 +72,7 @@ def flooded(size: sizes.Size, leaves: float) -> str:
     big = size.diameter / 0.240
     values = {
         "ports": ports(size),
-        "leaves": f"{leaves - 273.15:.0f} degC",
+        "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
         "gap": sizes.um(sizes.GAP * size.clearance),
         "shaft": sizes.mm(0.105 * big),
         "shaft_clearance": sizes.um(42e-6 * size.clearance),
