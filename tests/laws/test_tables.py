@@ -128,3 +128,16 @@ def test_a_scene_whose_table_has_changed_is_simulated_by_what_stands_there_now(t
     write(3)
     after, anew = simulate(scene, trace=False), simulate(load(SCENES["paper"], [stated]), trace=False)
     assert after.performance == anew.performance != before.performance
+
+
+@pytest.mark.parametrize(("speed", "gap"), [("235 rpm", "15 um"), ("1000 rpm", "145 um")])
+def test_work_follows_a_rough_volume_while_a_port_holds_the_pressure(speed, gap):
+    """No error of the states sees there what steps leap over; where they end at the rows balances close at once."""
+    rough = ROOT / "tests" / "hard" / "rough_volume.csv"
+    law = f"machine.volume={{law: table, max: 528 cm^3, phi_A: null, min: 0.5 cm^3, file: {rough}}}"
+    others = f"operation.speed={speed}", f"effects.interlobe_leakage.gap={gap}", "operation.discharge.pressure=2 bar"
+    ours = simulate(load(SCENES["paper"], [law, *others]), trace=False)
+    finer = "numerics.accuracy=1e-6", "numerics.error=none", "numerics.closing=coupled"
+    better = simulate(load(SCENES["paper"], [law, *others, *finer]), trace=False)
+    assert relative_errors(ours.performance, better.performance)["work_per_cycle"] <= ours.error["work_per_cycle"]
+    assert ours.numerics.rhs_evaluations <= 15_000  # 120 000 and more where the rows are no breakpoints

@@ -8,7 +8,7 @@ import pytest
 
 from screwsim.machine import paper_law
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.laws import table_breakpoints
+from screwsim.machine.laws import table_breakpoints, volume_rows
 from screwsim.machine.settings import LIFE, TURN, DischargePort, SuctionPort, TwinScrew, VolumeLaw, check_twin_screw
 from screwsim.numerics.spline import pack_curve
 
@@ -101,6 +101,21 @@ def test_coarse_tables_have_a_breakpoint_at_every_row():
 
 def test_fine_tables_have_breakpoints_at_their_ends_only():
     assert table_breakpoints(np.radians([0.0, 5.0, 50.0])) == pytest.approx(np.radians([0.0, 50.0]))
+
+
+def test_rows_ten_degrees_apart_are_coarse_however_their_radians_are_rounded():
+    angles = np.radians(np.arange(0.0, 730.0, 10.0))
+    assert np.min(np.diff(angles)) < np.radians(10.0)  # by its last digit
+    assert table_breakpoints(angles) == pytest.approx(angles)
+
+
+def test_steps_end_at_every_row_of_a_volume_that_is_coarse_or_rough():
+    coarse, fine = (np.radians(np.arange(0.0, 720.0 + each / 2, each)) for each in (5.0, 2.0))
+    smooth = 1.0 - np.cos(fine / 2)
+    rough = smooth * (1.0 + 1e-3 * np.where(np.arange(len(fine)) % 2, 1.0, -1.0))
+    assert volume_rows(coarse, 1.0 - np.cos(coarse / 2)) == pytest.approx(coarse)
+    assert volume_rows(fine, rough) == pytest.approx(fine)
+    assert volume_rows(fine, smooth) == ()
 
 
 @pytest.mark.parametrize("lobes", [1, 3, 4, 5, 6, 12])

@@ -14,19 +14,35 @@ import numpy as np
 from screwsim.machine import moved_port, paper_law, table_law
 from screwsim.machine.paper_law import LIFE, TURN
 from screwsim.machine.protocol import AreaLaw, VolumeKernels
-from screwsim.numerics.spline import features, read_curve
+from screwsim.numerics.spline import features, read_curve, to_and_fro
 
 if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
     from screwsim.machine.profile_tables import Table
 
-KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a breakpoint at every row; finer ones are smooth
+ROUNDED = 1e-6  # degrees by which rows may lie nearer than they are stated to
+COARSE_AREAS = np.radians(10.0 - ROUNDED)  # tables at least this coarse have a breakpoint at every row ...
+COARSE_VOLUMES = np.radians(5.0 - ROUNDED)  # ... those of volumes, whose slope does the work, from finer ones on
+ROUGH = 0.005  # of its largest slope, by which that of a volume jumps to and fro in a table that steps cannot leap over
 
 
 def table_breakpoints(angles: np.ndarray) -> tuple[float, ...]:
     """Return the breakpoints of a table: its ends, and its rows when they lie at least 10° apart."""
-    coarse = np.min(np.diff(angles)) >= KNOTTED_SPACING
-    return tuple(angles) if coarse else (float(angles[0]), float(angles[-1]))
+    return tuple(angles) if _apart(angles) >= COARSE_AREAS else (float(angles[0]), float(angles[-1]))
+
+
+def volume_rows(angles: np.ndarray, volumes: np.ndarray) -> tuple[float, ...]:
+    """Return the rows of a table of volumes at which steps of its own chamber end: all, where it is coarse or rough.
+
+    The gas of a port that is open has its line's pressure whatever the volume does, so that no error of the states
+    sees how the work follows the slope of the volume between the rows.
+    """
+    by_rows = _apart(angles) >= COARSE_VOLUMES or to_and_fro(angles, volumes)[0] > ROUGH
+    return tuple(angles) if by_rows else ()
+
+
+def _apart(angles: np.ndarray) -> float:
+    return float(np.min(np.diff(angles)))
 
 
 def area_breakpoints(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
@@ -105,8 +121,8 @@ class TableLaw(Law):
         law = geometry.settings.volume
         angles, volumes = read_curve(str(law.file), "volume_m3")
         tables = {"volume_curve": (angles, volumes * (geometry.swept_volume / np.max(volumes)))}
-        breakpoints = table_breakpoints(angles)
-        return VolumeKernels(table_law.volume, table_law.volume_slope, {"V_min": law.dead}, breakpoints, tables)
+        ends, rows = (float(angles[0]), float(angles[-1])), volume_rows(angles, volumes)
+        return VolumeKernels(table_law.volume, table_law.volume_slope, {"V_min": law.dead}, ends, tables, rows)
 
     def suction(self, geometry: Geometry) -> AreaLaw:
         """Return M14."""
