@@ -5,6 +5,7 @@ import pytest
 from scenes import closed, make, run
 from scipy.integrate import solve_ivp
 
+from screwsim.cycle.feedback import LINE_POINTS, at_angles
 from screwsim.effects.base import LineFlow, Turn
 from screwsim.effects.plenums import Behind, Parameters, offset, pulsation
 from screwsim.evaluate.evaluation import evaluate
@@ -61,6 +62,18 @@ def test_what_is_open_makes_a_better_guess_and_the_same_answer():
     line = wave(1, 0.2)
     there = pulsation(line, np.zeros(4, complex), 2e-3, 1e-3, 1200.0)
     assert pulsation(line._replace(open_volume=5e-3), there, 2e-3, 1e-3, 1200.0) == pytest.approx(there, rel=1e-12)
+
+
+@pytest.mark.parametrize("jump", [0.3, 0.3 + 0.2 / LINE_POINTS, 0.3 + 0.4 / LINE_POINTS])
+def test_a_flow_that_jumps_between_two_angles_has_its_harmonics(jump):
+    """Its means around the angles tell where it jumps; values at the angles were off by up to a hundredth."""
+    edges = (np.arange(LINE_POINTS + 1) - 0.5) / LINE_POINTS
+    shares = np.diff(np.clip(edges, 0.0, jump)) * LINE_POINTS  # of each angle, that lie before the jump
+    shares[0] = 0.5  # half of it lies at the pitch's end
+    k = np.arange(1, 9)
+    exact = (1.0 - np.exp(-2j * np.pi * k * jump)) / (2j * np.pi * k)
+    found = np.fft.rfft(at_angles(shares))[1:9] / LINE_POINTS
+    assert np.abs(found - exact) == pytest.approx(0.0, abs=4e-4)  # 4e-3 of the values at the angles
 
 
 def test_the_mean_drop_is_that_of_the_loss_coefficient():

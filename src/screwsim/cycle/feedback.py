@@ -41,11 +41,11 @@ from screwsim.model.trajectory import Trajectory
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
 UP_TO_OIL = OIL_TEMPERATURE + 1  # numbers of a port state: its gas, its oil per gas, the oil's temperature
-LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
+LINE_POINTS = 128  # of a pitch, around which the flow to a pulsating line is taken
 
 
 class IntoLines(NamedTuple):
-    """Flow [kg/s] into suction and discharge line (2, LINE_POINTS) over a pitch, and the volume [m³] open to each."""
+    """Flow [kg/s] into suction and discharge line (2, LINE_POINTS), means around angles, and volume [m³] open to each."""
 
     flow: Array
     volume: Array
@@ -145,9 +145,15 @@ def _line_flows(
         mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
         h = float(life.R[number * PORT_STATE + ENTHALPY])
         p, rho, _h, exponent, *_ = gas.port_state_of_enthalpy(float(life.R[number * PORT_STATE + PRESSURE]), h)
-        return LineFlow(flow + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent)
+        return LineFlow(at_angles(flow) + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent)
 
     return flow_to
+
+
+def at_angles(means: Array) -> Array:
+    """Return a flow at even angles of a pitch whose harmonics are those of the one that has these means around them."""
+    harmonics, count = np.fft.rfft(means), len(means)
+    return np.fft.irfft(harmonics / np.sinc(np.arange(len(harmonics)) / count), count)
 
 
 def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:

@@ -40,6 +40,7 @@ OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "balanced
 OWN |= {name: f"chamber__{name}" for name in ("faces_line", "lets_out", "add_to_lines", "add_outflow")}
 OWN |= {
     "films_into": "chamber__oil_films",
+    "gas_in": "chamber__gas",
     "add_moment": "ledger__add_moment",
     "around_chamber": "chamber__surroundings",
 }

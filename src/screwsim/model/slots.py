@@ -13,11 +13,12 @@ kilogram of oil holds,
 `push_on(T, rho, y, R, P, TAB)` → acceleration at rest of what moves between a seat and a stop, filled for each,
 `neighbour(columns, P, R, E, at)` → the port state of a neighbour at E[at],
 `keep_port_states(step, dense, context)` → what a history holds of a step beyond the states,
+`gas_in(V, y, at, P)` → gas [kg] in a chamber of a volume whose states begin at y[at],
 `mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
 `balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance,
 `balanced_alone(flows, mass_rate)` → that of the one port that is open to a line,
 `faces_line(phi, P, TAB)` → whether a chamber is open to a line,
-`add_to_lines(flows, phi, V, k, points, P, into, volume)` → its flows into them,
+`add_to_lines(flows, phi, V, share, k, points, P, into, volume)` → a share of its flows into them,
 `lets_out(phi, middle, P, TAB)` → whether it is open to the discharge line, by a gap beyond the last one, too,
 `add_outflow(heat, mass, flows, T_oil, weight, E)` → what leaves it to the discharge line.
 
@@ -50,6 +51,7 @@ oil_inflow: Any = Slot("oil_inflow")
 solution_entropy: Any = Slot("solution_entropy")
 neighbour: Any = Slot("neighbour")
 keep_port_states: Any = Slot("keep_port_states")
+gas_in: Any = Slot("gas_in")
 mass_rate: Any = Slot("mass_rate")
 balanced: Any = Slot("balanced")
 given_off: Any = Slot("given_off")

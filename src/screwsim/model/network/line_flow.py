@@ -105,16 +105,16 @@ def _add_to_lines(network: Network) -> str:
     for number, line in enumerate(network.lines):
         ports = [port for port in network.ports if port.number == number]
         flows = [f"flows[{layout.flow(port)}]" for port in ports]
-        to.add(*(f"into[LINE_{line}, k] -= {flow}" for flow in flows))
+        to.add(*(f"into[LINE_{line}, k] -= share * {flow}" for flow in flows))
         if flows:
             with to.within(f"if {' or '.join(f'{flow} != 0.0' for flow in flows)}"):
-                to.add(f"volume[LINE_{line}] += V / points")
+                to.add(f"volume[LINE_{line}] += share * V / points")
     for gap in network.gaps:
         with to.within(f"if {_beyond(network.offsets[gap.side])}"):
-            to.add(f"into[LINE_{network.lines[1]}, k] -= flows[{layout.flow(gap, 'ahead')}]")
+            to.add(f"into[LINE_{network.lines[1]}, k] -= share * flows[{layout.flow(gap, 'ahead')}]")
     return function(
-        "chamber__add_to_lines(flows, phi, V, k, points, P, into, volume)",
-        ['"""Add the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""'],
+        "chamber__add_to_lines(flows, phi, V, share, k, points, P, into, volume)",
+        ['"""Add a share of the flows of a chamber of volume V [m³] at phi [rad] to those into both lines (M184)."""'],
         to.lines,
     )
 
