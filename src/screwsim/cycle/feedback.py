@@ -45,7 +45,7 @@ LINE_POINTS = 128  # of a pitch, around which the flow to a pulsating line is ta
 
 
 class IntoLines(NamedTuple):
-    """Flow [kg/s] into suction and discharge line (2, LINE_POINTS), means around angles, and volume [m³] open to each."""
+    """Flow [kg/s] into suction and discharge line (2, LINE_POINTS), means around angles; volume [m³] open to each."""
 
     flow: Array
     volume: Array
