@@ -86,7 +86,7 @@ def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: floa
 
 def _motor(rated: float) -> dict[str, str]:
     """Return what a scene states of a motor of so many kW."""
-    return {"rated": f"{rated:.6g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
+    return {"rated": f"{rated:.6g} kW", "efficiency": sizes.motor_efficiency(rated)}
 
 
 def _air_duty(asked: Asked) -> Duty:

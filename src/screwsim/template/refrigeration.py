@@ -182,7 +182,7 @@ def _drive(fluid: str, duty: Duty) -> dict[str, str]:
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
         return {
             "drive": told,
-            "motor": f"{{rated_power: {rated:g} kW, efficiency: {sizes.motor_efficiency(rated):.3g}}}",
+            "motor": f"{{rated_power: {rated:g} kW, {sizes.motor_efficiency(rated)}}}",
         }
     told = "Semi-hermetic, in the suction gas, 92 % efficient as the source of validation/bitzer takes it"
     return {"drive": told, "motor": f"{{rated_power: {rated:g} kW, efficiency: 0.92, cooling: suction_gas}}"}
