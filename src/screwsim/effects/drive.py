@@ -24,7 +24,7 @@ from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.motor_line import Motor, check_motor
-from screwsim.machine.drive.response import NoMotion, Response, respond
+from screwsim.machine.drive.response import NoMotion, Response, extremes, respond, swing
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
 from screwsim.machine.drive.train import Train
 from screwsim.outputs import Figure, Trace, names_of, power_figure
@@ -104,7 +104,7 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
             "(choose a larger motor, or a flatter line)"
         )
     warnings = []
-    low, high = float(torque.min()), float(torque.max())
+    low, high = extremes(torque)
     if low * high < 0.0:
         warnings.append(
             f"the coupling torque changes its sign ({low:.4g} to {high:.4g} N m): flanks and cords would hammer, and "
@@ -158,12 +158,12 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             found.mean_speed,
             found.no_load_speed,
             found.ripple,
-            float(np.ptp(found.motor_speed)) / found.mean_speed,
+            swing(found.motor_speed) / found.mean_speed,
             float(torque.mean()),
-            0.5 * float(np.ptp(torque)),
-            float(np.max(np.abs(torque))),
+            0.5 * swing(torque),
+            max(map(abs, extremes(torque))),
             mean_twist,
-            0.5 * float(np.ptp(twist)),
+            0.5 * swing(twist),
             train.frequency(mean_twist),
             train.resonance_speed(mean_twist),
             power,

@@ -27,6 +27,7 @@ DEPTH = 12  # of Anderson's acceleration of the corrections
 DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
 CONVERGED = 1e-10  # last change, of speeds over the mean and of twists over their size
 LEFT = 1e-12  # change that would follow, judged by how the last ones fell, at which corrections end before
+FINE = 5 * POINTS  # angles of a pitch at which a curve's lowest and highest values are looked for
 LEAST_SPEED = 0.05  # of the mean: a step of Newton's method never goes below it
 FINEST = 1.0 / 32.0  # least share by which the pulsation is raised
 
@@ -56,11 +57,23 @@ class Response:
     @property
     def ripple(self) -> float:
         """Return the largest less the smallest speed of the rotors over the mean."""
-        return float(np.ptp(self.speed)) / self.mean_speed
+        return swing(self.speed) / self.mean_speed
 
     def power(self, torque: Array, speed: Array) -> float:
         """Return the mean over time of torque × speed [W]."""
         return float(np.mean(torque * speed / self.speed)) * self.mean_speed
+
+
+def extremes(curve: Array) -> tuple[float, float]:
+    """Return the lowest and the highest value of a curve of a pitch, which lie between its points."""
+    fine = collocation.resampled(curve, FINE)
+    return float(fine.min()), float(fine.max())
+
+
+def swing(curve: Array) -> float:
+    """Return the way of a curve from its lowest to its highest value."""
+    low, high = extremes(curve)
+    return high - low
 
 
 def respond(train: Train, load: Array, omega: float) -> Response:
