@@ -16,7 +16,7 @@ from screwsim.scene.fields import Section, section_of
 
 PACKAGE = Path(__file__).parents[2] / "src" / "screwsim"
 SOURCES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.relative_to(PACKAGE).parts[0] != "effects"]
-HELPERS = {"base", "gap", "parts"}  # modules of effects that are no effect
+HELPERS = {"base", "parts"}  # modules of effects that are no effect
 PATH = re.compile(r"\beffects\.([a-z_]+)((?:\.[a-z_]+)*)")
 
 SECTIONS = "sections of a scene's machine that have the names of their effects"
@@ -130,7 +130,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
     ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
     "gas.model": set(),  # fluid.models
-    "parameters.model": set(),  # of gaps: effects.gap_flow
+    "parameters.model": set(),  # of gaps: effects.parts.gap_flow
     "numerics.error": set(),
     "self.error": set(),  # numerics.estimates
     "output.keep": set(),

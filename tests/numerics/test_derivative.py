@@ -190,7 +190,12 @@ def test_a_derivative_is_that_of_its_kernel(name):
 
 TABLES = {"TAB", "P", "curve", "volume_curve", "rest", "first", "count", "pitch"}  # no seeds: where and what is read
 OF_TABLES = (
-    *("effects.gap.length_area", "effects.gap.table_area", "fluid.solubility.entropies", "fluid.solubility.given_off"),
+    *(
+        "effects.parts.gap.length_area",
+        "effects.parts.gap.table_area",
+        "fluid.solubility.entropies",
+        "fluid.solubility.given_off",
+    ),
     *("machine.table_law.area", "machine.table_law.volume", "machine.table_law.volume_slope"),
     *("model.writing_oil.table_content", "numerics.spline.table_value", "numerics.spline.table_slope"),
     *("model.oil_displacement.density_of", "model.oil_displacement.gas_mass", "model.oil_displacement.gas_mass_slope"),

@@ -24,8 +24,8 @@ from math import inf
 
 import numpy as np
 
-from screwsim.effects import inverter
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
+from screwsim.effects.parts import inverter
 from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import choice, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError

@@ -8,7 +8,7 @@ Parameters: flow_coefficient.
 """
 
 from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
-from screwsim.effects.gap import PortParameters, check_port, port_path
+from screwsim.effects.parts.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.roles import WAY_IN
 from screwsim.machine.protocol import PORTS
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import FlowPath
-from screwsim.effects.gap import ramp
+from screwsim.effects.parts.gap import ramp
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from screwsim.effects import gap_flow
 from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath
+from screwsim.effects.parts import gap_flow
 from screwsim.inputs.declare import AREA, choice, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
