@@ -11,7 +11,7 @@ import pytest
 from screwsim.export import loads as exported
 from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
 from screwsim.export.rotor_surface import ALONG, areas, centres, chamber_angles, positions, surfaces
-from screwsim.export.run_of import run_of, spans_of
+from screwsim.export.source import run_of, spans_of
 from screwsim.export.spectra import flows_of, harmonics
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import lay

@@ -2,7 +2,7 @@
 
 `oil_supply.discharge_temperature` asks for as much oil as brings the mixture to that temperature (docs/model.md M370),
 `oil_supply.flow` for as much as a pump delivers (M393). What effects leave open is said by their parameters
-(`effects.parts.sought`). All are found together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
+(`effects.parts.made`). All are found together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
 """
 
 import math
@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import Sought, Span
-from screwsim.effects.parts.sought import AT_END
+from screwsim.effects.parts.made import AT_END
 from screwsim.inputs.declare import Found
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.lines import lines

@@ -286,7 +286,7 @@ def loads(
     """Write loads and sound: forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
     options.check_drawer(output)
     from screwsim.export.loads import document, keep_other_loads, loads, write_loads
-    from screwsim.export.run_of import run_of, spans_of
+    from screwsim.export.source import run_of, spans_of
     from screwsim.printing import print_json
     from screwsim.printing.export import print_loads
 

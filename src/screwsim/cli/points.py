@@ -59,7 +59,7 @@ def run(
         options.check_place(output)
     points, left_out = _measured(scene, measured), _left_out(scene, knock_out, together)
     from screwsim.printing import print_json, print_result
-    from screwsim.scene.typical import what_is_left_out
+    from screwsim.scene.plausible import what_is_left_out
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
@@ -75,7 +75,7 @@ def run(
         result = with_uncertainty(scene, result)
     if output is not None:
         from screwsim.results import save
-        from screwsim.study.kept_slopes import kept_slopes
+        from screwsim.study.point import kept_slopes
 
         options.check_place(output)  # again: what came there meanwhile stays
         save(output, scene, result, derivatives=kept_slopes(scene, result))
@@ -146,7 +146,7 @@ def _run_stages(
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save
-        from screwsim.study.kept_slopes import kept_slopes
+        from screwsim.study.point import kept_slopes
 
         for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
             save(place, scene, result, derivatives=kept_slopes(scene, result))

@@ -23,7 +23,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.at_once import at_once
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 # of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
 Widths = tuple[float, float, float, float]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from typing import Any
 
+from screwsim.outputs import Result
+from screwsim.scene import Scene
 from screwsim.study.workers import GRACE, TICK, Guard, LocalPool, stop, submit, worker_died
 
 
@@ -83,3 +85,26 @@ def _drained(
         guard.look()
         tick()
     return lost
+
+
+class Warm:
+    """Simulate a scene when called, without traces, from the scene of the last call where that is near."""
+
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._course: Iterator[Result] | None = None
+
+    def __call__(self, scene: Scene) -> Result:
+        from screwsim.simulate import simulate_many
+
+        self._scene = scene
+        self._course = self._course or iter(simulate_many(self._scenes(), trace=False))
+        try:
+            return next(self._course)
+        except Exception:
+            self._course = None
+            raise
+
+    def _scenes(self) -> Iterator[Scene]:
+        while self._scene is not None:
+            yield self._scene

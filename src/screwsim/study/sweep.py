@@ -26,8 +26,7 @@ from screwsim.scene import grid
 from screwsim.scene.given import scene_of
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Watch, wanted_of
-from screwsim.study.blocks import blocks_of
-from screwsim.study.cases import Block, Job, Outcome, SimulateMany, packed, run_blocks, run_packed
+from screwsim.study.cases import Block, Job, Outcome, SimulateMany, blocks_of, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, shown
@@ -299,7 +298,7 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
         many = partial(simulate_uncertain, many)
     if scene.output.keeps_slopes:
-        from screwsim.study.kept_slopes import simulate_with_slopes
+        from screwsim.study.point import simulate_with_slopes
 
         many = partial(simulate_with_slopes, many)
     return many

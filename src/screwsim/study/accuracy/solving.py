@@ -18,8 +18,7 @@ from screwsim.cycle.close import close
 from screwsim.cycle.guess import rehearse
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.model import leases
 from screwsim.model.composition import Composition
