@@ -1,4 +1,4 @@
-"""Figures of a pair of rotors: mesh, sealing line in space, volume and areas over the angle, a slide valve; and files."""
+"""Figures of a pair of rotors: mesh, sealing line in space, volume and areas over the angle, a slide valve."""
 
 import math
 from dataclasses import replace
