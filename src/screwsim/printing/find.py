@@ -6,7 +6,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, error_text, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -54,8 +54,7 @@ def _row_document(row: Found) -> dict[str, Any]:
 
 def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     """Print the values of each point of the other axes, what they give, and what is to be said of them."""
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     for span in asked.spans:
         low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
         say(wrapped(f"{span.path}, {low} … {high}"))
@@ -72,8 +71,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [line for row in rows for line in _notes(scene, paths, row)]
-    for line in notes[:MOST_NOTES]:
-        say(wrapped(line))
+    tell(notes[:MOST_NOTES])
     if len(notes) > MOST_NOTES:
         say(f"… and {len(notes) - MOST_NOTES} more (all with --json, or in the file of -o)")
 
@@ -112,8 +110,7 @@ def _print_one(scene: Scene, asked: Question, row: Found) -> None:
         for name, text in _figures(asked, row):
             say(f"  {name:<24}{text}")
         say()
-    for line in _notes(scene, (), row):
-        say(wrapped(line))
+    tell(_notes(scene, (), row))
     if row.status == "ok" and row.result is not None:
         for warning in row.result.warnings:
             say(wrapped(f"warning: {warning}"))

@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_scales
+from screwsim.figures.engineering import figure_unit
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES
 from screwsim.printing import shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
 from screwsim.screen import say
@@ -44,8 +44,7 @@ def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
 
 def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
     """Print a table of numbers by figures [%/%], the most important first, and what the first of them mean."""
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     if found.result.status != "ok":
         say(wrapped(f"status: {found.result.status}; {found.result.message}"))
     for warning in found.result.warnings:
@@ -91,8 +90,7 @@ def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
     about = declared(figure, found.result.performance)
     if about.scale == EFFICIENCY and about.units == "1":
         return f"{shown} of {path} = {100.0 * slope * change:+.2g} points of {shown_name(figure)}"
-    scales = ((0.0, 1.0, "K"),) if about.units == "K" else figure_scales(about)
-    factor, unit = next(((f, u) for least, f, u in scales if abs(value or 0.0) >= least), (1.0, about.units))
+    factor, unit = figure_unit(about, value or 0.0)
     return f"{shown} of {path} = {factor * slope * change:+.2g} {unit} of {shown_name(figure)}".replace("  ", " ")
 
 

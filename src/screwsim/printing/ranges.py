@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_scales, shown_name
+from screwsim.figures.engineering import figure_unit, shown_name
 from screwsim.results.read import Results
 from screwsim.scene.types import COVERAGE
 
@@ -42,8 +42,7 @@ def ranges_text(found: Mapping[str, Any]) -> str:
     parts = []
     for name in [name for name in TOLD if name in found["figures"]][:MOST_FIGURES]:
         each = found["figures"][name]
-        scales = figure_scales(declared(name))
-        factor, unit = next(((f, u) for least, f, u in scales if each["largest"] >= least), (1.0, declared(name).units))
+        factor, unit = figure_unit(declared(name), each["largest"])
         unit = "points" if unit == "%" and name.endswith(EFFICIENCY) else unit
         low, high = (f"{factor * each[end]:.2g}" for end in ("least", "largest"))
         reach = f"± {low}" if low == high else f"± {low} to {high}"

@@ -5,7 +5,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -40,8 +40,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
 
 def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     """Print a table a figure: the inputs with the largest total index first."""
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     samples = f"{found.samples} samples of {len(found.ranges)} inputs, seed {found.seed}"
     say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, figure_scales, shown_name
+from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.screen import say
 from screwsim.study.uncertain import COVERAGE, Uncertainty
 
@@ -50,13 +50,12 @@ def print_uncertainty(result: Result) -> None:
         told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
         other = "" if model else "; the model's own error is another (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
-    for line in model_lines(model):
-        say(wrapped(line))
+    tell(model_lines(model))
 
 
 def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
     value, about = result.performance[name], declared(name, result.performance)
-    factor, unit = _scale(about, value)
+    factor, unit = figure_unit(about, value)
     error = error_in_unit(name, result.performance, result.error)
     number = f"{value:.2f}" if about.units == "K" else engineering(about, value)[0]
     numerical = "" if error is None else f"± {factor * error:.1g}"
@@ -91,12 +90,6 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _scale(about: Any, value: float) -> tuple[float, str]:
-    if about.units == "K":
-        return 1.0, "K"
-    return next(((f, u) for least, f, u in figure_scales(about) if abs(value) >= least), (1.0, about.units))
-
-
 def _named(contributors: Sequence[Mapping[str, Any]]) -> str:
     some = [one for one in contributors[:NAMED] if one["share"] >= LEAST]
     return ", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some)
@@ -117,7 +110,7 @@ def print_check(found: Uncertainty) -> None:
         value = found.slopes.result.performance[name]
         if found.spreads[name].expanded <= NOTHING * abs(value):
             continue
-        factor, unit = _scale(declared(name, found.slopes.result.performance), value)
+        factor, unit = figure_unit(declared(name, found.slopes.result.performance), value)
         two = (COVERAGE * found.spreads[name].standard, COVERAGE * sampled.standard)
         shown = [f"{factor * value:.5g}", f"{factor * sampled.mean:.5g}", *(f"± {factor * each:.2g}" for each in two)]
         rows.append([shown_name(name), *shown, unit])
@@ -125,8 +118,7 @@ def print_check(found: Uncertainty) -> None:
             wrong.append(f"warning: linear is wrong for {shown_name(name)}: {sampled.wrong}")
     say("\n".join(plain_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)))
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
-    for each in wrong:
-        say(wrapped(each))
+    tell(wrong)
     if rows and not wrong:
         say("linear is right for all of these figures")
 
