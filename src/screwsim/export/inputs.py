@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
+from screwsim.effects import having
+from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import si_unit
@@ -34,8 +36,8 @@ _NAMES = {
     "operation.discharge.pressure": "discharge_pressure",
     "oil_supply.temperature": "oil_temperature",
     "oil_supply.ratio": "oil_ratio",
-    "effects.slide_valve.position": "slide_position",
     "machine.slide_valve.position": "slide_position",
+    **dict.fromkeys(having(SLIDES), "slide_position"),
 }
 
 

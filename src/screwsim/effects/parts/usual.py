@@ -10,6 +10,8 @@ from typing import NamedTuple
 WAY_IN = "a way between the suction line and the chambers"
 WAY_OUT = "a way between the chambers and the discharge line"
 SUCTION_BACK = "what flows back to suction comes in again"
+PUMPS = "what pumping the oil costs"
+SLIDES = "where a slide stands"
 
 
 class Usual(NamedTuple):
