@@ -17,7 +17,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
-from screwsim.study.crew import Crew
+from screwsim.study.each import Crew
 from screwsim.study.optimize import optimize, question, run
 from screwsim.study.optimize.evaluate import mean
 from screwsim.study.optimize.points import HOURS, as_csv, energy_shares, read_points, standards

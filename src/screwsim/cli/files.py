@@ -80,7 +80,7 @@ def validate(
     from screwsim.results.kept import keep_other_documents
     from screwsim.study.progress import for_terminal
     from screwsim.study.validation import document, errors_of, folder_of, run_sources
-    from screwsim.study.validation.words import errors_report, report
+    from screwsim.study.validation.record import errors_report, report
 
     if output is not None:
         keep_other_documents(output / "validation.json", "version", "verdicts", "sources")

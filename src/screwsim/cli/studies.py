@@ -183,7 +183,7 @@ def _local(
 ) -> int:
     """Print and write the derivatives of a scene's figures by numbers of it."""
     from screwsim.printing import show
-    from screwsim.printing.local import local_document, print_local, write_local
+    from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
     from screwsim.study.progress import for_terminal

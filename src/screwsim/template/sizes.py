@@ -9,7 +9,7 @@ cannot be cut as much finer: clearances fall with the tolerance unit of ISO 286,
 import math
 from typing import NamedTuple
 
-from screwsim.machine.rotors.families import FAMILIES
+from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.machine.stated import unit_volume
 
 SMALLEST, LARGEST = 0.05, 0.55  # [m], diameters of rotors that are cut

@@ -14,7 +14,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.cases import Extent
+from screwsim.study.accuracy.solving import Extent
 from screwsim.study.sweep import run_sweep
 
 SPREAD = 0.2  # of the speed, up and down, over which a sweep's points lie

@@ -16,7 +16,7 @@ from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.solving import Found, found
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration.fit import EXACT, Fit, Measured, Parameter, Point
-from screwsim.study.crew import Warm
+from screwsim.study.each import Warm
 from screwsim.study.optimum import Simulate, closed
 
 Array = NDArray[np.float64]

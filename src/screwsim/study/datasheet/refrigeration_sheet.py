@@ -18,16 +18,23 @@ from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bounds import Bound, motor_of
 from screwsim.study.datasheet.rated import Asked, Axis, Rating, celsius, faults_of, read_range, spread
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
-from screwsim.study.datasheet.tables import HOUR, KW, Column, decimals_of, document_of, has, part_load_drawing, shown_at
-from screwsim.study.datasheet.words import (
+from screwsim.study.datasheet.tables import (
     DUTY,
+    HOUR,
+    KW,
+    Column,
     control_line,
     cooled,
+    decimals_of,
+    document_of,
+    has,
     limit_lines,
     machine_line,
     notes_of,
     oil_line,
+    part_load_drawing,
     power_lines,
+    shown_at,
 )
 from screwsim.study.part_load import ENDS, RATIO, controls, ratios
 

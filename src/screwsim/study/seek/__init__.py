@@ -14,8 +14,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
 from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only
-from screwsim.study.crew import Warm
-from screwsim.study.each import each
+from screwsim.study.each import Warm, each
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
