@@ -1,4 +1,4 @@
-"""What is printed of the uncertainty of figures by a scene's inputs, beside the numerical error; of a sweep's ranges."""
+"""What is printed of the uncertainty of a scene's figures by its inputs, beside the numerical error, and of sweeps."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
