@@ -14,20 +14,18 @@ from typing import Any, NamedTuple
 from screwsim.effects.parts.flows import DISCHARGE, LINES, NEIGHBOUR, SUCTION, FlowPath, Resistance, Scaled
 from screwsim.effects.parts.lines import (
     CoolsOil,
-    Drawn,
     InSeparator,
     LineLeak,
     LosesPressure,
-    Plenum,
     PressureLosses,
     Separator,
-    Site,
     SuctionChange,
     SuctionHeat,
     SuctionLine,
 )
 from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Sought, Span, Turn
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
+from screwsim.effects.parts.plenums import Drawn, Plenum, Site
 from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
 from screwsim.effects.parts.states import ChamberState, HeatRate, Stops, Wall
 from screwsim.effects.parts.usual import Sized, Usual

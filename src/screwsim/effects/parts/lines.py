@@ -1,14 +1,11 @@
-"""What lies in the suction and discharge lines: throttle, mixing, leak, heat, separator, cooler; and beside them."""
+"""What lies in the suction and discharge lines: throttle, mixing, leak, heat, separator and oil cooler."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from screwsim.effects.parts.flows import Resistance
-from screwsim.effects.parts.readings import Given
-from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.separator import Outflow, Separated
-from screwsim.fluid.settings import OilProperties
 from screwsim.inputs.declare import quantity
 
 
@@ -127,55 +124,3 @@ class CoolsOil:
     def discharge(self) -> float | None:
         """Temperature [K] of gas and oil at discharge; None where it is not kept."""
         return None
-
-
-@dataclass(frozen=True)
-class Site:
-    """What the state of a plenum can be made of (SI units).
-
-    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_enthalpy` is
-    that of the real fluid's liquid behind the condenser, `refrigerating_effect` what it takes up in the evaporator
-    (M43): None where the scene does not state evaporating and condensing temperature. `T_oil` is that of the oil's
-    supply, `oil` has its properties there.
-    """
-
-    gas: Any
-    fluid: str
-    p_s: float
-    T_s: float
-    p_d: float
-    liquid_enthalpy: float | None
-    refrigerating_effect: float | None
-    T_oil: float | None = None
-    oil: OilProperties | None = None
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """What a plenum gave during the closed cycle: net mass flows [kg/s] from it and from the suction line."""
-
-    flow: float
-    suction_flow: float
-    reservoir: Reservoir
-    site: Site
-
-    @property
-    def ratio(self) -> float | None:
-        """Flow from the plenum over suction flow; None where nothing is sucked in."""
-        return self.flow / self.suction_flow if self.suction_flow > 0.0 else None
-
-
-@dataclass(frozen=True)
-class Plenum:
-    """A reservoir of the working fluid beside the two lines; its state is held constant.
-
-    `state` makes that state, `figures` the effect's own figures of the closed cycle (a text in place of one says why it
-    has none), both in plain Python, once a run. `gain` names the one of them by which the cooling capacity grows.
-    """
-
-    name: str
-    state: Callable[[Site], Reservoir]
-    figures: Callable[[Drawn], Given] | None = None
-    gain: str = ""
-    product: bool = True  # does what it gives count as gas that the machine compresses (M101)
-    evaporates: bool = False  # is it liquid, which cools the gas

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
-from screwsim.effects.parts.lines import Site
+from screwsim.effects.parts.plenums import Site
 from screwsim.numerics.made import Entry
 
 AT_END = 1e-6  # [K]
