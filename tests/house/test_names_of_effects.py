@@ -122,7 +122,7 @@ def exists(name: str, keys: str) -> bool:
 
 CHOICES = {  # choices of a scene that decide on more than one place: who holds them against a word
     ".how": set(),  # cycle.ways
-    ".closing": set(),  # numerics.closings
+    ".closing": set(),  # numerics.settings
     ".mode": {"machine/protocol.py"},
     ".transport": {"fluid/settings.py"},
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},

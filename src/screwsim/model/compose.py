@@ -2,10 +2,6 @@
 
 What is not named is not there: no term, no state, no cost. Structure (which paths, states, laws) goes into the
 module's text; numbers go into the vector P and the tables TAB, so that one compiled module serves a whole sweep.
-
-The flow of all chambers into both lines over one pitch, read from a closed cycle (docs/model.md M184).
-
-Angles at which a chamber is open to neither line are passed over.
 """
 
 from functools import lru_cache
@@ -15,7 +11,7 @@ import numpy as np
 
 from screwsim.effects.base import DISCHARGE, LINES, ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import ledger, slots, trace, writing, writing_oil
+from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
@@ -27,30 +23,11 @@ from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
 from screwsim.model.renumbered import angles_of, held
-from screwsim.model.slots import (
-    CHAMBERS,
-    E_VOLUME,
-    FIRST_OWN,
-    N_FLOWS,
-    P_OMEGA,
-    P_PITCH,
-    PORT_STATE,
-    R_SIZE,
-    N,
-    add_to_lines,
-    around_chamber,
-    balanced_alone,
-    faces_line,
-    given_off,
-    mass_rate,
-    path_flows,
-)
+from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
 from screwsim.model.trajectory import with_numbers
 from screwsim.model.writing import Writer, scales
-from screwsim.numerics.history import locate, read
-from screwsim.numerics.kernel import Kernel, kernel
+from screwsim.numerics.kernel import Kernel
 
-ASIDE = 1e-6  # rad: beyond an angle, on the side on which a jump is read
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 NO_NUMBERS = np.zeros(0)
@@ -232,7 +209,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         ledger.oil_arriving: network.carried and not network.roomed,
         ledger.pressed_oil_arriving: network.roomed,
         trace.oil_with_outflow: network.heated and not network.carried,
-        into_lines: network.pulsating,
+        line_flow.into_lines: network.pulsating,
         trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
         trace.port_oil: network.ported,
         trace.given_off_along: network.dissolves,
@@ -252,32 +229,3 @@ def _refuse(network: Network, parts: Parts) -> None:
     opened = bool(parts.all(Stops)) or any(path.opening is not None for _, path in parts.ports)
     if opened and network.chambers > 1:
         raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")
-
-
-@kernel
-def into_lines(times, dense, steps, context, n_e, into, volume):
-    """Add to into[line, k] the flow [kg/s] at even angles of a pitch, to volume[line] the mean volume [m³] open to it.
-
-    Lines are 0 suction, 1 discharge; both arrays are zero before. At the start of a pitch they are those of its end, of
-    the chamber behind: where all chambers are closed together, a state that a line has not met yet gives it a kick
-    there, shorter than the angles are apart.
-    """
-    P, TAB, own = context.P, context.TAB, context.own
-    E = np.empty(n_e)
-    y = np.empty(N)
-    flows = np.empty(N_FLOWS)
-    points = into.shape[1]
-    i = 0
-    for a in range(CHAMBERS * points):
-        phi = a * (P[P_PITCH] / points)
-        if not faces_line(phi, P, TAB):
-            continue
-        inward = phi + ASIDE if a == 0 or a % points != 0 else phi - ASIDE
-        i = locate(phi, inward, times, steps, i)
-        read(phi, times, dense, i, y)
-        around_chamber(phi, inward, context, E)
-        path_flows(y, E, context, flows)
-        theta = (phi - times[i]) / (times[i + 1] - times[i])
-        slope = P[P_OMEGA] * mass_rate(theta, i, times, dense, E, y, P)
-        balanced_alone(flows, slope - given_off(y, phi, E, own, P, TAB))
-        add_to_lines(flows, phi, E[E_VOLUME], a % points, points, P, into, volume)

@@ -97,7 +97,7 @@ def _error_size() -> str:
 
 
 def _lands(network: Network) -> str:
-    """Return the text that tells whether a step may end where the segment does (`closing_ports`)."""
+    """Return the text that tells whether a step may end where the segment does (`model.borders`)."""
     to, layout = Statements(), Layout(network)
     if network.ports:
         with to.within(f"if {closing_test(layout, network, '')}"), to.within(f"if {stiff_test(network, '')}"):
