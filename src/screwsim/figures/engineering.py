@@ -42,6 +42,11 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
     return digits(factor * value), unit
 
 
+def figure_text(figure: Figure | str, value: float) -> str:
+    """Return a performance figure [SI] with its unit for people."""
+    return " ".join(engineering(figure, value)).strip()
+
+
 def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
     """Return factor and unit in which people write a performance figure of such a size [SI]; K stays K."""
     return next(((f, u) for least, f, u in figure_scales(figure) if abs(size) >= least), (1.0, figure.units))
@@ -54,4 +59,4 @@ def read_in(figure: Figure, size: float) -> tuple[float, str, float]:
 
 def error_text(name: str, value: float, error: float) -> str:
     """Return the error of a figure relative to it; in its unit where it is larger than the figure."""
-    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else " ".join(engineering(name, error)).strip()
+    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else figure_text(name, error)

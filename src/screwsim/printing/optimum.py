@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
+from screwsim.figures.engineering import figure_text
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
@@ -74,7 +75,7 @@ def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> It
         option = "--from" if row.place == "lower border" else "--to"
         yield f"{where}at the {row.place} of the range, a better one may lie beyond: widen it ({option})"
     for value, figure in row.others:
-        shown = " ".join(engineering(asked.figure, figure)).strip()
+        shown = figure_text(asked.figure, figure)
         yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
     if row.message:
         yield f"{where}{row.message}"

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import tee
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
@@ -255,3 +256,14 @@ class Watch:
                 "and start the sweep again, which resumes it, or begin anew with --restart)"
             )
         self._stamps = stamps
+
+
+def simulate_with(
+    added: Callable[[Scene, Result], Result],
+    many: Callable[[Iterable[Scene]], Iterator[Result]],
+    scenes: Iterable[Scene],
+) -> Iterator[Result]:
+    """Yield the results of consecutive scenes by what simulates many, each with what is added to it."""
+    first, second = tee(scenes)
+    for result in many(first):
+        yield added(next(second), result)

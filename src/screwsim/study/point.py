@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import tee
 from typing import Any
 
 from screwsim.inputs.arguments import one_of, takes
@@ -51,12 +50,3 @@ def with_slopes(scene: Scene, result: Result) -> Result:
     """Return a result with the derivatives that its scene keeps."""
     found = kept_slopes(scene, result)
     return result if found is None else replace(result, derivatives=Derivatives.of(found, result.performance))
-
-
-def simulate_with_slopes(
-    many: Callable[[Iterable[Scene]], Iterator[Result]], scenes: Iterable[Scene]
-) -> Iterator[Result]:
-    """Yield the results of consecutive scenes by what simulates them, each with its derivatives."""
-    first, second = tee(scenes)
-    for result in many(first):
-        yield with_slopes(next(second), result)

@@ -35,6 +35,7 @@ from screwsim.study.cases import (
     packed,
     run_blocks,
     run_packed,
+    simulate_with,
     wanted_of,
 )
 from screwsim.study.culprits import settle
@@ -304,13 +305,13 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
     many = partial(simulate_many, trace=scene.output.keeps_cycle)
     if scene.uncertain:
-        from screwsim.study.uncertain import simulate_uncertain
+        from screwsim.study.uncertain import with_uncertainty
 
-        many = partial(simulate_uncertain, many)
+        many = partial(simulate_with, with_uncertainty, many)
     if scene.output.keeps_slopes:
-        from screwsim.study.point import simulate_with_slopes
+        from screwsim.study.point import with_slopes
 
-        many = partial(simulate_with_slopes, many)
+        many = partial(simulate_with, with_slopes, many)
     return many
 
 

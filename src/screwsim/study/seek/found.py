@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.figures.engineering import engineering, shown_name
+from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
@@ -177,11 +177,6 @@ def _flat(trials: Trials) -> str:
         return ""
     name, value = trials.goals[0].figure, min(off) + trials.goals[0].value
     return f"it is {figure_text(name, value)} everywhere there (vary what it depends on)"
-
-
-def figure_text(name: str, value: float) -> str:
-    """Return a figure [SI] with its unit for people."""
-    return " ".join(engineering(name, value)).strip()
 
 
 def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
