@@ -29,7 +29,7 @@ ALLOWED = {
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
     "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),
-    "export/spectra.py": ({"suction_port", "discharge_port"}, REMEDY),
+    "export/loads.py": ({"suction_port", "discharge_port"}, REMEDY),
     "machine/profile_law.py": ({"blow_hole"}, WORDS),
     "machine/rotors/curves.py": ({"blow_hole"}, WORDS),
     "machine/settings.py": ({"suction_port", "discharge_port"}, SECTIONS),

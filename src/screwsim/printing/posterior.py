@@ -11,7 +11,7 @@ from screwsim.figures.engineering import digits, read_in, shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out
 from screwsim.printing.tables import plain_table, tell, wrapped
-from screwsim.report.posterior import Drawn, draw
+from screwsim.report.calibration import Drawn, draw_posterior
 from screwsim.results.atomic import OTHERS, write_csv
 from screwsim.scene import leaf_of
 from screwsim.screen import say
@@ -199,7 +199,7 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     widths = [f"{WIDTH}{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
-    written += draw([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
+    written += draw_posterior([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
 
 
