@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.codegen.modules import for_speed
-from screwsim.derivatives import around, beside, solving
+from screwsim.derivatives import beside, solving
 from screwsim.derivatives.closed import FINE, QUICK, Fineness
 from screwsim.derivatives.directions import Directions
 from screwsim.derivatives.pitch import Pitch
@@ -89,9 +89,9 @@ class Counted:
 PARTS = {  # by what they are called here
     "cycle": (solving, "collocated"),
     "composed": (Directions, "of"),
-    "moved": (around, "responses"),
-    "placed": (around, "placed"),
-    "read": (around, "_read"),
+    "moved": (solving, "responses"),
+    "placed": (solving, "placed"),
+    "read": (solving, "_read"),
 }
 
 

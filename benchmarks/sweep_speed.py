@@ -23,7 +23,7 @@ from screwsim.batch import warm_up as beside
 from screwsim.codegen.modules import for_speed
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import warm_up
-from screwsim.study.blocks import blocks_of
+from screwsim.study.cases import blocks_of
 from screwsim.study.progress import Silent
 from screwsim.study.sweep import default_simulate_many, nothing, run_sweep
 

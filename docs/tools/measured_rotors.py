@@ -16,9 +16,8 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.export import profile_csv
-from screwsim.machine.rotors.families import FAMILIES
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
-from screwsim.machine.rotors.settings import Profile
+from screwsim.machine.rotors.settings import FAMILIES, Profile
 
 D, LENGTH = 0.1, 0.11  # m
 NOISE, TOLERANCE, APART = 1e-6, 4e-6, (2e-5, 8e-5)  # m

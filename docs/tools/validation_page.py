@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.study.validation import shown
-from screwsim.study.validation.record import KINDS
-from screwsim.study.validation.words import summary
+from screwsim.study.validation.record import KINDS, summary
 
 ROOT = Path(__file__).resolve().parents[2]
 KEPT, DOCS = ROOT / "validation" / "results.json", ROOT / "docs"

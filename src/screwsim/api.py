@@ -10,9 +10,8 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from screwsim.inputs.arguments import FILE, FLAG, MAPPING, NUMBER, QUANTITY, TEXT, TEXTS, takes, whole
+from screwsim.inputs.arguments import FILE, FLAG, MAPPING, NUMBER, QUANTITY, TEXT, TEXTS, listed, takes, whole
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.listed import listed
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_of

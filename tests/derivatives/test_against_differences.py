@@ -9,8 +9,7 @@ from tight import Tight, closed_tightly
 import screwsim
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Series, problem_of
-from screwsim.derivatives.figures import figures_of
-from screwsim.derivatives.solving import Found
+from screwsim.derivatives.solving import Found, figures_of
 from screwsim.scene import with_values
 from screwsim.scene.fields import value_at
 from screwsim.study.local import sensitivities

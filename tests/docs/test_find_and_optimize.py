@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.study.optimize.standards import standards
+from screwsim.study.optimize.points import standards
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "find-and-optimize.md").read_text(encoding="utf-8")

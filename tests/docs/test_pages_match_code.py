@@ -10,7 +10,7 @@ import pytest
 from screwsim.build import regularisation
 from screwsim.cycle.balances import LEAST_WORK
 from screwsim.cycle.known import CycleFigures
-from screwsim.cycle.wanted import wanted_of
+from screwsim.cycle.solution import wanted_of
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import kind_of
 from screwsim.model.numbers import symbols_of

@@ -8,8 +8,9 @@ import pytest
 from scenes import make
 
 from screwsim.build import build_parts
-from screwsim.effects import blow_hole, catalogue, find_effect, gap, interlobe_leakage, tip_leakage
+from screwsim.effects import blow_hole, catalogue, find_effect, interlobe_leakage, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.parts import gap
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.profile_law import lay
 from screwsim.machine.protocol import TIP_GAP
@@ -300,7 +301,7 @@ def test_an_effect_of_ones_own_is_found_by_its_dotted_name():
 
 def test_a_module_without_effect_is_refused():
     with pytest.raises(ImportError, match="defines no EFFECT"):
-        find_effect("screwsim.effects.gap")
+        find_effect("screwsim.effects.parts.gap")
 
 
 def test_an_unknown_name_is_a_key_error():

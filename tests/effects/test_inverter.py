@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import pytest
 
 import screwsim
-from screwsim.effects import inverter, motor
+from screwsim.effects import motor
 from screwsim.effects.base import SuctionHeat
+from screwsim.effects.parts import inverter
 from screwsim.inputs.faults import SceneError, UsageError
 
 RATED, SPEED, LOSS = 1e5, 300.0, 3000.0  # [W, rad/s, W]

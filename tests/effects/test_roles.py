@@ -8,8 +8,7 @@ import pytest
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, having, stating
 from screwsim.effects.base import CoolsOil, FlowPath, LosesPressure
-from screwsim.effects.parts.roles import SUCTION_BACK, WAY_IN, WAY_OUT
-from screwsim.effects.parts.usual import LEAK, USUAL
+from screwsim.effects.parts.usual import LEAK, PUMPS, SLIDES, SUCTION_BACK, USUAL, WAY_IN, WAY_OUT
 from screwsim.figures import called_for, known, needs_of
 from screwsim.machine.kinds import MACHINES
 from screwsim.outputs import AFTERCOOLED, CHANGED, HEATED, HELD, PERFORMANCE, WALLED
@@ -21,6 +20,7 @@ each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 HUMID = ROOT / "configs" / "air" / "humid_package.yaml"
 OF_FIGURES = (CHANGED[0], WALLED[0], HELD[0], AFTERCOOLED[1])  # heated are more than say so: whoever has T_oil
+OF_CORE = {WAY_IN, WAY_OUT, SUCTION_BACK, PUMPS, SLIDES}  # which texts and names of the core ask for
 KEYS = {  # with which an effect has a role that it has by a key
     ("refrigerant_solubility", HELD[0]): ("effects.refrigerant_solubility.flash_time=5 ms",),
 }
@@ -50,12 +50,12 @@ def test_an_effect_with_a_role_calls_for_the_figures_of_it_and_the_scene_without
 
 
 def test_every_role_that_an_effect_has_is_one_that_somebody_asks_for():
-    asked = {need for figure in known().values() for need in figure.needs} | {WAY_IN, WAY_OUT, SUCTION_BACK}
+    asked = {need for figure in known().values() for need in figure.needs} | OF_CORE
     for name, effect in catalogue().items():
         assert set(effect.roles) <= asked, name
         for key in filter(None, effect.roles.values()):
             assert key.removeprefix(".") in {item.name for item in fields(effect.parameters)}, f"{name}{key}"
-    assert all(having(role) for role in (*OF_FIGURES, HEATED[0], WAY_IN, WAY_OUT, SUCTION_BACK))
+    assert all(having(role) for role in (*OF_FIGURES, HEATED[0], *OF_CORE))
 
 
 @pytest.mark.parametrize(("role", "line"), [(WAY_IN, "suction"), (WAY_OUT, "discharge")])

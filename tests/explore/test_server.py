@@ -219,7 +219,7 @@ def test_slopes_are_the_exact_derivatives(server):
 
 
 def test_no_more_pages_are_open_than_the_server_bears(server, monkeypatch):
-    monkeypatch.setattr("screwsim.explore.server.MOST_PAGES", 1)
+    monkeypatch.setattr("screwsim.explore.serve.MOST_PAGES", 1)
     with Line(server) as first, Line(server) as second:
         with pytest.raises(ConnectionClosed) as closed:
             second.next(10.0)

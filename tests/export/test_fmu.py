@@ -12,8 +12,8 @@ from fmpy.validation import validate_fmu
 
 from screwsim.export.c_data import data_header, source_files
 from screwsim.export.fmu import SOURCES, compile_shared, write_fmu
+from screwsim.export.inputs import exponents, plain
 from screwsim.export.table import scales
-from screwsim.export.unit import exponents, plain
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from screwsim.export import loads as exported
+from screwsim.export.loads import flows_of, harmonics
 from screwsim.export.rotor_loads import Pressures, loads_of, pressures_of
 from screwsim.export.rotor_surface import ALONG, areas, centres, chamber_angles, positions, surfaces
-from screwsim.export.run_of import run_of, spans_of
-from screwsim.export.spectra import flows_of, harmonics
+from screwsim.export.source import run_of, spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import lay
 from screwsim.machine.rotors.pair import outlines

@@ -10,7 +10,7 @@ import pytest
 from screwsim.export.rotor_balance import contact, end_forces, face, slope_at_pitch
 from screwsim.export.rotor_loads import NAMES, POINTS, Pressures, _at, loads_of
 from screwsim.export.rotor_surface import ALONG, surfaces
-from screwsim.export.run_of import spans_of
+from screwsim.export.source import spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import Laid, lay
 from screwsim.machine.rotors.pair import outlines

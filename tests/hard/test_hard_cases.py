@@ -11,7 +11,7 @@ from hard_page import RADAU, REASONS, page, to_compare
 from scenes import make, run
 
 from screwsim.cycle import close, guess
-from screwsim.cycle.fallbacks import fallbacks
+from screwsim.cycle.close import fallbacks
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together

@@ -1,4 +1,4 @@
-"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.roles`).
+"""The core knows no effect by its name: what it asks of effects these declare (`effects.base`, `effects.parts.usual`).
 
 Names in words of a source outside `screwsim.effects` are listed here, each file with its reason. A text that sends a
 reader to `effects.NAME.key` has to be true.
@@ -16,7 +16,7 @@ from screwsim.scene.fields import Section, section_of
 
 PACKAGE = Path(__file__).parents[2] / "src" / "screwsim"
 SOURCES = [path for path in sorted(PACKAGE.rglob("*.py")) if path.relative_to(PACKAGE).parts[0] != "effects"]
-HELPERS = {"base", "gap", "parts"}  # modules of effects that are no effect
+HELPERS = {"base", "parts"}  # modules of effects that are no effect
 PATH = re.compile(r"\beffects\.([a-z_]+)((?:\.[a-z_]+)*)")
 
 SECTIONS = "sections of a scene's machine that have the names of their effects"
@@ -29,8 +29,7 @@ ALLOWED = {
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
     "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),
-    "export/inputs.py": ({"slide_valve"}, STUDY),
-    "export/spectra.py": ({"suction_port", "discharge_port"}, REMEDY),
+    "export/loads.py": ({"suction_port", "discharge_port"}, REMEDY),
     "machine/profile_law.py": ({"blow_hole"}, WORDS),
     "machine/rotors/curves.py": ({"blow_hole"}, WORDS),
     "machine/settings.py": ({"suction_port", "discharge_port"}, SECTIONS),
@@ -41,7 +40,6 @@ ALLOWED = {
     "report/rotors.py": ({"blow_hole", "slide_valve"}, STUDY),
     "report/rotors_scene.py": ({"slide_valve", "suction_port", "discharge_port"}, STUDY),
     "report/torque.py": ({"gas_torque"}, STUDY),
-    "scene/checks.py": ({"oil_pump"}, REMEDY),
     "scene/types.py": ({"air_package", "separator"}, REMEDY),
     "simulate.py": ({"drive"}, FIGURES),
     "solve/start_up.py": ({"drive", "gas_torque"}, "a start-up is the study of the drive, and has its curves"),
@@ -50,7 +48,7 @@ ALLOWED = {
     "study/datasheet/air_sheet.py": ({"air_package", "motor"}, STUDY),
     "study/datasheet/bounds.py": ({"motor"}, STUDY),
     "study/datasheet/gas_sheet.py": ({"air_package"}, STUDY),
-    "study/datasheet/words.py": ({"motor", "separator"}, STUDY),
+    "study/datasheet/tables.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/read.py": ({"economizer"}, STUDY),
     "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, WRITES),
@@ -124,13 +122,13 @@ def exists(name: str, keys: str) -> bool:
 
 CHOICES = {  # choices of a scene that decide on more than one place: who holds them against a word
     ".how": set(),  # cycle.ways
-    ".closing": set(),  # numerics.closings
+    ".closing": set(),  # numerics.settings
     ".mode": {"machine/protocol.py"},
     ".transport": {"fluid/settings.py"},
     ".two_phase": {"fluid/settings.py", "fluid/real_gas.py"},
     ".law": {"machine/drive/motor_line.py"},  # of the motor; a machine's laws are a registry (machine.laws)
     "gas.model": set(),  # fluid.models
-    "parameters.model": set(),  # of gaps: effects.gap_flow
+    "parameters.model": set(),  # of gaps: effects.parts.gap_flow
     "numerics.error": set(),
     "self.error": set(),  # numerics.estimates
     "output.keep": set(),

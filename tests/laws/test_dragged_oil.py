@@ -8,8 +8,8 @@ from scenes import FILM, FILMS, OIL_VOLUME, PUMPED_PORT, SOLUBLE_RATE, closed, m
 
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
+from screwsim.machine.geometry import wall_speeds
 from screwsim.machine.protocol import END_GAP, TIP_GAP
-from screwsim.machine.sliding import wall_speeds
 from screwsim.model.slots import OIL_TEMPERATURE, PORT_STATE, PRESSURE
 from screwsim.scene import load
 

@@ -6,7 +6,7 @@ from scenes import make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.effects.base import Made
-from screwsim.effects.line_valve import POINTS, Behind, Valve, closed, standing, through
+from screwsim.effects.parts.line_valve import POINTS, Behind, Valve, closed, standing, through
 from screwsim.effects.plenums import Parameters
 from screwsim.effects.plenums import build as plenum_parts
 from screwsim.explain import explain

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from screwsim.build import build_gas
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene.lines import lines
-from screwsim.study.accuracy.cases import QUICK, back_ends
+from screwsim.study.accuracy.solving import QUICK, back_ends
 from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 AIR = {

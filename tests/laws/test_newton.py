@@ -11,10 +11,9 @@ from screwsim.cycle import newton, tangents
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import image, set_unknowns, unknowns
 from screwsim.cycle.guess import leased
-from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.newton import Corrections, Residual, corrected
 from screwsim.cycle.problem import problem_of
-from screwsim.cycle.tangents import linearised, shifted
+from screwsim.cycle.tangents import linearised, shifted, slopes_of_image
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import loads
 from screwsim.simulate import simulate

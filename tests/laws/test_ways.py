@@ -7,8 +7,7 @@ from scenes import make
 
 from screwsim.cycle.ways import WAYS, Together
 from screwsim.explain import explain
-from screwsim.numerics.closings import CLOSINGS, Closing
-from screwsim.numerics.settings import NumericsSettings
+from screwsim.numerics.settings import CLOSINGS, Closing, NumericsSettings
 from screwsim.simulate import simulate
 
 NAME = "half together"

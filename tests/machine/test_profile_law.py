@@ -13,7 +13,7 @@ from screwsim.build import build_parts
 from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath
 from screwsim.inputs.faults import UsageError
-from screwsim.machine import profile_law, table_law
+from screwsim.machine import laws, profile_law
 from screwsim.machine.profile_law import lay
 from screwsim.machine.profile_tables import BEND, KINK
 from screwsim.machine.protocol import BLOW_HOLE
@@ -64,14 +64,14 @@ def test_volume_is_that_of_the_rotors_and_largest_where_suction_closes(name):
     phi = np.radians(np.arange(0.0, laid.life / DEG, 0.37))
     exact = laid.rotors.volume(phi - laid.born + laid.rotors.start)
     packed = pack_curve(*laid.volume.curve)
-    found = np.array([table_law.volume(x, packed, 0.0, 0.0) for x in phi])
+    found = np.array([laws.volume(x, packed, 0.0, 0.0) for x in phi])
     assert np.max(np.abs(found - exact)) < 1e-8 * laid.swept
-    slopes = np.array([table_law.volume_slope(x, packed, 0.0) for x in phi])
+    slopes = np.array([laws.volume_slope(x, packed, 0.0) for x in phi])
     inside = (phi > laid.born) & (phi < laid.ends)
     exact = laid.rotors.volume_slope(phi - laid.born + laid.rotors.start)
     assert np.mean(np.abs(slopes - exact)[inside]) < 1e-7 * np.abs(exact).max()
     assert np.max(np.abs(slopes - exact)[inside]) < 2e-6 * np.abs(exact).max()
-    assert table_law.volume(laid.injection, packed, 0.0, 0.0) == pytest.approx(laid.swept, rel=1e-12)
+    assert laws.volume(laid.injection, packed, 0.0, 0.0) == pytest.approx(laid.swept, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", SCENES)

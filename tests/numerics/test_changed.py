@@ -5,9 +5,8 @@ from typing import Protocol
 
 import pytest
 
-from screwsim.numerics.at_once import at_once
-from screwsim.numerics.changed import changed
-from screwsim.numerics.once import once
+from screwsim.numerics.at_once import at_once, changed
+from screwsim.numerics.remembered import once
 
 
 @dataclass(frozen=True)

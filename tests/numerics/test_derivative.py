@@ -190,14 +190,19 @@ def test_a_derivative_is_that_of_its_kernel(name):
 
 TABLES = {"TAB", "P", "curve", "volume_curve", "rest", "first", "count", "pitch"}  # no seeds: where and what is read
 OF_TABLES = (
-    *("effects.gap.length_area", "effects.gap.table_area", "fluid.solubility.entropies", "fluid.solubility.given_off"),
-    *("machine.table_law.area", "machine.table_law.volume", "machine.table_law.volume_slope"),
+    *(
+        "effects.parts.gap.length_area",
+        "effects.parts.gap.table_area",
+        "fluid.solubility.entropies",
+        "fluid.solubility.given_off",
+    ),
+    *("machine.laws.area", "machine.laws.volume", "machine.laws.volume_slope"),
     *("model.writing_oil.table_content", "numerics.spline.table_value", "numerics.spline.table_slope"),
     *("model.oil_displacement.density_of", "model.oil_displacement.gas_mass", "model.oil_displacement.gas_mass_slope"),
     *("model.oil_displacement.gas_share", "model.pulsation.harmonics", "model.speed.slowness"),
 )
 TELLING = {  # give a truth, a count or a place, or step over a history
-    *("fluid.limits.first_outside", "model.closing_ports.closes", "model.closing_ports.stiff"),
+    *("fluid.limits.first_outside", "model.borders.closes", "model.borders.stiff"),
     *("model.oil_displacement.locked", "model.port_states.gas_at_third", "model.port_states.jumps"),
     *("model.port_states.row_of_third", "model.port_states.held_to_a_line", "model.trace.peak_pressure"),
     "model.trace.port_oil",

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 
 @dataclass(frozen=True)

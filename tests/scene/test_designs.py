@@ -6,7 +6,7 @@ import pytest
 
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import case_count, case_values, dimensions, loads, only
-from screwsim.scene.designs import draw
+from screwsim.scene.sweep import draw
 
 SAMPLE = (
     "{sample: {kind: KIND, count: 16, seed: 7, over: {operation.speed: {from: 500 rpm, to: 5000 rpm, spacing: log}, "

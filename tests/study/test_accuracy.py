@@ -18,8 +18,7 @@ from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study import accuracy
 from screwsim.study.accuracy import QUICK, NoReference, Study, effects, files, study, truth, words
-from screwsim.study.accuracy.cases import CHECKS, all_cases
-from screwsim.study.accuracy.solving import WorkLimit, solve, way
+from screwsim.study.accuracy.solving import CHECKS, WorkLimit, all_cases, solve, way
 
 SCENE = """\
 title: small

@@ -6,7 +6,7 @@ import math
 import pytest
 from result_fakes import SCENE, scene
 
-from screwsim.study.blocks import BLOCK, Blocks, blocks_of
+from screwsim.study.cases import BLOCK, Blocks, blocks_of
 
 SHAPES = [(), (1,), (7,), (BLOCK,), (BLOCK + 1,), (43,), (5, 43), (3, 16), (100, 3), (7, 5, 3), (4, 1), (3, 100, 1)]
 

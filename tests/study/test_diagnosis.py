@@ -19,7 +19,7 @@ from screwsim.study.calibration.diagnosis import MOST_PAIRS, diagnose
 from screwsim.study.calibration.double import normal_about
 from screwsim.study.calibration.fit import Prior
 from screwsim.study.calibration.hypotheses import NONE
-from screwsim.study.calibration.single import Along, along, whitener
+from screwsim.study.calibration.profile import Along, along, whitener
 
 pytestmark = pytest.mark.around
 

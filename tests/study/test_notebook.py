@@ -12,7 +12,7 @@ import screwsim
 from screwsim.study.each import each
 from screwsim.study.notebook import NotebookBar
 from screwsim.study.progress import Silent, Surviving, for_program
-from screwsim.study.seek.told import Told
+from screwsim.study.seek.trials import Told
 from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around

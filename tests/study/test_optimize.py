@@ -17,13 +17,12 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
-from screwsim.study.crew import Crew
+from screwsim.study.each import Crew
 from screwsim.study.optimize import optimize, question, run
 from screwsim.study.optimize.evaluate import mean
-from screwsim.study.optimize.points import as_csv, read_points
+from screwsim.study.optimize.points import HOURS, as_csv, energy_shares, read_points, standards
 from screwsim.study.optimize.record import Record, neighbours
 from screwsim.study.optimize.solve import front_of
-from screwsim.study.optimize.standards import HOURS, energy_shares, standards
 from screwsim.study.optimize.store import kept
 from screwsim.study.optimum import optimum
 from screwsim.study.optimum import question as of_optimum

@@ -17,7 +17,7 @@ from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
 from screwsim.study.calibration.fit import Measured, Prior
 from screwsim.study.calibration.plan import candidates_of, plan, typical
-from screwsim.study.calibration.single import whitener
+from screwsim.study.calibration.profile import whitener
 
 ROOT = Path(__file__).parents[2]
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"

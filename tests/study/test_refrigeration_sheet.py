@@ -17,8 +17,7 @@ from screwsim.study import part_load as part_load_of
 from screwsim.study.datasheet import sheet_of
 from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
 from screwsim.study.datasheet.rated import rating
-from screwsim.study.datasheet.refrigeration import asked_of
-from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
+from screwsim.study.datasheet.refrigeration_sheet import asked_of, refrigeration_sheet
 from screwsim.study.datasheet.sheet import told
 from screwsim.study.datasheet.tables import part_load_note
 from screwsim.study.part_load import NEAR, RATIO, Control, controls, part_load, ratios

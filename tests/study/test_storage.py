@@ -22,7 +22,7 @@ from screwsim.results.write import Draft, write_tables
 from screwsim.scene import Scene, case, case_count
 from screwsim.scene.grid import dimensions
 from screwsim.study import shards
-from screwsim.study.blocks import Blocks
+from screwsim.study.cases import Blocks
 from screwsim.study.shards import Parts
 from screwsim.study.sweep import run_sweep
 
@@ -207,7 +207,7 @@ def test_a_disk_that_fills_up_ends_the_sweep_in_one_line_and_loses_nothing(jobs,
 
 def test_a_disk_that_fills_up_over_the_last_file_keeps_all_parts(reference, tmp_path, monkeypatch):
     output = interrupted(tmp_path)
-    monkeypatch.setattr("screwsim.results.guarded.GuardedFile.write", no_room)
+    monkeypatch.setattr("screwsim.results.write.GuardedFile.write", no_room)
     with pytest.raises(UsageError, match=r"out\.h5: cannot be written: No space left on device \(make room"):
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
     monkeypatch.undo()

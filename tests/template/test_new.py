@@ -11,7 +11,7 @@ from screwsim import cli
 from screwsim.build import build_parts
 from screwsim.effects.parts.rating import STANDARDS
 from screwsim.inputs.faults import UsageError
-from screwsim.scene.typical import leaks_told
+from screwsim.scene.plausible import leaks_told
 from screwsim.study.sized import NEAR, sized
 from screwsim.study.sized import told as sized_told
 from screwsim.study.validation import sibling

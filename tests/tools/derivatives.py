@@ -36,9 +36,8 @@ from tight import NotTight, Tight  # noqa: E402
 from screwsim.cycle.guess import leased  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
 from screwsim.derivatives import solving  # noqa: E402
-from screwsim.derivatives.around import derivatives  # noqa: E402
 from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated  # noqa: E402
-from screwsim.derivatives.figures import figures_of  # noqa: E402
+from screwsim.derivatives.solving import derivatives, figures_of  # noqa: E402
 from screwsim.inputs.faults import Impossible, SceneError, UsageError  # noqa: E402
 from screwsim.model import leases  # noqa: E402
 from screwsim.scene import Scene, cross_check, load, with_values  # noqa: E402

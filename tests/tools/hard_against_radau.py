@@ -30,14 +30,13 @@ from judging import Stopped, limited  # noqa: E402
 from scenes import make  # noqa: E402
 
 from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
-from screwsim.cycle.fallbacks import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa: E402
+from screwsim.cycle.close import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa: E402
 from screwsim.cycle.guess import leased  # noqa: E402
 from screwsim.cycle.mixing import FULL, MixingRule  # noqa: E402
 from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
 from screwsim.cycle.search import sought  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
-from screwsim.cycle.solution import CycleSolution  # noqa: E402
-from screwsim.cycle.wanted import Wanted  # noqa: E402
+from screwsim.cycle.solution import CycleSolution, Wanted  # noqa: E402
 from screwsim.cycle.ways import way_of  # noqa: E402
 from screwsim.evaluate.evaluation import evaluate  # noqa: E402
 from screwsim.figures.errors import relative_errors  # noqa: E402

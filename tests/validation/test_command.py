@@ -9,8 +9,7 @@ import screwsim
 from screwsim import cli
 from screwsim.inputs.faults import UsageError
 from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, sources, trend
-from screwsim.study.validation.record import Row
-from screwsim.study.validation.words import report, row_text, summary
+from screwsim.study.validation.record import Row, report, row_text, summary
 
 SOURCE = """\
 from screwsim.study.validation import Comparison, NotRun, Panel, Series, equal, trend

@@ -12,7 +12,7 @@ from screwsim.scene.model_errors import range_text, stored
 from screwsim.study.model_error import model_error
 from screwsim.study.validation import Compared, compared, model_errors
 from screwsim.study.validation.discrepancy import interval
-from screwsim.study.validation.words import errors_report
+from screwsim.study.validation.record import errors_report
 
 ROOT = Path(__file__).parents[2]
 ROWS = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))["sources"]["bitzer"]["rows"]

@@ -1,10 +1,8 @@
 """From a typed scene to the built parts that the composer takes: geometry, gas, oil, effects."""
 
-from screwsim.build.gas import build_gas
 from screwsim.build.own import blamed, faults_of_own
 from screwsim.build.parts import WIDTH, build_parts, parts_of, prepare, regularisation
-from screwsim.build.site import build_site
-from screwsim.build.stock import Stock
+from screwsim.build.stock import Stock, build_gas, build_site
 from screwsim.build.temperatures import (
     Temperatures,
     completed,

@@ -1,8 +1,6 @@
 """The parts that the composer takes: geometry, gas, oil, effects, and how they are made ready for a sweep."""
 
-from screwsim.build.gas import build_gas
-from screwsim.build.site import build_site
-from screwsim.build.stock import Stock
+from screwsim.build.stock import Stock, build_gas, build_site
 from screwsim.build.temperatures import completed
 from screwsim.effects.base import Made, OilContent, OilGas, OilSolution, Plenum
 from screwsim.fluid.gas import Gas

@@ -2,7 +2,7 @@
 
 `oil_supply.discharge_temperature` asks for as much oil as brings the mixture to that temperature (docs/model.md M370),
 `oil_supply.flow` for as much as a pump delivers (M393). What effects leave open is said by their parameters
-(`effects.parts.sought`). All are found together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
+(`effects.parts.made`). All are found together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
 """
 
 import math
@@ -11,12 +11,12 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import Sought, Span
-from screwsim.effects.parts.sought import AT_END
+from screwsim.effects.parts.made import AT_END
 from screwsim.inputs.declare import Found
 from screwsim.numerics.remembered import Remembered
+from screwsim.outputs.customary import celsius
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
-from screwsim.scene.units import ZERO_CELSIUS
 
 MIXTURE = "mixture_discharge_temperature"
 LOG = 20.0  # [K] of a coordinate for a factor e of an oil flow
@@ -168,10 +168,6 @@ def _of_oil(scene: Scene, figures: Mapping[str, Any], ratio: float) -> Iterator[
             what = f"with {ratio:.3g} kg of oil per kg of gas, the {'least' if share > 1.0 else 'most'} that is tried"
             yield f"{what}, {share:.3g} times oil_supply.flow is injected (another oil_supply.flow)"
     elif T is not None:
-        what = f"no oil flow brings the mixture to {_celsius(supply.discharge_temperature or 0.0)}"
-        end = f"with {ratio:.3g} kg per kg of gas it comes to {_celsius(T)}"
+        what = f"no oil flow brings the mixture to {celsius(supply.discharge_temperature or 0.0)}"
+        end = f"with {ratio:.3g} kg per kg of gas it comes to {celsius(T)}"
         yield f"{what}: {end} (another oil_supply.discharge_temperature, or oil of another temperature)"
-
-
-def _celsius(T: float) -> str:
-    return f"{T - ZERO_CELSIUS:.1f} degC"

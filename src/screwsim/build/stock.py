@@ -1,15 +1,16 @@
-"""Machine, gas and effects of a scene, kept for the next one of a sweep."""
+"""Machine, gas and effects of a scene, and what these can ask of it, kept for the next scene of a sweep."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from screwsim.build.gas import asked_of, build_gas
-from screwsim.build.site import around_of
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Wall
+from screwsim.effects.base import Around, ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Site, Wall
 from screwsim.fluid.gas import Gas
-from screwsim.fluid.models import find_gas_model
+from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.models import Asked, find_gas_model, lacking
+from screwsim.fluid.moist_air import moist_air
+from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import files_in
 from screwsim.inputs.textfiles import stamp
@@ -17,9 +18,9 @@ from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
 from screwsim.model.series import keep
-from screwsim.numerics.changed import changed
+from screwsim.numerics.at_once import changed
 from screwsim.numerics.remembered import Remembered
-from screwsim.scene.lines import Lines
+from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
@@ -141,3 +142,45 @@ def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) ->
 
 def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
     return changed(part, values={**part.values, **numbers})
+
+
+def around_of(scene: Scene, at: Lines) -> Around:
+    """Return what effects can ask of the scene."""
+    oil, supply = scene.oil, scene.oil_supply
+    T_oil = supply.temperature if supply is not None else None
+    tip_speed = scene.machine.surface_speed(scene.operation.speed)
+    known = oil.at(T_oil) if oil is not None and T_oil is not None else None
+    return Around(scene.gas.name, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
+
+
+def build_site(scene: Scene, gas: Gas) -> Site:
+    """Return what the state of an effect's own plenum can be made of."""
+    at, effect = lines(scene), refrigerating_effect(scene)
+    liquid = None if effect is None else suction_enthalpy(scene) - effect
+    around = around_of(scene, at)
+    return Site(gas, scene.gas.name, at.p_s, at.T_s, at.p_d, liquid, effect, around.T_oil, around.oil)
+
+
+def build_gas(scene: Scene) -> Gas:
+    """Return the gas of a scene."""
+    dry, humidity = _dry_gas(scene), scene.gas.relative_humidity
+    if humidity is None:
+        return dry
+    assert isinstance(dry, IdealGas | RealGas)  # `scene.fluids` refuses others
+    at = lines(scene)
+    return moist_air(dry, at.p_s, at.T_s, humidity)
+
+
+def asked_of(scene: Scene) -> Asked:
+    """Return what a scene says of its gas."""
+    said = scene.gas
+    return Asked(said.name, said.isentropic_exponent, said.two_phase, lambda: lines(scene).T_s)
+
+
+def _dry_gas(scene: Scene) -> Gas:
+    said = scene.gas
+    gas = find_gas_model(said.model).make(asked_of(scene))
+    missing = lacking(gas) if "." in said.model else []
+    if missing:
+        raise TypeError(f"its gas has no {', '.join(missing)}")
+    return gas

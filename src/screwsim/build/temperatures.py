@@ -10,7 +10,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import Fault, Unfound, UsageError
-from screwsim.numerics.changed import changed
+from screwsim.numerics.at_once import changed
 from screwsim.numerics.remembered import Remembered
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines

@@ -1,33 +1,30 @@
 """The command that rates: a scene's data sheet, in the form that its trade uses."""
 
-from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded, option
+from screwsim.cli.declare import File, Text, Texts, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded
 from screwsim.screen import say
 
 
 def datasheet(
     scene_file: SceneFile,
-    output: Annotated[Path | None, option("OUT.html|.pdf", "Write the sheet as a page, or as PDF.", "-o")] = None,
+    output: Annotated[File, option("OUT.html|.pdf", "Write the sheet as a page, or as PDF.", "-o")] = None,
     evaporating: Annotated[
-        str | None, option("LOW..HIGH", "Evaporating temperatures of a refrigeration machine's table.")
+        Text, option("LOW..HIGH", "Evaporating temperatures of a refrigeration machine's table.")
     ] = None,
     condensing: Annotated[
-        str | None, option("LOW..HIGH", "Its condensing temperatures, or pressures of its gas cooler.")
+        Text, option("LOW..HIGH", "Its condensing temperatures, or pressures of its gas cooler.")
     ] = None,
     suction: Annotated[
-        str | None, option("LOW..HIGH", "Suction pressures of a gas compressor's table; an expander's inlet.")
+        Text, option("LOW..HIGH", "Suction pressures of a gas compressor's table; an expander's inlet.")
     ] = None,
-    discharge: Annotated[str | None, option("LOW..HIGH", "Its discharge pressures; an expander's outlet.")] = None,
+    discharge: Annotated[Text, option("LOW..HIGH", "Its discharge pressures; an expander's outlet.")] = None,
     limits: Annotated[
-        list[str] | None,
-        option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit"),
+        Texts, option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit")
     ] = None,
     heating: Annotated[
-        bool, typer.Option("--heating", help="Also tables of the heating capacity and its COP, of a heat pump.")
+        bool, switch("--heating", "Also tables of the heating capacity and its COP, of a heat pump.")
     ] = False,
     profile: Annotated[
         str | None, option("LOADS.csv", "Flows and hours of an air package: its energy over them.", "--profile")

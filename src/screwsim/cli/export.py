@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without, option
+from screwsim.cli.declare import Text, Texts, argument, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,17 +26,12 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-Source = Annotated[
-    str,
-    typer.Argument(metavar="SCENE|OUT.h5", help="A scene, which is simulated, or a sweep's file.", show_default=False),
-]
+Source = Annotated[str, argument("SCENE|OUT.h5", "A scene, which is simulated, or a sweep's file.")]
 Over = Annotated[
-    list[str] | None,
-    option("PATH=LOW..HIGH", "What the map is over (default: the scene's sweep); repeat it.", "--over"),
+    Texts, option("PATH=LOW..HIGH", "What the map is over (default: the scene's sweep); repeat it.", "--over")
 ]
 Named = Annotated[
-    list[str] | None,
-    option("NAME", "What it gives (default: flow, power, discharge temperature, capacity).", "--figure"),
+    Texts, option("NAME", "What it gives (default: flow, power, discharge temperature, capacity).", "--figure")
 ]
 Wanted = Annotated[
     float | None, option("E", "Relative error of the map that is asked for (default: 0.005).", "--error")
@@ -107,9 +103,7 @@ def fmu(
     wanted: Wanted = None,
     most: Most = None,
     version: Annotated[Literal["2", "3"], option("2|3", "Version of FMI.", "--fmi")] = "2",
-    sources_only: Annotated[
-        bool, typer.Option("--sources-only", help="Do not compile: C for whoever imports it.")
-    ] = False,
+    sources_only: Annotated[bool, switch("--sources-only", "Do not compile: C for whoever imports it.")] = False,
     kind: Annotated[
         Literal["table", "polynomial"],
         option("table|polynomial", "C1 table, or AHRI 540 polynomials of both saturation temperatures.", "--map"),
@@ -241,7 +235,7 @@ def en12900(
     source: Source,
     output: Annotated[Path, option("OUT.csv|.json", "Where coefficients and tables go.", "-o", show_default=False)],
     over: Over = None,
-    ip: Annotated[bool, typer.Option("--ip", help="AHRI 540 in inch-pound units: degF, Btu/h, lb/h.")] = False,
+    ip: Annotated[bool, switch("--ip", "AHRI 540 in inch-pound units: degF, Btu/h, lb/h.")] = False,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -267,17 +261,14 @@ def en12900(
 
 @app.command()
 def loads(
-    source: Annotated[
-        str, typer.Argument(metavar="SCENE|OUT.h5", help="A scene, or the file of a run.", show_default=False)
-    ],
+    source: Annotated[str, argument("SCENE|OUT.h5", "A scene, or the file of a run.")],
     output: Annotated[Path, option("DIR", "The folder for curves, spectra, surfaces.", "-o", show_default=False)],
     steps: Annotated[int, option("N", "Steps of a turn on the surfaces.", min=1)] = 48,
     bearings: Annotated[
-        str | None,
-        option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'."),
+        Text, option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'.")
     ] = None,
     shafts: Annotated[
-        str | None, option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'.")
+        Text, option("A,B", "Diameters of the shafts in the end faces, male first, e.g. '60 mm,50 mm'.")
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
@@ -286,7 +277,7 @@ def loads(
     """Write loads and sound: forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
     options.check_drawer(output)
     from screwsim.export.loads import document, keep_other_loads, loads, write_loads
-    from screwsim.export.run_of import run_of, spans_of
+    from screwsim.export.source import run_of, spans_of
     from screwsim.printing import print_json
     from screwsim.printing.export import print_loads
 

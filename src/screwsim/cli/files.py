@@ -6,14 +6,15 @@ from typing import Annotated
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, option
+from screwsim.cli.declare import File, Text, Texts, argument, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 
 def rotors(
     scene_file: SceneFile,
-    folder: Annotated[Path | None, option("DIR", "Where figures, page, profiles and tables go.", "-o")] = None,
+    folder: Annotated[File, option("DIR", "Where figures, page, profiles and tables go.", "-o")] = None,
     overrides: Overrides = None,
     as_json: AsJson = False,
 ) -> None:
@@ -35,7 +36,7 @@ def rotors(
 
 
 def plot(
-    results_file: ResultsFile, folder: Annotated[str | None, option("DIR", "Where the figures go.", "-o")] = None
+    results_file: ResultsFile, folder: Annotated[Text, option("DIR", "Where the figures go.", "-o")] = None
 ) -> None:
     """Draw the figures of a results file."""
     options.check_drawer(Path(folder) if folder is not None else None)
@@ -47,8 +48,8 @@ def plot(
 
 def report(
     results_file: ResultsFile,
-    output: Annotated[str | None, option("OUT.html", "Where the page goes (default: beside the file).", "-o")] = None,
-    other: Annotated[str | None, option("OTHER.h5", "The paper's other sweep: claims need both.", "--with")] = None,
+    output: Annotated[Text, option("OUT.html", "Where the page goes (default: beside the file).", "-o")] = None,
+    other: Annotated[Text, option("OTHER.h5", "The paper's other sweep: claims need both.", "--with")] = None,
 ) -> None:
     """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
     if output is not None:
@@ -61,14 +62,12 @@ def report(
 
 
 def validate(
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="[NAME]...", help="Sources (default: all).", show_default=False)
-    ] = None,
+    names: Annotated[Texts, argument("[NAME]...", "Sources (default: all).")] = None,
     folder: Annotated[
-        Path | None,
+        File,
         option("DIR", "Where the sources lie, programs that are run (default: those of the package that is running)."),
     ] = None,
-    output: Annotated[Path | None, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,
+    output: Annotated[File, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
@@ -80,7 +79,7 @@ def validate(
     from screwsim.results.kept import keep_other_documents
     from screwsim.study.progress import for_terminal
     from screwsim.study.validation import document, errors_of, folder_of, run_sources
-    from screwsim.study.validation.words import errors_report, report
+    from screwsim.study.validation.record import errors_report, report
 
     if output is not None:
         keep_other_documents(output / "validation.json", "version", "verdicts", "sources")
@@ -102,8 +101,8 @@ def validate(
 
 
 def schema(
-    fit: Annotated[bool, typer.Option("--fit", help="That of a fit (screwsim calibrate) instead.")] = False,
-    stages: Annotated[bool, typer.Option("--stages", help="That of two stages in a row instead.")] = False,
+    fit: Annotated[bool, switch("--fit", "That of a fit (screwsim calibrate) instead.")] = False,
+    stages: Annotated[bool, switch("--stages", "That of two stages in a row instead.")] = False,
 ) -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json

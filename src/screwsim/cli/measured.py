@@ -1,21 +1,17 @@
 """The commands that ask measured points of a machine: what has changed since, and which points to measure next."""
 
-from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target, option
+from screwsim.cli.declare import File, Texts, argument, option
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
-FitFile = Annotated[
-    str, typer.Argument(metavar="FIT", help="Machine, parameters and points: a fit's YAML file.", show_default=False)
-]
+FitFile = Annotated[str, argument("FIT", "Machine, parameters and points: a fit's YAML file.")]
 OtherScene = Annotated[
-    Path | None, option("SCENE", "The machine, in place of the fit's own: e.g. scene.yaml of a calibration.", "--scene")
+    File, option("SCENE", "The machine, in place of the fit's own: e.g. scene.yaml of a calibration.", "--scene")
 ]
-OtherData = Annotated[Path | None, option("POINTS.csv", "Measured points in place of those of the fit.", "--data")]
+OtherData = Annotated[File, option("POINTS.csv", "Measured points in place of those of the fit.", "--data")]
 
 
 def diagnose(
@@ -43,15 +39,14 @@ def diagnose(
 def plan(
     fit_file: FitFile,
     candidates: Annotated[
-        Path | None, option("GRID.csv", "The operating points that could be measured.", "--candidates")
+        File, option("GRID.csv", "The operating points that could be measured.", "--candidates")
     ] = None,
     paths: Annotated[
-        list[str] | None,
-        option("PATH=LOW..HIGH", "Or: all combinations of values of such ranges; repeat it.", "--path"),
+        Texts, option("PATH=LOW..HIGH", "Or: all combinations of values of such ranges; repeat it.", "--path")
     ] = None,
     levels: Annotated[int | None, option("N", "Values of each range (default 4).")] = None,
     count: Annotated[int, option("N", "How many points are chosen.")] = 3,
-    output: Annotated[Path | None, option("NEXT.csv", "Write them as data of a fit, to be filled in.", "-o")] = None,
+    output: Annotated[File, option("NEXT.csv", "Write them as data of a fit, to be filled in.", "-o")] = None,
     scene: OtherScene = None,
     data: OtherData = None,
     jobs: Jobs = None,

@@ -3,58 +3,47 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from screwsim.cli.options import option
+from screwsim.cli.declare import File, Text, argument, option, switch
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 
 def new(
     kind: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="KIND",
-            help="refrigeration, heat_pump, air, booster (sucks at pressure), expander or reciprocating.",
-            show_default=False,
-        ),
+        Text, argument("KIND", "refrigeration, heat_pump, air, booster (sucks at pressure), expander or reciprocating.")
     ] = None,
-    fluid: Annotated[str | None, option("NAME", "What is compressed (default: the kind's).")] = None,
+    fluid: Annotated[Text, option("NAME", "What is compressed (default: the kind's).")] = None,
     displacement: Annotated[
-        str | None, option("FLOW", "Displaced volume at the speed, e.g. '600 m^3/h' (default: the kind's).")
+        Text, option("FLOW", "Displaced volume at the speed, e.g. '600 m^3/h' (default: the kind's).")
     ] = None,
-    diameter: Annotated[
-        str | None, option("LENGTH", "Of the male rotor, in place of --displacement, e.g. '204 mm'.")
-    ] = None,
+    diameter: Annotated[Text, option("LENGTH", "Of the male rotor, in place of --displacement, e.g. '204 mm'.")] = None,
     vi: Annotated[float | None, option("RATIO", "Built-in volume ratio (default: what the pressures ask for).")] = None,
-    speed: Annotated[str | None, option("SPEED", "Of the male rotor, or the crank (default: 2950 rpm).")] = None,
-    oil: Annotated[str | None, option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's).")] = None,
+    speed: Annotated[Text, option("SPEED", "Of the male rotor, or the crank (default: 2950 rpm).")] = None,
+    oil: Annotated[Text, option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's).")] = None,
     condition: Annotated[
-        str | None,
+        Text,
         option(
             "LOW/HIGH",
             "Both lines, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' (inlet).",
         ),
     ] = None,
-    motor: Annotated[
-        str | None, option("POWER", "Rated power of an air package's motor, as its sheet states it.")
-    ] = None,
+    motor: Annotated[Text, option("POWER", "Rated power of an air package's motor, as its sheet states it.")] = None,
     flow: Annotated[
-        str | None, option("FLOW", "Free air that a package delivers, e.g. '7.5 m^3/min': its size is sought.")
+        Text, option("FLOW", "Free air that a package delivers, e.g. '7.5 m^3/min': its size is sought.")
     ] = None,
     pressure: Annotated[
-        str | None, option("PRESSURE", "At an air package's outlet, in place of --condition, e.g. '7.5 bar(g)'.")
+        Text, option("PRESSURE", "At an air package's outlet, in place of --condition, e.g. '7.5 bar(g)'.")
     ] = None,
     economizer: Annotated[
-        bool, typer.Option("--economizer", help="With an economizer's port, of refrigeration and heat_pump.")
+        bool, switch("--economizer", "With an economizer's port, of refrigeration and heat_pump.")
     ] = False,
     slide: Annotated[
-        bool, typer.Option("--slide", help="With a slide valve for part load, of refrigeration and heat_pump.")
+        bool, switch("--slide", "With a slide valve for part load, of refrigeration and heat_pump.")
     ] = False,
     variable_speed: Annotated[
-        bool, typer.Option("--variable-speed", help="An air package with an inverter, and the speeds of its sheet.")
+        bool, switch("--variable-speed", "An air package with an inverter, and the speeds of its sheet.")
     ] = False,
-    output: Annotated[Path | None, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
+    output: Annotated[File, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
 ) -> None:
     """Write a complete, commented scene of a realistic machine: leaks, oil, losses, scaled with its size."""
     if output is not None:

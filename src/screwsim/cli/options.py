@@ -7,10 +7,11 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from screwsim.cli.declare import Texts, argument, option, switch
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -24,18 +25,11 @@ PAGES = (".html", ".htm")
 FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
 
 
-def option(value: str, says: str, *names: str, **more: Any) -> Any:
-    """Return an option with a value: what stands for the value, what the option is for, and its names."""
-    return typer.Option(*names, metavar=value, help=says, **more)
-
-
-SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
-ResultsFile = Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)]
-Overrides = Annotated[
-    list[str] | None, option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set")
-]
-Without = Annotated[list[str] | None, option("EFFECT", "Leave an effect out.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout, nothing else.")]
+SceneFile = Annotated[str, argument("SCENE", "The scene, a YAML file.")]
+ResultsFile = Annotated[str, argument("OUT.h5", "Results of run or sweep.")]
+Overrides = Annotated[Texts, option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set")]
+Without = Annotated[Texts, option("EFFECT", "Leave an effect out.")]
+AsJson = Annotated[bool, switch("--json", "Print one JSON document on stdout, nothing else.")]
 Jobs = Annotated[int | None, option("N", "Worker processes (default: all cores).", min=1)]
 
 

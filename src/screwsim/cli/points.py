@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
+from screwsim.cli.declare import File, Text, Texts, argument, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -21,25 +20,22 @@ if TYPE_CHECKING:
 
 def run(
     scene_file: SceneFile,
-    output: Annotated[Path | None, option("OUT.h5", "Write the result, with traces.", "-o")] = None,
+    output: Annotated[File, option("OUT.h5", "Write the result, with traces.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     knock_out: Annotated[
-        bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
+        bool, switch("--knock-out", "Leave each effect out in turn, and say what that changes.")
     ] = False,
     together: Annotated[
-        list[str] | None,
-        option("GROUP", "Leave out at once: leaks, oil, friction, walls, or effects with commas; repeat it."),
+        Texts, option("GROUP", "Leave out at once: leaks, oil, friction, walls, or effects with commas; repeat it.")
     ] = None,
     measured: Annotated[
-        list[str] | None,
+        Texts,
         option(
             "FIGURE=VALUE", "Judge by what was measured, e.g. 'shaft_power=132 kW ± 2 kW'; repeat it.", "--measured"
         ),
     ] = None,
-    short: Annotated[
-        bool, typer.Option("--short", help="Print the ten figures that are read first, on one screen.")
-    ] = False,
+    short: Annotated[bool, switch("--short", "Print the ten figures that are read first, on one screen.")] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
@@ -59,7 +55,7 @@ def run(
         options.check_place(output)
     points, left_out = _measured(scene, measured), _left_out(scene, knock_out, together)
     from screwsim.printing import print_json, print_result
-    from screwsim.scene.typical import what_is_left_out
+    from screwsim.scene.plausible import what_is_left_out
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
@@ -75,7 +71,7 @@ def run(
         result = with_uncertainty(scene, result)
     if output is not None:
         from screwsim.results import save
-        from screwsim.study.kept_slopes import kept_slopes
+        from screwsim.study.point import kept_slopes
 
         options.check_place(output)  # again: what came there meanwhile stays
         save(output, scene, result, derivatives=kept_slopes(scene, result))
@@ -146,7 +142,7 @@ def _run_stages(
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save
-        from screwsim.study.kept_slopes import kept_slopes
+        from screwsim.study.point import kept_slopes
 
         for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
             save(place, scene, result, derivatives=kept_slopes(scene, result))
@@ -159,21 +155,21 @@ def _run_stages(
 
 def sweep(
     scene_file: SceneFile,
-    output: Annotated[Path | None, option("OUT.h5", "Where the results go (default: results/SCENE.h5).", "-o")] = None,
+    output: Annotated[File, option("OUT.h5", "Where the results go (default: results/SCENE.h5).", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
-    scheduler: Annotated[str | None, option("ADDRESS|FILE", "Compute on a dask scheduler's workers instead.")] = None,
+    scheduler: Annotated[Text, option("ADDRESS|FILE", "Compute on a dask scheduler's workers instead.")] = None,
     case_limit: Annotated[
         float | None,
         option("SECONDS", "Give up a case after that time (default: 300; with --jobs 1: never).", min=0.001),
     ] = None,
-    restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
+    restart: Annotated[bool, switch("--restart", "Compute again what is there.")] = False,
     batch: Annotated[
-        bool, typer.Option("--batch", help="Solve points side by side, in the lanes of each core: for many points.")
+        bool, switch("--batch", "Solve points side by side, in the lanes of each core: for many points.")
     ] = False,
     gpu: Annotated[
-        bool, typer.Option("--gpu", help="The same on an NVIDIA GPU that all workers share: for thousands of points.")
+        bool, switch("--gpu", "The same on an NVIDIA GPU that all workers share: for thousands of points.")
     ] = False,
     as_json: AsJson = False,
 ) -> int:
@@ -202,17 +198,12 @@ def sweep(
 
 def explain(
     scene_file: SceneFile,
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[EFFECT]...", help="With --parameters: of these effects or sections.", show_default=False
-        ),
-    ] = None,
+    names: Annotated[Texts, argument("[EFFECT]...", "With --parameters: of these effects or sections.")] = None,
     overrides: Overrides = None,
     without: Without = None,
-    code: Annotated[bool, typer.Option("--code", help="Print the text that is compiled for the scene.")] = False,
+    code: Annotated[bool, switch("--code", "Print the text that is compiled for the scene.")] = False,
     parameters: Annotated[
-        bool, typer.Option("--parameters", help="Say of every key its unit, default, range and meaning.")
+        bool, switch("--parameters", "Say of every key its unit, default, range and meaning.")
     ] = False,
 ) -> None:
     """Say what is simulated, and what is left out: of a scene, or of two stages in a row."""
@@ -242,10 +233,10 @@ def explain(
 
 def accuracy(
     scene_file: SceneFile,
-    folder: Annotated[Path | None, option("DIR", "Where table, data and figure go (default: nowhere).", "-o")] = None,
+    folder: Annotated[File, option("DIR", "Where table, data and figure go (default: nowhere).", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Try less: seconds instead of minutes.")] = False,
+    quick: Annotated[bool, switch("--quick", "Try less: seconds instead of minutes.")] = False,
 ) -> int:
     """Say what accuracy costs in time: integrators, gases, numerical choices, effects, size."""
     from screwsim.study.stages import is_stages

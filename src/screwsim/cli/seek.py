@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded, option
+from screwsim.cli.declare import File, Text, Texts, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -19,16 +18,16 @@ if TYPE_CHECKING:
 def find(
     scene_file: SceneFile,
     vary: Annotated[
-        list[str] | None, option("PATH[=LOW..HIGH]", "What is varied, e.g. operation.speed; repeat it.", "--vary")
+        Texts, option("PATH[=LOW..HIGH]", "What is varied, e.g. operation.speed; repeat it.", "--vary")
     ] = None,
     goals: Annotated[
-        list[str] | None, option("FIGURE=VALUE", "What is wanted, e.g. 'cooling_capacity=500 kW'; repeat it.", "--for")
+        Texts, option("FIGURE=VALUE", "What is wanted, e.g. 'cooling_capacity=500 kW'; repeat it.", "--for")
     ] = None,
     catalogue: Annotated[
-        str | None, option("SIZES", "Sizes that there are, e.g. '140,163,204 mm': the next one up.", "--catalogue")
+        Text, option("SIZES", "Sizes that there are, e.g. '140,163,204 mm': the next one up.", "--catalogue")
     ] = None,
     output: Annotated[
-        Path | None, option("FOUND.yaml", "Write the scene found (the rows of a sweep: .csv, .h5).", "-o")
+        File, option("FOUND.yaml", "Write the scene found (the rows of a sweep: .csv, .h5).", "-o")
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
@@ -71,29 +70,27 @@ def find(
 def optimize(
     scene_file: SceneFile,
     vary: Annotated[
-        list[str] | None, option("PATH=LOW..HIGH", "What is varied, e.g. oil_supply.ratio=0.3..3; repeat it.", "--vary")
+        Texts, option("PATH=LOW..HIGH", "What is varied, e.g. oil_supply.ratio=0.3..3; repeat it.", "--vary")
     ] = None,
-    maximize: Annotated[list[str] | None, option("FIGURE", "What is to be highest; repeat it.", "--maximize")] = None,
-    minimize: Annotated[list[str] | None, option("FIGURE", "What is to be lowest; repeat it.", "--minimize")] = None,
+    maximize: Annotated[Texts, option("FIGURE", "What is to be highest; repeat it.", "--maximize")] = None,
+    minimize: Annotated[Texts, option("FIGURE", "What is to be lowest; repeat it.", "--minimize")] = None,
     subject_to: Annotated[
-        list[str] | None,
-        option("FIGURE<VALUE", "A bound, e.g. 'discharge_temperature<90 degC'; repeat it.", "--subject-to"),
+        Texts, option("FIGURE<VALUE", "A bound, e.g. 'discharge_temperature<90 degC'; repeat it.", "--subject-to")
     ] = None,
     over: Annotated[
-        str | None,
-        option("POINTS.csv|NAME", "Weighted over points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"),
+        Text, option("POINTS.csv|NAME", "Weighted over points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over")
     ] = None,
     print_points: Annotated[
-        bool, typer.Option("--print-points", help="Print the points of --over as CSV, to be changed, and end.")
+        bool, switch("--print-points", "Print the points of --over as CSV, to be changed, and end.")
     ] = False,
-    output: Annotated[Path | None, option("OUT.h5", "Keep all evaluations; an interrupted run goes on.", "-o")] = None,
-    best: Annotated[Path | None, option("BEST.yaml", "Write the best scene (of one aim).", "--best")] = None,
+    output: Annotated[File, option("OUT.h5", "Keep all evaluations; an interrupted run goes on.", "-o")] = None,
+    best: Annotated[File, option("BEST.yaml", "Write the best scene (of one aim).", "--best")] = None,
     evaluations: Annotated[int | None, option("N", "Sets of values at most (default: 100 a path).", min=1)] = None,
     seed: Annotated[int, option("N", "Seed of the search.", min=0)] = 1,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
-    restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
+    restart: Annotated[bool, switch("--restart", "Compute again what is there.")] = False,
     as_json: AsJson = False,
 ) -> int:
     """Find the values of paths at which figures are best: one aim or several, within bounds, over operating points."""

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
+from screwsim.cli.declare import File, Text, Texts, argument, option, switch
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -25,12 +26,12 @@ def optimum(
     scene_file: SceneFile,
     path: Annotated[str, option("PATH", "What is varied.")] = "oil_supply.ratio",
     figure: Annotated[
-        str | None, option("NAME", "What is to be highest (default: an efficiency, by the gas).", "--figure")
+        Text, option("NAME", "What is to be highest (default: an efficiency, by the gas).", "--figure")
     ] = None,
-    minimum: Annotated[bool, typer.Option("--minimum", help="Look for the lowest instead.")] = False,
-    first: Annotated[str | None, option("VALUE", "Where the range begins.", "--from")] = None,
-    last: Annotated[str | None, option("VALUE", "Where the range ends.", "--to")] = None,
-    output: Annotated[Path | None, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
+    minimum: Annotated[bool, switch("--minimum", "Look for the lowest instead.")] = False,
+    first: Annotated[Text, option("VALUE", "Where the range begins.", "--from")] = None,
+    last: Annotated[Text, option("VALUE", "Where the range ends.", "--to")] = None,
+    output: Annotated[File, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -57,19 +58,19 @@ def optimum(
 
 
 def performance_map(
-    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of a sweep.", show_default=False)],
+    results_file: Annotated[str, argument("OUT.h5", "Results of a sweep.")],
     figures: Annotated[
-        list[str] | None, option("NAME", "What is fitted (default: power, mass flow, cooling capacity).", "--figure")
+        Texts, option("NAME", "What is fitted (default: power, mass flow, cooling capacity).", "--figure")
     ] = None,
     points: Annotated[
-        list[str] | None,
+        Texts,
         option(
             "NAME=VALUE,…",
             "Evaluate the map there, e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeat it.",
             "--at",
         ),
     ] = None,
-    output: Annotated[Path | None, option("OUT.csv|.json", "Write the map.", "-o")] = None,
+    output: Annotated[File, option("OUT.csv|.json", "Write the map.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
     """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over both temperatures, or evaluate them."""
@@ -103,25 +104,20 @@ def performance_map(
 
 def sensitivity(
     scene_file: SceneFile,
-    places: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[PATH]…", help="With --local: by which numbers (default: all).", show_default=False),
-    ] = None,
-    local: Annotated[
-        bool, typer.Option("--local", help="Derivatives at the point itself, instead of indices.")
-    ] = False,
+    places: Annotated[Texts, argument("[PATH]…", "With --local: by which numbers (default: all).")] = None,
+    local: Annotated[bool, switch("--local", "Derivatives at the point itself, instead of indices.")] = False,
     check_sobol: Annotated[
         int | None, option("N", "Hold the linear uncertainty by the scene's tolerances against N samples.")
     ] = None,
     paths: Annotated[
-        list[str] | None, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
+        Texts, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
     ] = None,
     figures: Annotated[
-        list[str] | None, option("NAME", "Of what (default: efficiency, mass flow; --local: all).", "--figure")
+        Texts, option("NAME", "Of what (default: efficiency, mass flow; --local: all).", "--figure")
     ] = None,
     samples: Annotated[int, option("N", "Base samples, a power of two.")] = 256,
     seed: Annotated[int, option("N", "Seed of samples and confidence intervals.", min=0)] = 1,
-    output: Annotated[Path | None, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
+    output: Annotated[File, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -183,7 +179,7 @@ def _local(
 ) -> int:
     """Print and write the derivatives of a scene's figures by numbers of it."""
     from screwsim.printing import show
-    from screwsim.printing.local import local_document, print_local, write_local
+    from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
     from screwsim.study.progress import for_terminal
@@ -204,8 +200,8 @@ def _local(
 
 
 def compare(
-    first: Annotated[str, typer.Argument(metavar="A.h5", help="Results of run or sweep.", show_default=False)],
-    second: Annotated[str, typer.Argument(metavar="B.h5", help="What they are compared with.", show_default=False)],
+    first: Annotated[str, argument("A.h5", "Results of run or sweep.")],
+    second: Annotated[str, argument("B.h5", "What they are compared with.")],
     tolerance: Annotated[float, option("T", "Relative difference that counts as none, beside numerical error.")] = 0.0,
     as_json: AsJson = False,
 ) -> int:
@@ -222,15 +218,13 @@ def compare(
 
 
 def calibrate(
-    fit_file: Annotated[
-        str, typer.Argument(metavar="FIT", help="What is fitted to what, a YAML file.", show_default=False)
-    ],
-    folder: Annotated[Path | None, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
+    fit_file: Annotated[str, argument("FIT", "What is fitted to what, a YAML file.")],
+    folder: Annotated[File, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
     posterior: Annotated[
-        bool, typer.Option("--posterior", help="Say with what probability the points tell what (extra `posterior`).")
+        bool, switch("--posterior", "Say with what probability the points tell what (extra `posterior`).")
     ] = False,
     predict: Annotated[
-        Path | None,
+        File,
         option("POINTS.csv", "Say what would be measured at other points, with intervals (does --posterior, too)."),
     ] = None,
     jobs: Jobs = None,
@@ -285,7 +279,7 @@ def tolerance(
     bore_grade: Annotated[int | None, option("IT", "Grade of the bore (default: exact).")] = None,
     count: Annotated[int, option("N", "Machines that are drawn.")] = 64,
     seed: Annotated[int, option("N", "Seed of the random numbers.", min=0)] = 1,
-    folder: Annotated[Path | None, option("DIR", "Write the figures.", "-o")] = None,
+    folder: Annotated[File, option("DIR", "Write the figures.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -315,7 +309,7 @@ def tolerance(
 
 def startup(
     scene_file: SceneFile,
-    folder: Annotated[Path | None, option("DIR", "Where traces and figure go.", "-o")] = None,
+    folder: Annotated[File, option("DIR", "Where traces and figure go.", "-o")] = None,
     creep: Annotated[float, option("RPM", "Speed at which the start begins.", min=0.1)] = 30.0,
     longest: Annotated[float, option("SECONDS", "Give up after so long.", min=0.01)] = 10.0,
     overrides: Overrides = None,

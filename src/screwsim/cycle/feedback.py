@@ -12,11 +12,10 @@ import numpy as np
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of, walls_of
-from screwsim.cycle.known import known_of
-from screwsim.cycle.powers import shaft_power
+from screwsim.cycle.known import known_of, shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
-from screwsim.effects.gap import ClearanceParameters
+from screwsim.effects.parts.gap import ClearanceParameters
 from screwsim.inputs.faults import UsageError, own_number
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (

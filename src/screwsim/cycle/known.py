@@ -1,5 +1,6 @@
-"""What a power loss or a reading can ask of a closed cycle."""
+"""What a power loss or a reading can ask of a closed cycle, and powers beside its gas work (docs/model.md M28–M33)."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,8 +9,10 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import DISCHARGE, PressureLosses, Turn
+from screwsim.effects.base import DISCHARGE, PowerLoss, PressureLosses, Turn
 from screwsim.fluid.moist_air import passed_on
+from screwsim.inputs.faults import own_number
+from screwsim.model.parts import Parts
 from screwsim.model.port_states import SOME_OIL
 from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, Q_WORK, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
@@ -166,3 +169,31 @@ def uncarried_oil_temperature(life: Trajectory) -> float | None:
     """Return the oil temperature [K] weighted with the gas outflow, oil leaving at constant d (transport: paper)."""
     heat, mass = life.oil_with_outflow()
     return float(heat / mass) if mass != 0.0 else None
+
+
+def oil_lift(parts: Parts, known: CycleFigures) -> float:
+    """Return the power [W] that lifts the oil to discharge (M28).
+
+    Where oil takes room ∮ p dV contains it, but for what walls do that drag oil through gaps (M257).
+    """
+    if parts.oil_room:
+        return known.drag_power
+    lifted = known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
+    return lifted + known.leaked_oil_flow * (known.plenum_pressure - known.intake_pressure)
+
+
+def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
+    """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
+    found = {}
+    for name, part in parts.all(PowerLoss):
+        power = part.power(known)
+        if "." in name and math.isfinite(known.indicated_power):
+            own_number(name, f"its power {part.figure} [W]", power, 0.0)
+        found[part.figure] = found.get(part.figure, 0.0) + float(power)
+    return found
+
+
+def shaft_power(parts: Parts, known: CycleFigures) -> float:
+    """Return the power that the shaft takes [W] (M29)."""
+    lift = oil_lift(parts, known) if parts.oil is not None else 0.0
+    return known.indicated_power + lift + sum(power_losses(parts, known).values())

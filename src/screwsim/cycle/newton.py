@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.coordinates import logarithms, states_of
-from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.linear_pitch import Tangents, shifted
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.tangents import angles_of, linearised
+from screwsim.cycle.tangents import angles_of, linearised, slopes_of_image
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_PITCH, S_RHO

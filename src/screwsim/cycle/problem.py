@@ -11,8 +11,8 @@ import numpy as np
 
 from screwsim.build import Stock, Temperatures, completed, parts_of
 from screwsim.cycle.continuation import Course
+from screwsim.cycle.solution import Wanted, wanted_of
 from screwsim.cycle.suction import SuctionState, suction_of
-from screwsim.cycle.wanted import Wanted, wanted_of
 from screwsim.effects.base import SUCTION, FlowPath, Made, PressureLosses
 from screwsim.figures import called_for
 from screwsim.machine.protocol import MachineGeometry
@@ -24,8 +24,7 @@ from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.numerics.at_once import at_once
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
-from screwsim.numerics.once import once
-from screwsim.numerics.remembered import Remembered
+from screwsim.numerics.remembered import Remembered, once
 from screwsim.outputs import Figure
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene

@@ -17,14 +17,13 @@ from screwsim.cycle.mixing import finer
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.returning import NOTHING, returning
-from screwsim.cycle.solution import NO_HOPE, CycleSolution, Start
-from screwsim.cycle.wanted import ENOUGH, Wanted
+from screwsim.cycle.solution import ENOUGH, NO_HOPE, CycleSolution, Start, Wanted
 from screwsim.effects.base import FlowPath
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, Q_WORK, R_TRAPPED
-from screwsim.numerics.closings import WAVEFORMS
 from screwsim.numerics.periodic import Anderson
+from screwsim.numerics.settings import WAVEFORMS
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray

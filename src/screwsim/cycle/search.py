@@ -19,14 +19,12 @@ import numpy as np
 from screwsim.cycle.coordinates import logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.image_slopes import slopes_of_image
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.mixing import MixingRule
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.simultaneous import close_together
-from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.tangents import linearised
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Wanted
+from screwsim.cycle.tangents import linearised, slopes_of_image
 from screwsim.model.run import Machinery
 from screwsim.numerics.rodas import EVALUATED
 from screwsim.outputs.variables import NOT_CLOSED

@@ -13,12 +13,11 @@ from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.mixing import FULL, Mixing, MixingRule, Refining
 from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.wanted import ENOUGH, Wanted
+from screwsim.cycle.solution import ENOUGH, CycleSolution, Wanted
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, Q_WORK, R_TRAPPED
-from screwsim.numerics.closings import TOGETHER
 from screwsim.numerics.rodas import EVALUATED, dense_value
+from screwsim.numerics.settings import TOGETHER
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray

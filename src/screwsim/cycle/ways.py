@@ -1,7 +1,7 @@
 """The ways to close a cycle, and how what one of them closed is taken further.
 
 `cycle.how` is the name of the way that closed it: what depends on that is asked of the way, nowhere else. Another one
-is a `Way` in `WAYS` and an entry of `numerics.closings`.
+is a `Way` in `WAYS` and an entry of `numerics.settings`.
 
 Source: docs/explanation/numerics.md.
 """
@@ -15,11 +15,10 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.search import SEARCH, sought
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import Array, CycleSolution, Hope, Led, Start
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import Array, CycleSolution, Hope, Led, Start, Wanted
 from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK, R_TRAPPED
-from screwsim.numerics.closings import CLOSINGS, TOGETHER, WAVEFORMS
+from screwsim.numerics.settings import CLOSINGS, TOGETHER, WAVEFORMS
 
 
 class Way(ABC):

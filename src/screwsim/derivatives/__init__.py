@@ -2,7 +2,7 @@
 
 The cycle is written as polynomials on slices of a pitch (`slices`, `pitch`), closed by Newton's method (`closed`) and
 linearised (`linear`); a number of the scene moves what the rates take (`directions`), that moves the cycle, and with it
-the figures (`figures`) and what lies around the machine (`around`).
+the figures and what lies around the machine (`solving`).
 
 Source: docs/explanation/numerics.md, derivatives by the numbers of a scene.
 """

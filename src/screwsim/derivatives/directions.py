@@ -18,7 +18,7 @@ from screwsim.derivatives.slices import moved
 from screwsim.inputs.faults import UsageError
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 Array = np.ndarray
 ROOM = 8  # steps in the spare machinery, which integrates none

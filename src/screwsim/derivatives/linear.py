@@ -19,7 +19,7 @@ from screwsim.derivatives.phases import Border
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.sweeps import compiled
 from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 from screwsim.numerics.reused import zeros
 
 Array = np.ndarray

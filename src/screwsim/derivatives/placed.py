@@ -13,7 +13,7 @@ import numpy as np
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model.trajectory import Trajectory
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray

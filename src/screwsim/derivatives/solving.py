@@ -1,24 +1,133 @@
-"""A scene solved, and the derivatives of its figures."""
+"""A scene solved, and the derivatives of its figures by numbers of it, through what lies around the machine, too.
 
-from collections.abc import Mapping
+Temperatures of an oil's circuit and losses of a package follow from the cycle that meets them: they are numbers of the
+scene like others, and what the cycle asks of them closes one more small system.
+
+What moves with a number of a scene: the closed cycle, and the figures that are read of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
+import numpy as np
+
+from screwsim.build import Temperatures, filled, open_temperatures
 from screwsim.build.sought import is_sought
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, leave, one_alone, problem_of
-from screwsim.derivatives.around import derivatives
-from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated
-from screwsim.inputs.faults import Impossible
+from screwsim.cycle.problem import Built, Problem, Series, leave, one_alone, problem_of
+from screwsim.derivatives.closed import FINE, Closed, Fineness, NotClosed, collocated
+from screwsim.derivatives.closed import solved as solved_pitch
+from screwsim.derivatives.directions import Direction, Directions, Structural, along
+from screwsim.derivatives.linear import Response
+from screwsim.derivatives.peak import peak_pressure, turn_of
+from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.placed import Placed, Turning, in_step
+from screwsim.effects.base import PressureLosses
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model import leases
 from screwsim.numerics.garbage import no_search
-from screwsim.scene import Scene
-from screwsim.solve.circuit import solved, steady
+from screwsim.scene import Scene, with_values
+from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
 
+Array = np.ndarray
+STEP = 2e-7  # of its size, by which a number is shifted
+AROUND = 100.0  # [K, kPa] the size of what lies around the machine
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
 DRIVEN = "the speed follows from the drive"
 SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
+
+
+class Sides(NamedTuple):
+    """What is read on both sides of a number: figures, and what the cycle asks of its surroundings."""
+
+    figures: dict[str, float]
+    asked: Array
+
+
+def derivatives(
+    cycle: Closed, values: Mapping[str, float], built: Built | None = None
+) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
+    """Return the derivatives [SI] of the figures by the numbers at paths of the scene, by path; and why some have none.
+
+    `values` are the numbers [SI] at the paths, `built` what was built and composed of the scene.
+    """
+    made, series = Directions(cycle), Series(built)
+    around = [made.of(_around(cycle.pitch.problem, series, i), STEP) for i in _open(cycle.pitch.problem)]
+    directions, refused = {}, {}
+    for path, value in values.items():
+        try:
+            directions[path] = made.of(_shifted(cycle.pitch.problem, series, path, value), STEP)
+        except (Structural, UsageError) as why:
+            refused[path] = str(why)
+    every = [*around, *directions.values()]
+    if not every:
+        return {}, refused
+    moves, read = responses(cycle, every, made), []
+    turn = turn_of(standing(cycle, made))
+    here = _read(standing(cycle, made, turn), bool(around))
+    for j, direction in enumerate(every):
+        there = _read(placed(cycle, direction, moves.by(j), made, turn), bool(around))
+        figures = differenced(there.figures, here.figures, direction.step)
+        read.append(Sides(figures, (there.asked - here.asked) / direction.step))
+    through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
+    found = {}
+    for path, each in own.items():
+        closed = _closed(each, through, _open(cycle.pitch.problem))
+        found[path] = {name: slope / _size(values[path]) for name, slope in closed.items()}
+    return found, refused
+
+
+def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[str, float]:
+    """Return derivatives with what the surroundings add that follow."""
+    if not through:
+        return own.figures
+    matrix = np.array([each.asked[list(rows)] for each in through]).T
+    by = np.linalg.solve(matrix, -own.asked[list(rows)])
+    names = [name for name in own.figures if all(name in each.figures for each in through)]
+    slopes = np.array([[each.figures[name] for name in names] for each in (own, *through)])
+    return dict(zip(names, (slopes[0] + by @ slopes[1:]).tolist(), strict=True))
+
+
+def _read(of: Evaluation, whole: bool) -> Sides:
+    """Return what is read of an evaluation; `whole`: what it asks of around, too."""
+    asked = asked_of(of) if whole else None
+    return Sides(figures_of(of), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
+
+
+def _size(value: float) -> float:
+    """Return by what a number is measured: itself, or the unit of one that is nothing."""
+    return abs(value) or 1.0
+
+
+def _shifted(problem: Problem, series: Series, path: str, value: float) -> Callable[[float], Problem]:
+    return lambda by: problem_of(with_values(problem.scene, {path: value + by * _size(value)}), series)
+
+
+def _open(problem: Problem) -> list[int]:
+    """Return which of the circuit's unknowns are open: temperatures of supply and separator, lost pressures."""
+    temperatures = [i for i, each in enumerate(open_temperatures(problem.scene)) if each]
+    return [*temperatures, *((2, 3) if problem.scene.losses is not None else ())]
+
+
+def _around(problem: Problem, series: Series, i: int) -> Callable[[float], Problem]:
+    """Return what poses the problem with one of the circuit's unknowns shifted by a share of its size."""
+
+    def posed(by: float) -> Problem:
+        x, scene = unknowns_of(problem), problem.scene
+        x[i] += by * AROUND
+        if any(open_temperatures(scene)):
+            scene = filled(scene, Temperatures(*x[:2].tolist()))
+        if len(x) > 2:
+            scene = replace(scene, losses=PressureLosses(*(KPA * x[2:]).tolist()))
+        return problem_of(scene, series)
+
+    return posed
 
 
 class Found(NamedTuple):
@@ -66,3 +175,100 @@ def _refused(problem: Problem) -> str:
     if is_sought(problem.scene):
         return SOUGHT
     return ONE_CHAMBER if problem.composition.chambers == 1 else ""
+
+
+class Moved(NamedTuple):
+    """How the cycle moves with numbers, an axis behind all others: states, cells, quadratures, unknowns in coordinates.
+
+    `lives` returns how its dense output does, numbers first: found when it is first asked for.
+    """
+
+    response: Response
+    unknowns: Array
+    lives: Callable[[], Array]
+
+    def by(self, j: int) -> Move:
+        """Return how it moves with one of them."""
+        return Move(self.response.of(j), self.unknowns[:, j], lambda: self.lives()[j])
+
+
+class Move(NamedTuple):
+    """How the cycle moves with one number, as `Moved` has it."""
+
+    response: Response
+    unknowns: Array
+    life: Callable[[], Array]
+
+
+def _moved(pitch: Pitch, response: Response, unknowns: Array) -> Moved:
+    return Moved(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
+
+
+def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
+    """Return how the cycle moves along directions (at least one), a column each, its unknowns with it."""
+    linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.met), len(directions))), cycle.pitch
+    held = _moved(pitch, linear.by_changes, off.copy())
+    own = _coordinates(standing(cycle, made))
+    for j, direction in enumerate(directions):
+        image = _coordinates(placed(cycle, direction, held.by(j), made))
+        off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
+    unknowns = np.stack([solved_pitch(linear.back, each, linear.given) for each in off.T], axis=-1)
+    return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
+
+
+def _coordinates(of: Evaluation) -> Array:
+    """Return what a cycle makes of its unknowns, in coordinates."""
+    return of.problem.entries.coordinates(of.image)
+
+
+def standing(cycle: Closed, made: Directions, turn: tuple[int, float] | None = None) -> Evaluation:
+    """Return the evaluation of the cycle as it stands, to be read as one that is `placed`."""
+    pitch = cycle.pitch
+    pitch.put(made.own[0])
+    turning = None if turn is None else Turning(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
+    return Evaluation(pitch.problem, Placed.of(pitch, lambda: pitch.install_life(made.life), turning), cycle.sums)
+
+
+def placed(
+    cycle: Closed, direction: Direction, moves: Move, made: Directions, turn: tuple[int, float] | None = None
+) -> Evaluation:
+    """Return the evaluation of the cycle moved with a shifted number, its highest pressure that at a `turn`.
+
+    It stands on the machinery of the cycle: it is to be read before anything else is done with that.
+    """
+    pitch, problem, by = cycle.pitch, direction.problem, direction.step
+    at, entries, response = direction.side, problem.entries, moves.response
+    if moves.unknowns.any():
+        met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
+        at = made.meeting(direction, met)
+    pitch.put(at.plus(by, pitch.cells_as_numbers(response.cells)))
+
+    def fill() -> None:
+        edges = direction.change.edges
+        edges = pitch.slices.edges if edges is None else pitch.slices.edges + by * edges
+        pitch.install_life(made.life + by * moves.life(), edges)
+
+    turning = None
+    if turn is not None:
+        here = in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0])
+        turning = Turning(*turn, here + by * in_step(pitch, response.start, response.inside, turn[0]))
+    return Evaluation(problem, Placed.of(pitch, fill, turning), cycle.sums + by * response.sums)
+
+
+def figures_of(of: Evaluation) -> dict[str, float]:
+    """Return the figures that have a value; what is left open of a balance is none.
+
+    The highest pressure is that where the pressure turns in a step, where that is known (`placed`).
+    """
+    told = {name for name, each in of.figures.about.items() if not each.scale.unasked}
+    found = {
+        name: float(value) for name, value in of.figures.items() if isinstance(value, int | float) and name in told
+    }
+    if "peak_pressure" in found and not (isinstance(of.life, Placed) and of.life.turning is not None):
+        found["peak_pressure"] = peak_pressure(of)
+    return found
+
+
+def differenced(there: dict[str, float], here: dict[str, float], step: float) -> dict[str, float]:
+    """Return the derivatives of what is there on both sides."""
+    return {name: (there[name] - here[name]) / step for name in there if name in here}

@@ -12,7 +12,6 @@ from screwsim.effects.base import Effect
 from screwsim.numerics import sources
 from screwsim.numerics.trial import found_in
 
-_NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "inverter", "line_valve", "parts", "port_window", "valves"}
 _PORTS = ("suction_port", "discharge_port", "check_valves", "reed_valves", "ring_leakage", "cylinder_heat")
 _GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve", "bypass")
 _LINES = ("shaft_leakage", "suction_line", "suction_throttle")
@@ -24,7 +23,7 @@ _ORDER = (*_PORTS, *_GAPS, *_LINES, *_HEAT, *_LOSSES, "air_package")
 @cache
 def catalogue() -> dict[str, Effect]:
     """Return {name: effect} of the built-in effects: ports, gaps, heat, losses, then the others by name."""
-    names = [module.name for module in pkgutil.iter_modules(__path__) if module.name not in _NOT_EFFECTS]
+    names = [module.name for module in pkgutil.iter_modules(__path__) if not module.ispkg and module.name != "base"]
     found = {name: importlib.import_module(f"{__name__}.{name}").EFFECT for name in names}
     rank = {name: index for index, name in enumerate(_ORDER)}
     return {name: found[name] for name in sorted(found, key=lambda name: (rank.get(name, len(rank)), name))}

@@ -23,11 +23,10 @@ from screwsim.effects.parts.lines import (
     SuctionHeat,
     SuctionLine,
 )
-from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Turn
+from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Sought, Span, Turn
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
 from screwsim.effects.parts.plenums import Drawn, Plenum, Site
 from screwsim.effects.parts.readings import Given, PowerLoss, Reading, Shaft
-from screwsim.effects.parts.sought import Sought, Span
 from screwsim.effects.parts.states import ChamberState, HeatRate, Stops, Wall
 from screwsim.effects.parts.usual import Sized, Usual
 from screwsim.fluid.settings import OilProperties

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import GapParameters, check_formula, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.parts.gap import GapParameters, check_formula, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath, SuctionChange
-from screwsim.effects.gap import flow_coefficient, ramp
+from screwsim.effects.parts.gap import flow_coefficient, ramp
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault

@@ -22,11 +22,10 @@ from screwsim.effects.base import Effect, Faults, Given, Reading, Shaft
 from screwsim.effects.gas_torque import torque as gas_torque
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.motor_line import Motor, check_motor
 from screwsim.machine.drive.response import NoMotion, Response, extremes, respond, swing
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
-from screwsim.machine.drive.train import Train
+from screwsim.machine.drive.train import LinearCoupling, Train
 from screwsim.outputs import Figure, Trace, names_of, power_figure
 
 KEPT = 3  # motions: before and after a turn, and of the turn that estimates the error

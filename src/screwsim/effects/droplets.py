@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.effects.base import Around, Effect, Faults, HeatRate, Reading
-from screwsim.effects.gas_transport import gas_faults, gas_numbers
+from screwsim.effects.parts.gas_transport import gas_faults, gas_numbers
 from screwsim.effects.parts.usual import OIL_HEAT, Sized
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault

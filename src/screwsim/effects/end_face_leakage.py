@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
-from screwsim.effects.gap_flow import numbers
+from screwsim.effects.parts.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import number, quantity
 from screwsim.machine.protocol import END_GAP, LOBE, ROTORS, SPAN

@@ -19,8 +19,16 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import BIRTH, ClearanceParameters, check_formula, check_gap, gap_path, profile_paths, ramp
-from screwsim.effects.gap_flow import numbers
+from screwsim.effects.parts.gap import (
+    BIRTH,
+    ClearanceParameters,
+    check_formula,
+    check_gap,
+    gap_path,
+    profile_paths,
+    ramp,
+)
+from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault

@@ -24,9 +24,8 @@ from math import inf
 
 import numpy as np
 
-from screwsim.effects import inverter
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
-from screwsim.effects.parts import motor_classes
+from screwsim.effects.parts import inverter, motor_classes
 from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import Derived, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError

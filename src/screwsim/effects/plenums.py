@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects import line_valve
 from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
-from screwsim.effects.line_valve import Valve
+from screwsim.effects.parts import line_valve
+from screwsim.effects.parts.line_valve import Valve
 from screwsim.inputs.declare import count, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import PORTS

@@ -11,9 +11,9 @@ import math
 from dataclasses import dataclass
 
 from screwsim.effects.base import SUCTION, Effect, Faults, FlowPath
-from screwsim.effects.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
+from screwsim.effects.parts.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
 from screwsim.effects.parts.usual import LEAK, Sized
-from screwsim.effects.valves import port_area
+from screwsim.effects.parts.valves import port_area
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BORE, CYLINDER, PISTON

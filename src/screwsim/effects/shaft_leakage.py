@@ -15,9 +15,9 @@ gas_viscosity.
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.effects import gap_flow
 from screwsim.effects.base import Effect, Faults, LineLeak
-from screwsim.effects.gap import flow_coefficient
+from screwsim.effects.parts import gap_flow
+from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.usual import LEAK
 from screwsim.inputs.declare import choice, number, quantity
 from screwsim.inputs.faults import Fault

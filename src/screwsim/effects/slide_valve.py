@@ -15,8 +15,8 @@ from math import pi
 
 from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
-from screwsim.effects.gap import flow_coefficient, table_area
-from screwsim.effects.parts.usual import Sized
+from screwsim.effects.parts.gap import flow_coefficient, table_area
+from screwsim.effects.parts.usual import SLIDES, Sized
 from screwsim.inputs.declare import AREA, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
@@ -124,5 +124,6 @@ EFFECT = Effect(
     check=check,
     check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
+    roles={SLIDES: ".position"},
     sizes=(Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)), Sized("radial_area", SHELL, WIDEST, (0.0, 0.5))),
 )

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
-from screwsim.effects.gap_flow import numbers
+from screwsim.effects.parts.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import choice
 from screwsim.machine.protocol import LOBE, ROTORS, TIP_GAP

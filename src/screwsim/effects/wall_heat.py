@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
-from screwsim.effects.gas_transport import gas_faults, gas_numbers
+from screwsim.effects.parts.gas_transport import gas_faults, gas_numbers
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault

@@ -7,7 +7,7 @@ from screwsim.build import in_separator, sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import CoolsOil, FlowPath
-from screwsim.effects.parts.roles import SUCTION_BACK
+from screwsim.effects.parts.usual import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
@@ -17,9 +17,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model.compose import LINES
 from screwsim.model.slots import OF_ENERGY, OF_GAS, OF_OIL, OF_OIL_HEAT, R_OIL_BEFORE, SUCTION_OUT
 from screwsim.outputs import Figures
+from screwsim.outputs.customary import celsius
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Found
-from screwsim.scene.units import ZERO_CELSIUS
 
 CONTRADICTS = 1.0  # [K] by which a stated temperature of the separator may differ from that of its balance
 OPEN_TO_SUCTION = math.radians(1.0)  # earlier than the end of suction, that deserves a word
@@ -85,13 +85,9 @@ def _separated(of: Evaluation) -> Iterator[str]:
     needed -= found.energy + found.heating + found.friction
     what = f"{1e-3 * abs(needed):.4g} kW of {'heating' if needed > 0.0 else 'cooling'}"
     yield (
-        f"the separator's balance closes at {_celsius(T)}, not at the stated {_celsius(stated)}: it would need {what} "
+        f"the separator's balance closes at {celsius(T)}, not at the stated {celsius(stated)}: it would need {what} "
         f"(name effects.{stating(CoolsOil)}, which finds the temperature)"
     )
-
-
-def _celsius(T: float) -> str:
-    return f"{T - ZERO_CELSIUS:.1f} degC"
 
 
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str, ...], tuple[str, ...]]:

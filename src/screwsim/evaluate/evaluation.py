@@ -4,21 +4,19 @@ from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
-from screwsim.cycle.known import CycleFigures, LazyPitch, known_of
+from screwsim.cycle.known import CycleFigures, LazyPitch, known_of, oil_lift, power_losses, shaft_power
 from screwsim.cycle.pitch import Pitch
-from screwsim.cycle.powers import oil_lift, power_losses, shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
-from screwsim.evaluate.package import Package, package_off
-from screwsim.evaluate.separator import Circuit, circuit_of
+from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_off
 from screwsim.figures import Performance
 from screwsim.model.exchange import station
 from screwsim.model.slots import Q_HEAT, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.at_once import at_once
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 from screwsim.outputs import Figures
 
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from screwsim.build import build_site
-from screwsim.cycle import powers, suction_line
+from screwsim.cycle import suction_line
 from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held, streams_of
-from screwsim.cycle.known import CycleFigures
+from screwsim.cycle.known import CycleFigures, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
-from screwsim.evaluate import humidity, performance, saturation
+from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -61,7 +61,7 @@ def figures_of(
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
     sucked = suction_line.fresh(problem, life.R, streams) + crossed(problem, life)
     flow = delivered * (sucked * rate) + 0.0  # nothing has no sign
-    lift = powers.oil_lift(parts, known) if parts.oil is not None else None
+    lift = oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     station()
     drawn = performance.drawn(parts, streams, rate)
@@ -90,7 +90,7 @@ def figures_of(
     if problem.refrigerating_effect is not None:
         condensed = flow + sum(net for net, _ in drawn)
         take(*performance.heating(found, condensed, *_rejected(problem, circuit, leaving)))
-    take(*saturation.figures(problem, found))
+    take(*performance.saturation_figures(problem, found))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)

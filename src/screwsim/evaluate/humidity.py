@@ -18,7 +18,7 @@ from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.outputs.customary import celsius
 
 MARGIN = 5.0  # [K] above the pressure dew point, where a scene states none
 STEP = np.radians(2.0)  # of the angles at which a chamber is asked for liquid
@@ -137,16 +137,16 @@ def warnings(
     safe, flow = found["lowest_safe_oil_temperature"], found.get("condensate_flow")
     if T is not None and T < safe:
         oil = problem.parts.oil is not None
-        at = f"gas and oil part at {_celsius(T)}" if oil else f"the gas leaves at {_celsius(T)}"
-        remedy = f"keep them at {_celsius(safe)} or above by warmer oil" if oil else "drier or warmer air"
+        at = f"gas and oil part at {celsius(T)}" if oil else f"the gas leaves at {celsius(T)}"
+        remedy = f"keep them at {celsius(safe)} or above by warmer oil" if oil else "drier or warmer air"
         if flow:
-            what = f"{at}, below the pressure dew point of {_celsius(dew)}: {HOUR * flow:.3g} kg/h of water condense"
+            what = f"{at}, below the pressure dew point of {celsius(dew)}: {HOUR * flow:.3g} kg/h of water condense"
         else:
-            what = f"{at}, only {T - dew:.2g} K above the pressure dew point of {_celsius(dew)}"
+            what = f"{at}, only {T - dew:.2g} K above the pressure dew point of {celsius(dew)}"
         yield f"{what} ({remedy})"
     T_2 = None if T is None else cooled_to(problem, T)
     if T_2 is not None and T_2 < water.T_TRIPLE and found.get(AFTERCOOLER):
-        yield f"water condenses in the aftercooler at {_celsius(T_2)}, and is taken as liquid, no ice (a warmer outlet)"
+        yield f"water condenses in the aftercooler at {celsius(T_2)}, and is taken as liquid, no ice (a warmer outlet)"
     share = found["chamber_condensate_share"]
     if share > WET:
         remedy = "among its oil (warmer oil)" if problem.parts.oil is not None else "(drier or warmer air)"
@@ -154,7 +154,3 @@ def warnings(
         ice = chamber_share(problem, gas, life, water.T_TRIPLE)
         if ice > WET:
             yield f"up to {ice:.0%} of the water in a chamber condenses below 0 degC, and is taken as liquid, no ice"
-
-
-def _celsius(T: float) -> str:
-    return f"{T - ZERO_CELSIUS:.1f} degC"

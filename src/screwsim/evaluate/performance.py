@@ -1,4 +1,7 @@
-"""Performance figures of a cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45, M151, M152, M410)."""
+"""Performance figures of a cycle: flows, powers, efficiencies, and where the gas of both lines would condense.
+
+Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -7,16 +10,18 @@ from typing import Any
 import numpy as np
 
 from screwsim.cycle.known import CycleFigures
-from screwsim.cycle.problem import Inlet
+from screwsim.cycle.problem import Inlet, Problem
 from screwsim.effects.base import Given, Plenum, Reading
+from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.faults import own_number
+from screwsim.inputs.faults import UsageError, own_number
 from screwsim.model.parts import Parts
 from screwsim.model.slots import OF_GAS
-from screwsim.numerics.changed import changed
+from screwsim.numerics.at_once import changed
 from screwsim.scene.lines import Lines
 
+WET = "what is sucked in is wet"
 Array = np.ndarray
 
 
@@ -179,3 +184,43 @@ def figures_of_expander(
     else:
         reasons["isentropic_efficiency"] = "the shaft gives no power: losses take more than the gas gives"
     return changed, reasons
+
+
+def saturation_figures(problem: Problem, found: dict[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the saturation temperatures of both lines and the superheats [K] that the scene calls for, or why not.
+
+    `found` has the temperature of the gas at discharge.
+    """
+    if "suction_superheat" not in problem.called:
+        return {}, {}
+    lines, fluid = problem.lines, problem.scene.gas.name
+    dew_s, bubble_s, why_s = _saturated(fluid, lines.p_s)
+    dew_d, bubble_d, why_d = _saturated(fluid, lines.p_d)
+    T_d, blend = found["discharge_temperature"], "condensing_bubble_temperature" in problem.called
+    values: dict[str, float | None] = {
+        "evaporating_temperature": dew_s,
+        "condensing_temperature": dew_d if blend else bubble_d,
+        "suction_superheat": None if dew_s is None or lines.quality is not None else lines.T_s - dew_s,
+        "discharge_superheat": None if dew_d is None or T_d is None else T_d - dew_d,
+    }
+    if blend:
+        values |= {"evaporating_bubble_temperature": bubble_s, "condensing_bubble_temperature": bubble_d}
+    at_suction = ("evaporating_temperature", "suction_superheat", "evaporating_bubble_temperature")
+    reasons = {name: why_s if name in at_suction else why_d for name in values}
+    if lines.quality is not None:
+        reasons["suction_superheat"] = WET
+    if dew_d is not None:  # what has no temperature there
+        reasons["discharge_superheat"] = "nothing flows out to the discharge line"
+    return values, {name: why for name, why in reasons.items() if values[name] is None}
+
+
+@lru_cache(maxsize=64)
+def _saturated(fluid: str, p: float) -> tuple[float | None, float | None, str]:
+    """Return dew and bubble point [K] at a pressure [Pa], apart where the fluid glides, or why there are none."""
+    try:
+        known = constants.limits(fluid)
+        if known is not None and p < known.p_critical:
+            return constants.saturation_temperature(fluid, p), constants.boiling_temperature(fluid, p), ""
+    except UsageError as error:
+        return None, None, str(error)
+    return None, None, f"{fluid} at {p / 1e5:.4g} bar is above its critical pressure"

@@ -1,12 +1,12 @@
-"""What a cycle gives the separator, where gas and oil part there, and what of the whole circuit is left open.
+"""What a cycle gives the separator, what of the whole circuit is left open, and what a package loses.
 
-Source: docs/model.md M280–M285.
+Source: docs/model.md M280–M285, M343.
 """
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from screwsim.build import in_separator, open_temperatures
+from screwsim.build import in_separator, open_temperatures, package_of
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import streams_of, walls_of
 from screwsim.cycle.problem import Problem
@@ -150,3 +150,25 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
         friction,
         supplied + (lift if parts.oil_room else 0.0),
     )
+
+
+class Package(NamedTuple):
+    """How far the losses with which a cycle was integrated are from those of its flow.
+
+    `before` and `behind` [Pa] are by how much both should change, `open` the larger over its line's pressure.
+    """
+
+    before: float
+    behind: float
+    open: float
+
+
+def package_off(problem: Problem, flow: float | None) -> Package | None:
+    """Return how far the losses of a problem are from those of a mass flow [kg/s]; None where there is no package."""
+    package, posed = package_of(problem.scene), problem.scene.losses
+    if package is None or posed is None:
+        return None
+    outlet = problem.lines.p_d - posed.behind
+    found = package.losses(max(flow or 0.0, 0.0) / problem.inlet.density, problem.lines.p_s, outlet)
+    before, behind = found.before - posed.before, found.behind - posed.behind
+    return Package(before, behind, max(abs(before) / problem.lines.p_s, abs(behind) / outlet))

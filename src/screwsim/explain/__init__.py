@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from screwsim.build import build_parts, faults_of_own, regularisation
-from screwsim.cycle.wanted import wanted_of
+from screwsim.cycle.solution import wanted_of
 from screwsim.effects import catalogue
 from screwsim.effects.base import (
     LINES,
@@ -38,12 +38,12 @@ from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
-from screwsim.numerics.closings import CLOSINGS
+from screwsim.numerics.settings import CLOSINGS
 from screwsim.outputs.customary import raised
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
+from screwsim.scene.plausible import leaks_told
 from screwsim.scene.types import ActiveEffect, Scene
-from screwsim.scene.typical import leaks_told
 from screwsim.scene.units import readable_quantity
 
 STATE_MEANINGS = {

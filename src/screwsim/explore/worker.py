@@ -5,7 +5,6 @@ What it says on stderr while it compiles goes to the page as a note.
 
 import contextlib
 import io
-import multiprocessing
 import os
 import re
 import signal
@@ -36,6 +35,7 @@ from screwsim.numerics.folder import take_over
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 from screwsim.simulate import simulate
+from screwsim.study.workers import end_with_parent
 
 NOTE, DONE = "note", "done"
 SECTIONS = ("machine", "gas", "oil", "operation", "oil_supply", "effects", "numerics", "output", "sweep")
@@ -73,19 +73,12 @@ def serve(pipe: Connection, file: str, overrides: tuple[str, ...], known: Any) -
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     take_over(known)
     sys.stderr = _Told(pipe)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=end_with_parent, daemon=True).start()
     _bound_memory()
     with contextlib.suppress(EOFError, OSError):
         while True:
             job = pipe.recv()
             pipe.send((DONE, answered((file, overrides), job)))
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _bound_memory() -> None:

@@ -2,8 +2,8 @@
 
 import itertools
 
+from screwsim.export.inputs import plain
 from screwsim.export.table import Table
-from screwsim.export.unit import plain
 
 BETWEEN = "; SI units; error between the nodes "  # in the first line of a table
 

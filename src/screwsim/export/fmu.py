@@ -18,9 +18,8 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from screwsim.export.c_data import SOURCES, source_files, token_of
-from screwsim.export.inputs import Input, Output
+from screwsim.export.inputs import BASE, DISPLAYS, Input, Output, exponents, plain
 from screwsim.export.table import Table
-from screwsim.export.unit import BASE, DISPLAYS, exponents, plain
 from screwsim.inputs.faults import UsageError
 from screwsim.results.atomic import OTHERS, check_target_kind, replacing
 

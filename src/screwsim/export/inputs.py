@@ -1,18 +1,32 @@
-"""What a map is over and what it gives: paths with their ranges, figures with their units, and the names of both."""
+"""What a map is over and what it gives: paths with ranges, figures; their names and units as other tools want them."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.build import build_parts
+from screwsim.effects import having
+from screwsim.effects.parts.usual import SLIDES
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, read_text, shown_value
 
+BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+_DERIVED: dict[str, dict[str, int]] = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    **{name: {name: 1} for name in BASE},
+}
+_PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
 LOGARITHMIC_FROM = 2.0  # ratio of the ends of a range of pressures from which on nodes lie over their logarithm
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity")
 _NAMES = {
@@ -22,8 +36,8 @@ _NAMES = {
     "operation.discharge.pressure": "discharge_pressure",
     "oil_supply.temperature": "oil_temperature",
     "oil_supply.ratio": "oil_ratio",
-    "effects.slide_valve.position": "slide_position",
     "machine.slide_valve.position": "slide_position",
+    **dict.fromkeys(having(SLIDES), "slide_position"),
 }
 
 
@@ -142,3 +156,40 @@ def spread(one: Input, count: int) -> np.ndarray:
 def finite(values: Sequence[float]) -> bool:
     """Tell whether all values are numbers."""
     return all(math.isfinite(value) for value in values)
+
+
+class Display(NamedTuple):
+    """A customary unit: a value in it is factor times that in SI, plus offset."""
+
+    name: str
+    factor: float
+    offset: float = 0.0
+
+
+DISPLAYS = {
+    "K": (Display("degC", 1.0, -273.15),),
+    "Pa": (Display("bar", 1e-5),),
+    "W": (Display("kW", 1e-3),),
+    "rad/s": (Display("rpm", 9.549296585513721),),
+}
+
+
+def plain(units: str) -> str:
+    """Return a unit as people write it, '1' for numbers: 'kg s-1' is kg/s."""
+    return units if "/" in units else si_unit(units) or "1"
+
+
+def exponents(units: str) -> dict[str, int]:
+    """Return the exponents of base units in a unit such as 'kg s-1' or 'J/(kg K)'; empty for '1'.
+
+    Raise ValueError of a unit that is not made of the SI's.
+    """
+    above, _, below = units.partition("/")
+    found: dict[str, int] = {}
+    for text, sign in ((above, 1), (below, -1)):
+        for name, power in _PART.findall(text):
+            if name not in _DERIVED:
+                raise ValueError(f"{units}: {name} is no unit of the SI")
+            for base, exponent in _DERIVED[name].items():
+                found[base] = found.get(base, 0) + sign * exponent * int(power or 1)
+    return {name: power for name, power in found.items() if power}

@@ -4,9 +4,8 @@ import re
 
 import numpy as np
 
-from screwsim.export.inputs import Input, Output
+from screwsim.export.inputs import Input, Output, plain
 from screwsim.export.table import Table, scales
-from screwsim.export.unit import plain
 from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 

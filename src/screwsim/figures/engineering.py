@@ -38,11 +38,25 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
     about = declared(figure) if isinstance(figure, str) else figure
     if about.units == "K":
         return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:.2f} °C)"
-    scales = figure_scales(about)
-    factor, unit = next(((f, u) for least, f, u in scales if abs(value) >= least), (1.0, about.units))
+    factor, unit = figure_unit(about, value)
     return digits(factor * value), unit
+
+
+def figure_text(figure: Figure | str, value: float) -> str:
+    """Return a performance figure [SI] with its unit for people."""
+    return " ".join(engineering(figure, value)).strip()
+
+
+def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
+    """Return factor and unit in which people write a performance figure of such a size [SI]; K stays K."""
+    return next(((f, u) for least, f, u in figure_scales(figure) if abs(size) >= least), (1.0, figure.units))
+
+
+def read_in(figure: Figure, size: float) -> tuple[float, str, float]:
+    """Return factor and unit in which people read a figure of such a size [SI], and what is taken off: °C for K."""
+    return (1.0, "°C", ZERO_CELSIUS) if figure.units == "K" else (*figure_unit(figure, size), 0.0)
 
 
 def error_text(name: str, value: float, error: float) -> str:
     """Return the error of a figure relative to it; in its unit where it is larger than the figure."""
-    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else " ".join(engineering(name, error)).strip()
+    return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else figure_text(name, error)

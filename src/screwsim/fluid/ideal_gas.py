@@ -10,7 +10,7 @@ from screwsim.fluid.limits import Outside
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 T_ZERO = 273.15  # [K] where the entropy's reference is
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from screwsim.inputs.faults import UsageError
 
+T = TypeVar("T")
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -151,3 +152,8 @@ MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
 USUAL: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
 USUAL |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
 USUAL |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLED)
+
+
+def listed(given: str | Iterable[T] | None) -> list[str] | list[T]:
+    """Return what is given as a list; of one text, which is an iterable of its letters, that text alone."""
+    return [] if given is None else [given] if isinstance(given, str) else list(given)

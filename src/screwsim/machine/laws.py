@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from screwsim.machine import moved_port, paper_law, table_law
+from screwsim.machine import moved_port, paper_law
 from screwsim.machine.paper_law import LIFE, TURN
 from screwsim.machine.protocol import AreaLaw, VolumeKernels
-from screwsim.numerics.spline import features, read_curve, to_and_fro
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.spline import features, read_curve, table_slope, table_value, to_and_fro
 
 if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
@@ -51,12 +52,12 @@ def area_breakpoints(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]
 
 
 def _rows(angles: np.ndarray, areas: np.ndarray) -> AreaLaw:
-    return AreaLaw(table_law.area, {}, area_breakpoints(angles, areas), (angles, areas), {"curve": (angles, areas)})
+    return AreaLaw(area, {}, area_breakpoints(angles, areas), (angles, areas), {"curve": (angles, areas)})
 
 
 def _laid(table: Table) -> AreaLaw:
     curve, own = {"curve": table.curve}, table.breakpoints
-    return AreaLaw(table_law.area, {}, table.ends, (table.angle, table.value), curve, own_breakpoints=own)
+    return AreaLaw(area, {}, table.ends, (table.angle, table.value), curve, own_breakpoints=own)
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ class TableLaw(Law):
         angles, volumes = read_curve(str(law.file), "volume_m3")
         tables = {"volume_curve": (angles, volumes * (geometry.swept_volume / np.max(volumes)))}
         ends, rows = (float(angles[0]), float(angles[-1])), volume_rows(angles, volumes)
-        return VolumeKernels(table_law.volume, table_law.volume_slope, {"V_min": law.dead}, ends, tables, rows)
+        return VolumeKernels(volume, volume_slope, {"V_min": law.dead}, ends, tables, rows)
 
     def suction(self, geometry: Geometry) -> AreaLaw:
         """Return M14."""
@@ -146,7 +147,7 @@ class ProfileLaw(PaperLaw):
         profile = geometry.profile
         assert profile is not None  # its own law is that of the volume
         table, values = profile.volume, {"V_min": geometry.settings.volume.dead_of(profile.swept)}
-        laws, tables = (table_law.volume, table_law.volume_slope), {"volume_curve": table.curve}
+        laws, tables = (volume, volume_slope), {"volume_curve": table.curve}
         return VolumeKernels(*laws, values, table.ends, tables, table.breakpoints)
 
     def suction(self, geometry: Geometry) -> AreaLaw:
@@ -189,3 +190,21 @@ class ByLaw:
     def from_rotors(self) -> bool:
         """Tell whether the profile of the rotors finds all."""
         return self.read_by.from_rotors
+
+
+@kernel
+def volume(phi, TAB, volume_curve, V_min):
+    """Return the chamber volume [m³]: dead volume plus the table's."""
+    return V_min + table_value(phi, TAB, volume_curve)
+
+
+@kernel
+def volume_slope(phi, TAB, volume_curve):
+    """Return dV/dφ [m³/rad], the derivative of the same spline."""
+    return table_slope(phi, TAB, volume_curve)
+
+
+@kernel
+def area(phi, TAB, curve):
+    """Return a port area [m²]."""
+    return table_value(phi, TAB, curve)

@@ -15,8 +15,7 @@ from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.moved_port import LAST, PATH
 from screwsim.machine.paper_law import TURN
-from screwsim.machine.rotors.families import FAMILIES
-from screwsim.machine.rotors.settings import Profile
+from screwsim.machine.rotors.settings import FAMILIES, Profile
 from screwsim.machine.settings import LIFE, TwinScrew
 
 LENGTHS = (

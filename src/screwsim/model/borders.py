@@ -1,12 +1,21 @@
 """Borders at which a step ends, for the equations change: of a phase, and where a one-way path opens or shuts.
 
 Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
+
+Where a port closes: whether one step may take all that is left of it.
+
+Source: docs/explanation/numerics.md. A wide port holds p to its plenum's, and lets go only in the last degrees before
+it closes. A step over all of that, made with the Jacobian of its start, sees the wide port at its early stages and no
+flow at its end: neither its result nor its error estimate knows what was shut in. Such a step is halved until the port
+is no longer stiff for what is left. `network.steps` asks this of each port and each state.
 """
 
 from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
+CLOSED = 0.3  # of an opening's area at the end of a step, over that at its start, below which it counts as closing
+STIFF = 10.0  # step times the largest rate of decay, above which it is too long to close along
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
 
@@ -62,3 +71,15 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol, P, TAB):
     rho = dense_value(high, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
     beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + S_RHO] - rho) / rho)
     return 1.0 if beyond <= rtol else high + (1.0 - high) * BEYOND * rtol / beyond
+
+
+@kernel
+def closes(area, at_end):
+    """Tell whether an opening closes along a step."""
+    return at_end < CLOSED * area
+
+
+@kernel
+def stiff(h, slope):
+    """Tell whether a step is too long for the decay of a state, whose rate has this derivative by itself."""
+    return -h * slope > STIFF

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS, R_SIZE
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.at_once import at_once
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 # of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
 Widths = tuple[float, float, float, float]
@@ -100,6 +100,13 @@ class Parts:
         found = effects.found.get(kind)
         return effects.all(kind) if found is None else found
 
+    def _only(self, kind: type, what: str) -> Any:
+        """Return the part of a kind of which a scene has one or none."""
+        found = [part for _, part in self.all(kind)]
+        if len(found) > 1:
+            raise TypeError(f"two effects declare {what}; a scene has one")
+        return found[0] if found else None
+
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""
         numbers = {line: i for i, line in enumerate(LINES)} | {
@@ -122,10 +129,7 @@ class Parts:
     @once
     def oil_port(self) -> OilPort | None:
         """The port through which the oil comes; None where it is injected at one angle."""
-        ports = [part for _, part in self.all(OilPort)]
-        if len(ports) > 1:
-            raise TypeError("two effects declare an oil port; a scene has one")
-        return ports[0] if ports else None
+        return self._only(OilPort, "an oil port")
 
     @once
     def pumped(self) -> bool:
@@ -177,10 +181,7 @@ class Parts:
     @once
     def shaft(self) -> Shaft | None:
         """What makes the speed change over a pitch; None where it is constant."""
-        found = [part for _, part in self.all(Shaft)]
-        if len(found) > 1:
-            raise TypeError("two effects declare a shaft; a scene has one")
-        return found[0] if found else None
+        return self._only(Shaft, "a shaft")
 
     @once
     def pulsations(self) -> list[Pulsation]:

@@ -2,6 +2,11 @@
 
 Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A port state is the row of numbers that
 `slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their port states.
+
+Neighbours of a chamber, whose port states are read from histories.
+
+Source: docs/model.md M24. Those ahead are read from the last turn, those behind from the turn being integrated where
+it has passed their angle already. What surrounds a chamber is written by `network.surroundings`.
 """
 
 from screwsim.model.slots import (
@@ -13,8 +18,9 @@ from screwsim.model.slots import (
     S_RHO,
     S_T,
     keep_port_states,
+    neighbour,
 )
-from screwsim.numerics.history import cubic
+from screwsim.numerics.history import cubic, locate, read
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_value
 
@@ -88,3 +94,31 @@ def port_states_along(dense, steps, context):
 def relative(error, before, after, least):
     """Return an error relative to the larger of the values at both ends of a step, or to the least that counts."""
     return abs(error) / max(abs(before), abs(after), least)
+
+
+@kernel
+def read_neighbour(phi, middle, times, dense, steps, hints, hint, context, E, at):
+    """Fill a neighbour's port state at E[at] from a history; the search in it begins where the last one ended."""
+    columns = context.state
+    i = locate(phi, middle, times, steps, hints[hint])
+    hints[hint] = i
+    read(phi, times, dense, i, columns)
+    neighbour(columns, context.P, context.R, E, at)
+
+
+@kernel
+def read_ahead(phi, middle, shift, hint, context, E, at):
+    """Fill the port state of the chamber `shift` [rad] ahead."""
+    t_old, d_old, steps = context.t_old, context.d_old, context.kept[1]
+    read_neighbour(phi + shift, middle + shift, t_old, d_old, steps, context.hints, hint, context, E, at)
+
+
+@kernel
+def read_behind(phi, middle, shift, hint, context, E, at):
+    """Fill the port state of the chamber `shift` [rad] behind."""
+    there, kept, hints = phi - shift, context.kept, context.hints
+    t_new, d_new, t_old, d_old = context.t_new, context.d_new, context.t_old, context.d_old
+    if kept[0] > 0 and t_new[kept[0]] >= there:
+        read_neighbour(there, middle - shift, t_new, d_new, kept[0], hints, hint, context, E, at)
+    else:
+        read_neighbour(there, middle - shift, t_old, d_old, kept[1], hints, hint, context, E, at)

@@ -21,8 +21,8 @@ from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PO
 from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.compiling import clock
 from screwsim.numerics.integrators import Check
+from screwsim.numerics.reused import room
 from screwsim.numerics.rodas import EVALUATED, JACOBIANS
-from screwsim.numerics.room import room
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
 MOST_CONTEXTS = 6  # remembered

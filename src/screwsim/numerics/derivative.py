@@ -21,7 +21,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from screwsim.numerics.dependence import Active, find_active, seeds_of
 from screwsim.numerics.expressions import (
     ALONG,
     Expression,
@@ -35,7 +34,7 @@ from screwsim.numerics.expressions import (
     slope_name,
 )
 from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
-from screwsim.numerics.partials import Partials
+from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
 
 
 @lru_cache(maxsize=256)

@@ -4,11 +4,15 @@ An allocator may return large arrays to the system, which then has to map their 
 takes as long as filling them. Whoever holds an array, or a view of it, holds its memory.
 """
 
+import mmap
 import sys
 import threading
 from math import prod
 
 import numpy as np
+
+PRIVATE = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}  # each fork its own
+
 
 Array = np.ndarray
 LEAST = 1 << 14  # numbers from which on this pays
@@ -56,3 +60,13 @@ def zeros(*shape: int) -> Array:
     found = empty(*shape)
     found.fill(0.0)
     return found
+
+
+def room(*shape: int) -> Array:
+    """Return zeros of a shape, in pages of their own.
+
+    numpy's would be as cheap the first time only: what the allocator was given back it writes over, all of it.
+    """
+    count = prod(shape)
+    pages = mmap.mmap(-1, max(count, 1) * np.dtype(float).itemsize, **PRIVATE)
+    return np.frombuffer(pages, count=count).reshape(shape)

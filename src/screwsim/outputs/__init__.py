@@ -15,6 +15,7 @@ from screwsim.outputs.core import (
     HELD,
     HUMID,
     PERFORMANCE,
+    STAGES,
     SUBCRITICAL,
     WALLED,
 )
@@ -37,7 +38,6 @@ from screwsim.outputs.declared import (
 )
 from screwsim.outputs.figures import Figures, shown, shown_of
 from screwsim.outputs.result import Result
-from screwsim.outputs.stages import STAGES
 from screwsim.outputs.variables import (
     BALANCE,
     CYCLE,

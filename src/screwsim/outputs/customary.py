@@ -40,6 +40,11 @@ def engineering_temperature(T: float) -> str:
     return f"{T:.2f} K ({T - ZERO_CELSIUS:.2f} °C)"
 
 
+def celsius(T: float) -> str:
+    """Return a temperature [K] in degrees Celsius as a scene states it."""
+    return f"{T - ZERO_CELSIUS:.1f} degC"
+
+
 def quantity(units: str, value: float) -> str:
     """Return a quantity [SI] with its unit, four digits."""
     factor, unit = scale(units, abs(value))

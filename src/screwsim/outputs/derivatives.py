@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from screwsim.inputs.near import nearest
-from screwsim.outputs import tables
+from screwsim.outputs import display
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.figures import Figures, shown
 
@@ -95,7 +95,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
     def to_pandas(self) -> Any:
         """Return them as a pandas.DataFrame, figures × paths [SI]; `attrs` has the SI units of both."""
         found = self.found
-        frame = tables.library("pandas").DataFrame.from_dict(dict(found.derivatives), orient="index")
+        frame = display.library("pandas").DataFrame.from_dict(dict(found.derivatives), orient="index")
         frame = frame.reindex(columns=list(found.values))
         frame.index.name, frame.columns.name = "figure", "path"
         units = self._units()

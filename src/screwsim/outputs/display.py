@@ -1,13 +1,17 @@
-"""Results as Python and notebooks show them: a table of figures as text [SI], and as HTML with customary units too."""
+"""Results as Python and notebooks show them: figures as text [SI] and as HTML; and as tables of other libraries."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import importlib
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from screwsim.outputs.customary import ZERO_CELSIUS, digits, scale
 
+ANGLE = "angle"
 MOST_LETTERS = 100  # of a meaning, and of a cell, in text
 MOST_ROWS, MOST_HTML_ROWS = 10, 60  # of a table of what was found
 MOST_COLUMNS, MOST_HTML_COLUMNS = 5, 12
@@ -157,3 +161,31 @@ def _html(heading: str, notes: Iterable[str], columns: Iterable[str], rows: Iter
     body = "".join(f"<tr>{line}</tr>" for line in lines)
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" if lines else ""
     return f"<div><p><b>{escape(heading)}</b></p>{said}{table}</div>"
+
+
+def library(name: str) -> Any:
+    """Return a library that is an extra; raise ImportError with what installs it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise ImportError(f"{name} is not installed (pip install 'screwsim[{name}]')") from error
+
+
+def frame(cycle: Mapping[str, np.ndarray], figures: Mapping[str, Any]) -> Any:
+    """Return curves as a pandas.DataFrame over the angle; the figures are its `attrs`."""
+    pandas = library("pandas")
+    columns = {name: values for name, values in cycle.items() if name != ANGLE}
+    made = pandas.DataFrame(columns, index=pandas.Index(cycle.get(ANGLE, np.zeros(0)), name=ANGLE))
+    made.attrs.update(figures)
+    return made
+
+
+def dataset(
+    figures: Mapping[str, Any], about: Mapping[str, Any], cycle: Mapping[str, np.ndarray], curves: Mapping[str, Any]
+) -> Any:
+    """Return figures and curves as an xarray.Dataset; `about` and `curves` hold (units, long_name) of each."""
+    xarray = library("xarray")
+    values = {name: ((), np.nan if value is None else value, about[name]._asdict()) for name, value in figures.items()}
+    values |= {name: (ANGLE, column, curves[name]._asdict()) for name, column in cycle.items() if name != ANGLE}
+    coordinates = {ANGLE: (ANGLE, cycle[ANGLE], curves[ANGLE]._asdict())} if ANGLE in cycle else {}
+    return xarray.Dataset(values, coordinates)

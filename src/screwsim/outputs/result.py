@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.outputs import tables
+from screwsim.outputs import display
 from screwsim.outputs.declared import Variable
 from screwsim.outputs.derivatives import Derivatives
 from screwsim.outputs.display import table_html, table_text
@@ -73,12 +73,12 @@ class Result:
 
     def to_pandas(self) -> Any:
         """Return the cycle as a pandas.DataFrame over the angle [degree], SI units; figures are in its `attrs`."""
-        return tables.frame(self.cycle, dict(self.performance))
+        return display.frame(self.cycle, dict(self.performance))
 
     def to_xarray(self) -> Any:
         """Return figures and cycle as an xarray.Dataset, units and meanings as attributes."""
         about = {each.name: Variable(each.units, each.long_name) for each in shown(self.performance)}
-        return tables.dataset(self.performance, about, self.cycle, {name: cycle_variable(name) for name in self.cycle})
+        return display.dataset(self.performance, about, self.cycle, {name: cycle_variable(name) for name in self.cycle})
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints (the cycle stays in the HDF5 file)."""

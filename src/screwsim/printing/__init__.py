@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
-from screwsim.printing.ranges import ranges_text, uncertainty_ranges
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, figure_scales, shown_name
+from screwsim.figures.engineering import digits, read_in, shown_name
 from screwsim.printing import write_json
 from screwsim.printing.fits import print_title
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.kept import keep_in, keep_other_documents
@@ -114,8 +114,7 @@ def print_calibration(found: Calibration) -> None:
     print_title(found.fit)
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
     say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
-    for line in _methods(found):
-        say(wrapped(line))
+    tell(_methods(found))
     if found.message:
         say(wrapped(f"{found.status}: {found.message}"))
     if not found.values:
@@ -136,8 +135,7 @@ def print_calibration(found: Calibration) -> None:
     say()
     say("\n".join(_points(found)))
     say()
-    for line in (*_quality(found), *_warnings(found)):
-        say(wrapped(line))
+    tell((*_quality(found), *_warnings(found)))
 
 
 def _methods(found: Calibration) -> Iterator[str]:
@@ -193,27 +191,16 @@ def _per_unit(found: Calibration, parameter: Parameter) -> float:
 def _points(found: Calibration) -> list[str]:
     rows = []
     for each in found.compared:
-        factor, unit = units_of(each.figure, each.measured.value)
-        ours = "none" if each.ours is None else digits(_shown(each.figure, each.ours, factor))
+        factor, unit, zero = read_in(declared(each.figure), each.measured.value)
+        ours = "none" if each.ours is None else digits(factor * each.ours - zero)
         residual = "" if each.residual is None else f"{each.residual:+.2f}"
-        measured = digits(_shown(each.figure, each.measured.value, factor))
+        measured = digits(factor * each.measured.value - zero)
         head = [each.point.name + ("" if each.point.fitted else " *"), shown_name(each.figure)]
         rows.append([*head, measured, f"{factor * each.measured.uncertainty:.2g}", ours, unit, residual])
     lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual /±"], rows, 2)
     if not all(each.point.fitted for each in found.compared):
         lines.append("* not fitted: predicted")
     return lines
-
-
-def units_of(figure: str, size: float) -> tuple[float, str]:
-    """Return factor and unit in which a figure is shown; temperatures in °C."""
-    if declared(figure).units == "K":
-        return 1.0, "°C"
-    return next(((f, unit) for least, f, unit in figure_scales(declared(figure)) if abs(size) >= least), (1.0, ""))
-
-
-def _shown(figure: str, value: float, factor: float) -> float:
-    return value - 273.15 if declared(figure).units == "K" else factor * value
 
 
 def _quality(found: Calibration) -> Iterator[str]:
@@ -296,7 +283,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
     panels: dict[str, list[tuple[int, bool, float, float]]] = {}
     for figure in dict.fromkeys(each.figure for each in found.compared):
         of = [each for each in found.compared if each.figure == figure]
-        factor, unit = units_of(figure, max(abs(each.measured.value) for each in of))
+        factor, unit, _ = read_in(declared(figure), max(abs(each.measured.value) for each in of))
         unit = {"%": "points", "°C": "K"}.get(unit, unit)
         label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
         panels[label] = []

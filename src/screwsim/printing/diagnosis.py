@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.printing.fits import print_left_out, print_title
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import CHANCE, LEVEL, LIKELY, NONE, Change, Hypothesis
@@ -61,8 +61,7 @@ def print_diagnosis(found: Diagnosis) -> None:
     shown = [each for each in found.hypotheses if len(each.changes) < 2 or each.probability > LIKELY]
     say("\n".join(plain_table(heads, [row for each in shown for row in _rows(found, each)], 1)))
     say()
-    for line in _told(found):
-        say(wrapped(line))
+    tell(_told(found))
 
 
 def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from screwsim.export.fmu import about, known
+from screwsim.export.inputs import plain
 from screwsim.export.loads import Exported, unit_of
 from screwsim.export.table import Table
-from screwsim.export.unit import plain
 from screwsim.outputs import Result
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say

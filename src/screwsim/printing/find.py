@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, error_text, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.figures.engineering import error_text, figure_text, shown_name
+from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -54,12 +54,11 @@ def _row_document(row: Found) -> dict[str, Any]:
 
 def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     """Print the values of each point of the other axes, what they give, and what is to be said of them."""
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     for span in asked.spans:
         low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
         say(wrapped(f"{span.path}, {low} … {high}"))
-    wanted = (f"{shown_name(goal.figure)} {_text(goal.figure, goal.value)}" for goal in asked.goals)
+    wanted = (f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in asked.goals)
     say(wrapped(f"for {' and '.join(wanted)}"))
     say()
     if len(rows) == 1:
@@ -72,8 +71,7 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "simulated"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [line for row in rows for line in _notes(scene, paths, row)]
-    for line in notes[:MOST_NOTES]:
-        say(wrapped(line))
+    tell(notes[:MOST_NOTES])
     if len(notes) > MOST_NOTES:
         say(f"… and {len(notes) - MOST_NOTES} more (all with --json, or in the file of -o)")
 
@@ -91,7 +89,7 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Found) -> l
         cells.append("" if row.size is None else shown_value(scene, asked.spans[0].path, row.size.value))
     for goal in asked.goals:
         value = row.size.figure if row.size else row.figures.get(goal.figure)
-        cells.append("" if value is None else _text(goal.figure, value))
+        cells.append("" if value is None else figure_text(goal.figure, value))
     return [*cells, str(row.solutions)]
 
 
@@ -112,8 +110,7 @@ def _print_one(scene: Scene, asked: Question, row: Found) -> None:
         for name, text in _figures(asked, row):
             say(f"  {name:<24}{text}")
         say()
-    for line in _notes(scene, (), row):
-        say(wrapped(line))
+    tell(_notes(scene, (), row))
     if row.status == "ok" and row.result is not None:
         for warning in row.result.warnings:
             say(wrapped(f"warning: {warning}"))
@@ -125,7 +122,7 @@ def _print_size(scene: Scene, asked: Question, row: Found) -> None:
     assert row.size is not None
     path, goal = asked.spans[0].path, asked.goals[0]
     over = f"{100.0 * (row.size.figure / goal.value - 1.0):+.1f} %" if declared(goal.figure).units != "K" else ""
-    gives = f"{shown_name(goal.figure)} {_text(goal.figure, row.size.figure)}"
+    gives = f"{shown_name(goal.figure)} {figure_text(goal.figure, row.size.figure)}"
     say(wrapped(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip()))
 
 
@@ -151,14 +148,13 @@ def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
     sought = [goal.figure for goal in asked.goals]
     for name in sought:
         value = row.size.figure if row.size else row.figures[name]
-        yield shown_name(name), f"{_text(name, value)}, error {error_text(name, row.figures[name], row.errors[name])}"
+        yield (
+            shown_name(name),
+            f"{figure_text(name, value)}, error {error_text(name, row.figures[name], row.errors[name])}",
+        )
     for name in BESIDE:
         if name not in sought and performance.get(name) is not None:
-            yield shown_name(name), _text(name, performance[name])
-
-
-def _text(name: str, value: float) -> str:
-    return " ".join(engineering(name, value)).strip()
+            yield shown_name(name), figure_text(name, performance[name])
 
 
 def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found]) -> None:

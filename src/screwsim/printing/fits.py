@@ -2,15 +2,14 @@
 
 from collections.abc import Mapping
 
-from screwsim.printing.tables import wrapped
+from screwsim.printing.tables import say_title, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.fit import Fit
 
 
 def print_title(fit: Fit) -> None:
     """Print the title of a fit, or else that of its scene, where one has any."""
-    if title := fit.title or fit.scene.title:
-        say(wrapped(title))
+    say_title(fit.title or fit.scene.title)
 
 
 def print_left_out(reasons: Mapping[str, str]) -> None:

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_scales, shown_name
+from screwsim.figures.engineering import read_in, shown_name
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.screen import printable, say
@@ -13,7 +13,6 @@ from screwsim.study.inputs import in_customary, shown_value, unit_of_change
 from screwsim.study.measured import AGREES, Compared, Comparison, Explanation
 
 MOST = 8  # explanations that are printed; all are in --json
-KELVIN = 273.15
 
 
 def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
@@ -29,8 +28,7 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
     for name, why in found.none.items():
         say(wrapped(printable(f"no {shown_name(name)} to compare: {why}")))
     if found.rows:
-        for line in _verdict(scene, found):
-            say(wrapped(line))
+        tell(_verdict(scene, found))
     if found.why and found.why != "nothing to explain":
         say(wrapped(printable(found.why)))
     if found.explanations:
@@ -39,7 +37,7 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
 
 
 def _row(result: Result, row: Compared) -> list[str]:
-    factor, unit, zero = _scale(result, row)
+    factor, unit, zero = read_in(declared(row.figure, result.performance), row.value)
     measured = f"{factor * row.measured.value - zero:.5g}"
     if row.measured.standard is not None:
         measured += f" ± {factor * COVERAGE * row.measured.standard:.2g}"
@@ -51,19 +49,9 @@ def _row(result: Result, row: Compared) -> list[str]:
     return [shown_name(row.figure), ours, measured, unit, f"{factor * row.off:+.3g}{share}", sigma]
 
 
-def _scale(result: Result, row: Compared) -> tuple[float, str, float]:
-    """Return factor and unit of a figure for people, and what is taken off: temperatures are in °C."""
-    about = declared(row.figure, result.performance)
-    if about.units == "K":
-        return 1.0, "°C", KELVIN
-    scales = figure_scales(about)
-    factor, unit = next(((f, u) for least, f, u in scales if abs(row.value) >= least), (1.0, about.units))
-    return factor, unit, 0.0
-
-
 def _parts(scene: Scene, result: Result, row: Compared) -> str:
     """Return the three uncertainties of the scene's own figure, each by itself."""
-    factor, unit, _ = _scale(result, row)
+    factor, unit, _ = read_in(declared(row.figure, result.performance), row.value)
     unit = {"%": "points", "°C": "K"}.get(unit, unit)
     inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not told"
     model = "model not told"

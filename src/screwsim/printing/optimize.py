@@ -7,7 +7,7 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, error_text, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.results.warned import kinds_of
 from screwsim.screen import say
 from screwsim.study.inputs import in_customary, shown_value
@@ -68,16 +68,14 @@ def _point(asked: Question, number: int) -> dict[str, Any]:
 def print_optimize(found: Optimum) -> None:
     """Print the question, the best or the front, what is to be said of it, and the counts."""
     asked = found.asked
-    if asked.scene.title:
-        say(wrapped(asked.scene.title))
+    say_title(asked.scene.title)
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
     ranges = ", ".join(_range(asked, i) for i in range(len(asked.spans)))
     say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
     for bound in asked.bounds:
         say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {_text(bound.figure, bound.value)}"))
-    for line in asked.points.told:
-        say(wrapped(line))
+    tell(asked.points.told)
     say()
     if found.status != "ok":
         say(wrapped(found.message))
@@ -89,8 +87,7 @@ def print_optimize(found: Optimum) -> None:
         of_front = "" if len(found.front) == 1 else f" in {count} of the {len(found.front)}"
         say(wrapped(f"warning{of_front}: {text}"))
     say()
-    for line in _counts(found):
-        say(wrapped(line))
+    tell(_counts(found))
 
 
 def _range(asked: Question, number: int) -> str:

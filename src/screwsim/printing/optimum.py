@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
+from screwsim.figures.engineering import figure_text
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -34,8 +35,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     """Print a row a point of the other axes, then what is to be said of single ones."""
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
     say()
     paths = [path for path in scene.sweep if path != asked.path]
@@ -45,8 +45,7 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
     if notes:
         say()
-    for note in notes:
-        say(wrapped(note))
+    tell(notes)
     if any(row.value is not None for row in rows):
         say(wrapped("as good: the figure is within its estimated error of the best there"))
 
@@ -76,7 +75,7 @@ def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> It
         option = "--from" if row.place == "lower border" else "--to"
         yield f"{where}at the {row.place} of the range, a better one may lie beyond: widen it ({option})"
     for value, figure in row.others:
-        shown = " ".join(engineering(asked.figure, figure)).strip()
+        shown = figure_text(asked.figure, figure)
         yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
     if row.message:
         yield f"{where}{row.message}"

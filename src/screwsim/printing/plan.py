@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out, print_title
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, write_csv
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -67,8 +67,7 @@ def print_plan(found: Plan) -> None:
     rows = [_row(found, i, [found.before, *(each.deviations for each in shown)]) for i in range(len(fit.parameters))]
     say("\n".join(plain_table(heads, rows, 1)))
     say()
-    for line in _told(found):
-        say(wrapped(line))
+    tell(_told(found))
 
 
 def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list[str]:

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import digits, figure_scales, shown_name
+from screwsim.figures.engineering import digits, read_in, shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.printing.fits import print_left_out
-from screwsim.printing.tables import plain_table, wrapped
-from screwsim.report.posterior import Drawn, draw
+from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.report.calibration import Drawn, draw_posterior
 from screwsim.results.atomic import OTHERS, write_csv
 from screwsim.scene import leaf_of
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.calibration.answers import LEVEL, Posterior, Predicted, Predictions
 from screwsim.study.calibration.fit import Fit
@@ -98,8 +97,7 @@ def _print_spreads(fit: Calibration, found: Posterior) -> None:
     say()
     rows = [_row(each) for each in found.predicted]
     say("\n".join(plain_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)))
-    for line in _notes(found):
-        say(wrapped(line))
+    tell(_notes(found))
 
 
 def print_predictions(found: Predictions) -> None:
@@ -111,7 +109,7 @@ def print_predictions(found: Predictions) -> None:
     rows = []
     for name in dict.fromkeys(each.figure for each in found.figures):
         of = [each for each in found.figures if each.figure == name]
-        factor, unit, zero = _shown_in(name, max(abs(each.median) for each in of))
+        factor, unit, zero = read_in(declared(name), max(abs(each.median) for each in of))
         rows.append([f"{shown_name(name)} [{unit}]" if unit else shown_name(name), *[""] * 5])
         for each in of:
             low, high = (digits(factor * value - zero) for value in (each.low, each.high))
@@ -164,21 +162,11 @@ def _width(found: Posterior, name: str) -> list[str]:
 
 
 def _row(each: Predicted) -> list[str]:
-    factor, unit, zero = _shown_in(each.figure, each.measured)
+    factor, unit, zero = read_in(declared(each.figure), each.measured)
     measured, low, high = (digits(factor * value - zero) for value in (each.measured, each.low, each.high))
     name = each.point + ("" if each.fitted else " *")
     mark = "" if each.inside else " outside"
     return [name, shown_name(each.figure), f"{measured} {unit}".strip(), f"{low} … {high}", mark]
-
-
-def _shown_in(figure: str, size: float) -> tuple[float, str, float]:
-    """Return factor, unit and zero in which a figure of such a size is shown; temperatures in °C."""
-    about = declared(figure)
-    if about.units == "K":
-        return 1.0, "°C", ZERO_CELSIUS
-    scales = ((f, unit) for least, f, unit in figure_scales(about) if abs(size) >= least)
-    factor, unit = next(scales, (1.0, ""))
-    return factor, unit, 0.0
 
 
 def _notes(found: Posterior) -> Iterator[str]:
@@ -211,7 +199,7 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     widths = [f"{WIDTH}{each.name} [{declared(each.name).units}]" for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
-    written += draw([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
+    written += draw_posterior([_drawn(fit, found, i) for i in range(len(names))], LEVEL, folder, PAIRS)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
 
 

@@ -1,16 +1,27 @@
-"""What `screwsim sensitivity` prints and writes."""
+"""What `screwsim sensitivity` prints and writes: indices over ranges, and with `--local` derivatives at the point."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
+from screwsim.figures.engineering import figure_unit
+from screwsim.outputs import EFFICIENCY
+from screwsim.outputs.derivatives import DIFFERENCES
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, wrapped
-from screwsim.scene import Scene
+from screwsim.printing.tables import plain_table, say_title, wrapped
+from screwsim.results.write import save
+from screwsim.scene import Scene, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_value
+from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
+from screwsim.study.local import Sensitivities
 from screwsim.study.sensitivity import CONFIDENCE, NOISY, Sensitivity, Shares
+
+SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, where none is chosen
+MOST = 15  # numbers in the table, the most important first
+NONE = 5e-5  # percent per percent, below which a figure does not depend on a number
+ROUND = (1.0, 2.0, 5.0)  # of a power of ten: the change of a number in a sentence
 
 
 def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
@@ -40,8 +51,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
 
 def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     """Print a table a figure: the inputs with the largest total index first."""
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     samples = f"{found.samples} samples of {len(found.ranges)} inputs, seed {found.seed}"
     say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:
@@ -93,3 +103,117 @@ def write_sensitivity(path: Path, found: Sensitivity) -> None:
         "total_confidence": Column([index.total_confidence for _, index in rows], "1", "half its interval"),
     }
     write_columns(path, "Sobol indices", columns)
+
+
+def local_document(scene: Scene, found: Sensitivities) -> dict[str, Any]:
+    """Return what `sensitivity --local --json` prints."""
+    return {
+        "title": scene.title,
+        "status": found.result.status,
+        "message": found.result.message,
+        "warnings": list(found.result.warnings),
+        "values": dict(found.values),
+        "performance": {name: found.result.performance[name] for name in found.derivatives},
+        "method": dict(found.method),
+        "why": dict(found.why),
+        "left_out": dict(found.left_out),
+        "derivatives": {name: dict(slopes) for name, slopes in found.derivatives.items()},
+        "relative": {
+            name: {path: found.relative(name, path) for path in slopes} for name, slopes in found.derivatives.items()
+        },
+    }
+
+
+def print_local(scene: Scene, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
+    """Print a table of numbers by figures [%/%], the most important first, and what the first of them mean."""
+    say_title(scene.title)
+    if found.result.status != "ok":
+        say(wrapped(f"status: {found.result.status}; {found.result.message}"))
+    for warning in found.result.warnings:
+        say(wrapped(f"warning: {warning}"))
+    if found.result.status != "ok":
+        return
+    wanted = chosen or (usual_efficiency(scene), *SHOWN)
+    figures = [name for name in wanted if name in found.derivatives]
+    sizes = {path: [found.relative(name, path) for name in figures] for path in found.values}
+    ranked = sorted(found.values, key=lambda path: -max((abs(each) for each in sizes[path] if each), default=0.0))
+    felt = [path for path in ranked if any(each is not None and abs(each) >= NONE for each in sizes[path])]
+    rows = [[_marked(found, path), _value(scene, path, found), *map(_percent, sizes[path])] for path in felt[:MOST]]
+    say("change of a figure, in percent per percent of a number")
+    say("\n".join(plain_table(["", "value", *map(shown_name, figures)], rows, 1)))
+    if len(felt) > MOST:
+        say(wrapped(f"and {len(felt) - MOST} more that count for less (--json has them all)"))
+    if idle := len(found.values) - len(felt):
+        say(wrapped(f"{idle} of {len(found.values)} numbers change none of these figures"))
+    say()
+    for path in felt[:3]:
+        say(wrapped(f"{sentence(scene, found, figures[0], path)}"))
+    _print_methods(found)
+
+
+def _print_methods(found: Sensitivities) -> None:
+    """Print by which method they were found, where not all are exact, and what was left out."""
+    for why in dict.fromkeys(found.why.values()):
+        paths = [path for path, each in found.why.items() if each == why]
+        which = "all" if len(paths) == len(found.values) else ", ".join(paths)
+        say(wrapped(f"* {which}: differences of closed cycles, as {why}"))
+    if found.left_out:
+        by_why: dict[str, list[str]] = {}
+        for path, why in found.left_out.items():
+            by_why.setdefault(why, []).append(path)
+        told = "; ".join(f"{', '.join(paths)} ({why})" for why, paths in by_why.items())
+        say(wrapped(f"left out: {told}"))
+
+
+def sentence(scene: Scene, found: Sensitivities, figure: str, path: str) -> str:
+    """Return in words what a round change of a number does to a figure: '1 um … = -0.14 points of …'."""
+    change, shown = _round_change(scene, path, found.values[path])
+    slope, value = found.derivatives[figure][path], found.result.performance[figure]
+    about = declared(figure, found.result.performance)
+    if about.scale == EFFICIENCY and about.units == "1":
+        return f"{shown} of {path} = {100.0 * slope * change:+.2g} points of {shown_name(figure)}"
+    factor, unit = figure_unit(about, value or 0.0)
+    return f"{shown} of {path} = {factor * slope * change:+.2g} {unit} of {shown_name(figure)}".replace("  ", " ")
+
+
+def _round_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
+    """Return a round change [SI] of about a twentieth of a number, and how it is written."""
+    kind = leaf_of(scene, path).dimension
+    per, unit = unit_of_change(scene, path, value)
+    if kind is not None and kind.name in ("temperature", "angle"):
+        return 1.0 / per, f"1 {unit}"
+    about = abs(value * per) / 20.0 or 1.0
+    power = 10.0 ** int(f"{about:e}".partition("e")[2])
+    size = max((each * power for each in ROUND if each * power <= about * 1.0001), default=power)
+    return size / per, f"{size:g} {unit}".strip()
+
+
+def _marked(found: Sensitivities, path: str) -> str:
+    return f"{path} *" if found.method[path] == DIFFERENCES else path
+
+
+def _value(scene: Scene, path: str, found: Sensitivities) -> str:
+    return shown_value(scene, path, found.values[path], 4)
+
+
+def _percent(value: float | None) -> str:
+    return "" if value is None else "0" if abs(value) < NONE else f"{value:+.3g}"
+
+
+def write_local(path: Path, scene: Scene, found: Sensitivities) -> None:
+    """Write a row a figure and number as CSV; as HDF5 the results of the point, with a group of derivatives."""
+    if path.suffix.lower() != ".csv":
+        save(path, scene, found.result, "sensitivity --local", found)
+        return
+    rows = [(figure, number, slope) for figure, slopes in found.derivatives.items() for number, slope in slopes.items()]
+    performance = found.result.performance
+    columns = {
+        "figure": Column([figure for figure, _, _ in rows], "", "figure"),
+        "path": Column([number for _, number, _ in rows], "", "number of the scene"),
+        "value": Column([performance[figure] for figure, _, _ in rows], "1", "the figure, SI unit"),
+        "number": Column([found.values[number] for _, number, _ in rows], "1", "the number, SI unit"),
+        "derivative": Column([slope for _, _, slope in rows], "1", "figure by number, SI unit over SI unit"),
+        "relative": Column([found.relative(figure, number) for figure, number, _ in rows], "1", "percent per percent"),
+        "method": Column([found.method[number] for _, number, _ in rows], "", "exact, quick, or differences"),
+    }
+    write_columns(path, "local sensitivities", columns)

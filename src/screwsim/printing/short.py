@@ -7,7 +7,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name, small
 from screwsim.outputs import Result
 from screwsim.printing import no_machine
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.screen import printable, say
 
 MOST = 10  # figures
@@ -49,8 +49,7 @@ def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None
         say()
         say("\n".join(plain_table(("figure", "value", "unit", "error"), _rows(result, names), 1)))
     say()
-    for line in _last(result, names):
-        say(wrapped(line))
+    tell(_last(result, names))
 
 
 def _rows(result: Result, names: Iterable[str]) -> Iterator[list[str]]:

@@ -4,6 +4,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 
 from screwsim.outputs.customary import raised
+from screwsim.screen import say
 
 WIDTH = 80
 NARROWEST = 12  # of a first column beside which the others stand
@@ -47,3 +48,14 @@ def _broken(head: str, width: int) -> list[str]:
 def wrapped(text: str) -> str:
     """Return a text in lines that fit, all but the first indented."""
     return textwrap.fill(text, WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
+
+
+def say_title(title: str) -> None:
+    """Print a title in lines that fit, where there is one."""
+    tell(filter(None, [title]))
+
+
+def tell(texts: Iterable[str]) -> None:
+    """Print texts, each from a line of its own on, in lines that fit."""
+    for text in texts:
+        say(wrapped(text))

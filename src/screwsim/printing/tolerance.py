@@ -3,7 +3,7 @@
 from typing import Any
 
 from screwsim.printing import engineering, shown_name
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.tolerance import Tolerances
@@ -27,8 +27,7 @@ def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
 
 def print_tolerance(scene: Scene, found: Tolerances) -> None:
     """Print the kinematic table by grades, and the spread of the figures over the machines drawn."""
-    if scene.title:
-        say(wrapped(scene.title))
+    say_title(scene.title)
     say("\nlaw of motion, worst corner of crank and rod")
     say("\n".join(_law(found)))
     grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())

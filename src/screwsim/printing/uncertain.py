@@ -1,17 +1,23 @@
-"""What is printed of the uncertainty of a scene's figures: by its inputs, beside the numerical error."""
+"""What is printed of the uncertainty of a scene's figures by its inputs, beside the numerical error, and of sweeps."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, figure_scales, shown_name
+from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, tell, wrapped
+from screwsim.results.read import Results
 from screwsim.screen import say
 from screwsim.study.uncertain import COVERAGE, Uncertainty
 
+TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")
+MOST_FIGURES = 3
+EFFICIENCY = "efficiency"
 NAMED = 3  # contributors of a figure ...
 LEAST = 0.01  # ... of that share of its variance at the least
 NOTHING = 1e-6  # of a figure: an uncertainty below it is none
@@ -50,13 +56,12 @@ def print_uncertainty(result: Result) -> None:
         told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
         other = "" if model else "; the model's own error is another (screwsim validate)"
         say(wrapped(f"{told}; shares are those of the variance{other}"))
-    for line in model_lines(model):
-        say(wrapped(line))
+    tell(model_lines(model))
 
 
 def _shown(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
     value, about = result.performance[name], declared(name, result.performance)
-    factor, unit = _scale(about, value)
+    factor, unit = figure_unit(about, value)
     error = error_in_unit(name, result.performance, result.error)
     number = f"{value:.2f}" if about.units == "K" else engineering(about, value)[0]
     numerical = "" if error is None else f"± {factor * error:.1g}"
@@ -91,12 +96,6 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _scale(about: Any, value: float) -> tuple[float, str]:
-    if about.units == "K":
-        return 1.0, "K"
-    return next(((f, u) for least, f, u in figure_scales(about) if abs(value) >= least), (1.0, about.units))
-
-
 def _named(contributors: Sequence[Mapping[str, Any]]) -> str:
     some = [one for one in contributors[:NAMED] if one["share"] >= LEAST]
     return ", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some)
@@ -117,7 +116,7 @@ def print_check(found: Uncertainty) -> None:
         value = found.slopes.result.performance[name]
         if found.spreads[name].expanded <= NOTHING * abs(value):
             continue
-        factor, unit = _scale(declared(name, found.slopes.result.performance), value)
+        factor, unit = figure_unit(declared(name, found.slopes.result.performance), value)
         two = (COVERAGE * found.spreads[name].standard, COVERAGE * sampled.standard)
         shown = [f"{factor * value:.5g}", f"{factor * sampled.mean:.5g}", *(f"± {factor * each:.2g}" for each in two)]
         rows.append([shown_name(name), *shown, unit])
@@ -125,8 +124,7 @@ def print_check(found: Uncertainty) -> None:
             wrong.append(f"warning: linear is wrong for {shown_name(name)}: {sampled.wrong}")
     say("\n".join(plain_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)))
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
-    for each in wrong:
-        say(wrapped(each))
+    tell(wrong)
     if rows and not wrong:
         say("linear is right for all of these figures")
 
@@ -135,3 +133,43 @@ def check_document(found: Uncertainty) -> dict[str, Any]:
     """Return what `--json` says of the sample."""
     figures = {name: each._asdict() for name, each in found.sampled.items()}
     return {"samples": found.samples, "message": found.message, "figures": figures}
+
+
+def uncertainty_ranges(results: Results) -> dict[str, Any]:
+    """Return what `sweep --json` says: of each figure the least and the largest half of a 95 % interval [SI].
+
+    With them the share that each input has of the variance, in the mean over the cases.
+    """
+    figures = {}
+    for name in results.uncertainty:
+        expanded = COVERAGE * results.uncertainty[name]
+        there = np.isfinite(expanded)
+        if not there.any() or not np.nanmax(expanded):
+            continue
+        square = np.square(np.nan_to_num(results.contributions[name][there]))
+        total = square.sum(axis=-1)
+        shares = (square[total > 0.0] / total[total > 0.0, None]).mean(axis=0)
+        figures[name] = {
+            "least": float(np.nanmin(expanded)),
+            "largest": float(np.nanmax(expanded)),
+            "shares": dict(zip(results.contributions["contributor"].tolist(), shares.tolist(), strict=True)),
+        }
+    return {"coverage_factor": COVERAGE, "figures": figures}
+
+
+def ranges_text(found: Mapping[str, Any]) -> str:
+    """Return in words how uncertain the first figures are, and by which input the most."""
+    parts = []
+    for name in [name for name in TOLD if name in found["figures"]][:MOST_FIGURES]:
+        each = found["figures"][name]
+        factor, unit = figure_unit(declared(name), each["largest"])
+        unit = "points" if unit == "%" and name.endswith(EFFICIENCY) else unit
+        low, high = (f"{factor * each[end]:.2g}" for end in ("least", "largest"))
+        reach = f"± {low}" if low == high else f"± {low} to {high}"
+        parts.append(f"{shown_name(name)} {reach} {unit}".strip())
+    if not parts:
+        return "none of the usual figures (all are in the file, group uncertainty)"
+    shares = next(found["figures"][name]["shares"] for name in TOLD if name in found["figures"])
+    path, share = max(shares.items(), key=lambda item: item[1])
+    most = f"{path.replace('effects.', '')} makes {share:.0%} of the first's variance"
+    return f"{'; '.join(parts)} (95 %, linear; {most}; all in the file)"

@@ -1,12 +1,18 @@
-"""Figure of a calibration: what is left over at each point, fitted less measured, with the uncertainty."""
+"""Figures of a calibration: what is left over at each point; and of its posterior: every parameter, every pair."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks, write_all
 
+BINS, FINE = 40, 28  # of a parameter, of each of a pair
+SHARES = (0.5, 0.9)  # of the samples, within the lines of a pair
+CELL = 34.0  # [mm] of a panel, at least
 HEIGHT = 62.0  # [mm] of a panel
 MOST_NAMES = 16  # points whose names fit below an axis
 Left = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
@@ -43,3 +49,87 @@ def _panel(axes: Any, label: str, left: Sequence[Left], names: Sequence[str]) ->
     else:
         axes.set_xlabel("point")
         plain_ticks(axes.xaxis)
+
+
+class Drawn(NamedTuple):
+    """A parameter: its label with the unit, samples, and the ends of the interval that is stated, in that unit."""
+
+    label: str
+    samples: Any
+    low: float
+    high: float
+
+
+def draw_posterior(parameters: Sequence[Drawn], level: float, folder: Path, name: str) -> list[str]:
+    """Write distributions on the diagonal and pairs below it, as PNG and PDF; return the paths."""
+    return write_all({name: partial(_pairs, parameters, level)}, folder)
+
+
+def _pairs(parameters: Sequence[Drawn], level: float) -> Any:
+    count = len(parameters)
+    width = 0.9 * SINGLE if count == 1 else min(DOUBLE, max(1.2 * SINGLE, CELL * count))
+    figure = new_figure(width, max(60.0, 0.9 * width))
+    cells = figure.subplots(count, count, squeeze=False)
+    for i, row in enumerate(cells):
+        for j, axes in enumerate(row):
+            if j > i:
+                axes.set_axis_off()
+                continue
+            if i == j:
+                _one(axes, parameters[i])
+            else:
+                _pair(axes, parameters[j], parameters[i])
+                axes.set_ylim(_range(parameters[i]))
+                plain_ticks(axes.yaxis, most=4)
+            axes.set_xlim(_range(parameters[j]))
+            plain_ticks(axes.xaxis, most=4)
+            if i == count - 1:
+                axes.set_xlabel(_wrapped(parameters[j].label, count))
+            else:
+                axes.tick_params(labelbottom=False)
+            if j == 0 and i:
+                axes.set_ylabel(_wrapped(parameters[i].label, count))
+            else:
+                axes.tick_params(labelleft=False)
+    inside = " and ".join(f"{share:.0%}" for share in SHARES)
+    note(
+        figure,
+        f"posterior; dashed: {level:.0%} interval",
+        f"lines of pairs: hold {inside} of the samples" * (count > 1),
+    )
+    return figure
+
+
+def _wrapped(label: str, count: int) -> str:
+    """Return a label in lines that fit beside its panel."""
+    return textwrap.fill(label, 30 if count < 4 else 16, break_long_words=False)
+
+
+def _range(one: Drawn) -> tuple[float, float]:
+    low, high = np.quantile(one.samples, (0.001, 0.999))
+    margin = 0.04 * (high - low) or 1.0
+    return float(low - margin), float(high + margin)
+
+
+def _one(axes: Any, one: Drawn) -> None:
+    axes.hist(one.samples, bins=np.linspace(*_range(one), BINS + 1), color=COLOURS[5], linewidth=0)
+    for end in (one.low, one.high):
+        axes.axvline(end, color=GREY, linestyle="--", linewidth=0.8)
+    axes.set_yticks([])
+
+
+def _pair(axes: Any, x: Drawn, y: Drawn) -> None:
+    counts, *edges = np.histogram2d(x.samples, y.samples, bins=FINE, range=[_range(x), _range(y)])
+    counts = _smooth(counts)
+    middles = [0.5 * (each[1:] + each[:-1]) for each in edges]
+    axes.plot(x.samples[::4], y.samples[::4], ".", color=COLOURS[5], markersize=0.7, rasterized=True)
+    ranked = np.sort(counts.ravel())[::-1]
+    held = np.cumsum(ranked) / ranked.sum()
+    levels = sorted({float(ranked[np.searchsorted(held, share)]) for share in SHARES})
+    axes.contour(*middles, counts.T, levels=levels, colors=[COLOURS[1]], linewidths=0.8)
+
+
+def _smooth(counts: Any) -> Any:
+    from scipy.ndimage import gaussian_filter
+
+    return gaussian_filter(counts, 1.0)

@@ -13,7 +13,7 @@ from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.protocol import END_GAP, GAPS
-from screwsim.machine.rotors import end_face
+from screwsim.machine.rotors import leakage
 from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
 from screwsim.report.rotors import draw_rotors
@@ -53,7 +53,7 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
     own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at once")
     own["female_tip_length"] = (longest["female_tip"], "m", "the same of a female tip")
-    for rotor, width in zip(("male", "female"), end_face.mean_widths(rotors.pair, rotors.chain), strict=True):
+    for rotor, width in zip(("male", "female"), leakage.mean_widths(rotors.pair, rotors.chain), strict=True):
         meaning = f"mean thickness of a {rotor} lobe on the end face: `passage` of that leak"
         own[f"{rotor}_lobe_thickness"] = (width, "m", meaning)
     own["sealing_line_length"] = (_longest_line(laid), "m", "longest contact line of a chamber, over the tip included")

@@ -6,7 +6,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
-from screwsim.outputs.tables import library
+from screwsim.outputs.display import library
 from screwsim.results.group import OWN, Group
 from screwsim.results.read import Results
 from screwsim.results.schema import Axis

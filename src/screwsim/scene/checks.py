@@ -4,8 +4,9 @@ import math
 import os
 from collections.abc import Iterator
 
-from screwsim.effects import stating
+from screwsim.effects import having, stating
 from screwsim.effects.base import CoolsOil
+from screwsim.effects.parts.usual import PUMPS
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
 from screwsim.inputs.declare import AREA, VOLUME, Found
@@ -121,8 +122,8 @@ def _pump(scene: Scene) -> Iterator[Fault]:
     if supply.orifice_count != 1.0:
         yield Fault("oil_supply.orifice_count", "belongs to kind: displacement (remove it, or change the kind)")
     if supply.line is not None:
-        what = "is the line of displaced oil; with kind: pump the pump pays its loss (write it under effects.oil_pump)"
-        yield Fault("oil_supply.line", what)
+        what = "is the line of displaced oil; with kind: pump the pump pays its loss"
+        yield Fault("oil_supply.line", f"{what} (write it under {having(PUMPS)[0]})")
 
 
 def _sought(scene: Scene) -> Iterator[Fault]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
-from screwsim.numerics.changed import changed
+from screwsim.numerics.at_once import changed
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
 from screwsim.scene.stated import settled

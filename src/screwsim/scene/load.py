@@ -8,10 +8,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import FILE, TEXT, takes
+from screwsim.inputs.arguments import FILE, TEXT, listed, takes
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.listed import listed
 from screwsim.inputs.near import nearest
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW

@@ -9,8 +9,7 @@ from screwsim.fluid.constants import Limits
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.scene.fluids import fluid_faults
-from screwsim.scene.humidity import humidity_faults, line_faults
+from screwsim.scene.fluids import fluid_faults, humidity_faults, line_faults
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity

@@ -9,10 +9,10 @@ from typing import Any
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import AUTO, KINDS, Kind
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
-from screwsim.scene.designs import KINDS as SAMPLES
-from screwsim.scene.designs import LARGEST_SAMPLE
 from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
 from screwsim.scene.model_errors import BLOCK, MODEL, stored
+from screwsim.scene.sweep import KINDS as SAMPLES
+from screwsim.scene.sweep import LARGEST_SAMPLE
 from screwsim.scene.tolerances import TOGETHER
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of

@@ -1,19 +1,35 @@
-"""The sweep of a scene: each path with its values in SI units, checked like the field that it varies."""
+"""The sweep of a scene: each path with its values in SI units; paths that vary together, zipped or drawn by a seed."""
 
-from collections.abc import Mapping
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
 
 from screwsim.effects import catalogue
-from screwsim.scene.designs import Axes, LeafOf, read_axes, read_sample, read_zip
+from screwsim.scene.axis import OF_WORDS, SPACING, example, read_axis, read_fields
 from screwsim.scene.fields import Leaf, sweep_leaf
 from screwsim.scene.grid import too_many
 from screwsim.scene.operation import GAS_COOLER
 from screwsim.scene.sections import is_off
-from screwsim.scene.types import ActiveEffect, Joint
+from screwsim.scene.types import ActiveEffect, Joint, Sample
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Node, Problem, locate
+from screwsim.scene.yaml_tree import Node, Problem, join, locate
 
+Axes = dict[str, tuple[Any, ...]]
+LeafOf = Callable[[str], Leaf]  # raises `Refused`
+LARGEST_SAMPLE = 2**20
+KINDS = ("sobol", "latin_hypercube")
+_FIELDS = {
+    "kind": Leaf("choice", "how the sample is drawn", dataclasses.MISSING, {"options": KINDS}),
+    "count": Leaf("count", "number of points", dataclasses.MISSING, {"ge": 1, "le": LARGEST_SAMPLE}),
+    "seed": Leaf("count", "seed of the random numbers", 0, {"ge": 0}),
+}
+_SAMPLE = "write {kind: sobol, count: 64, seed: 1, over: {operation.speed: {from: 1000 rpm, to: 3000 rpm}}}"
+_ZIP = "write [{operation.speed: […], oil_supply.ratio: […]}]"
 DESIGNS = ("zip", "sample")  # keys of a sweep that are no path
 
 
@@ -74,3 +90,110 @@ def _refuse_absent_section(path: str, root: Node) -> None:
     node, found = locate(root, parent)
     if not found or node.value is None:
         raise Refused(f"the section {parent} is not in this scene (write it first)")
+
+
+def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: list[Problem], distinct: bool = True) -> Axes:
+    """Return {path: values} of a mapping of axes."""
+    axes: Axes = {}
+    for name, child in node.value.items():
+        try:
+            leaf = leaf_of(name)
+        except Refused as refusal:
+            problems.append(Problem(child.heading, join(path, name), str(refusal)))
+            continue
+        axes[name] = read_axis(leaf, child, join(path, name), problems, distinct)
+    return axes
+
+
+def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: list[Problem]) -> list[tuple[Joint, Axes]]:
+    """Return the groups of axes whose values are taken side by side."""
+    if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
+        problems.append(Problem(node.place, path, f"is not a list of mappings ({_ZIP})"))
+        return []
+    found = []
+    for number, group in enumerate(node.value, 1):
+        axes = read_axes(group, path, leaf_of, problems, distinct=False)
+        lengths = {name: len(values) for name, values in axes.items() if values}
+        if len(set(lengths.values())) > 1:
+            told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            problems.append(Problem(group.place, path, f"has axes of different lengths: {told} (make them equal)"))
+        elif not group.value:
+            problems.append(Problem(group.place, path, f"has a group without an axis ({_ZIP})"))
+        found.append((Joint("case" if number == 1 else f"case_{number}", tuple(axes)), axes))
+    return found
+
+
+def read_sample(node: Node, path: str, leaf_of: LeafOf, problems: list[Problem]) -> tuple[Joint, Axes] | None:
+    """Return a sample with its values, or None after faults were added."""
+    if not isinstance(node.value, dict):
+        problems.append(Problem(node.place, path, f"{shown(node.value)} is not a mapping ({_SAMPLE})"))
+        return None
+    before = len(problems)
+    given = read_fields(_FIELDS, node, path, problems, _SAMPLE, also=("over",))
+    over = _over(node, join(path, "over"), leaf_of, problems)
+    if given is None or len(problems) > before:
+        return None
+    if given["kind"] == "sobol" and given["count"] & (given["count"] - 1):
+        better = 2 ** round(math.log2(given["count"]))
+        what = f"{given['count']} is not a power of two, which a Sobol sample needs (write e.g. {better})"
+        problems.append(Problem(node.value["count"].place, join(path, "count"), what))
+        return None
+    sample = Sample(given["kind"], given["count"], given["seed"], over)
+    return Joint("sample", tuple(name for name, _ in over), sample), draw(sample)
+
+
+def _over(node: Node, path: str, leaf_of: LeafOf, problems: list[Problem]) -> tuple[tuple[str, tuple[Any, ...]], ...]:
+    child = node.value.get("over")
+    if child is None or not isinstance(child.value, dict) or not child.value:
+        place = node.heading if child is None else child.place
+        problems.append(Problem(place, path, f"must name the paths that vary ({_SAMPLE})"))
+        return ()
+    found = []
+    for name, span in child.value.items():
+        try:
+            found.append((name, _span(leaf_of(name), span, join(path, name), problems)))
+        except Refused as refusal:
+            problems.append(Problem(span.heading, join(path, name), str(refusal)))
+    return tuple(found)
+
+
+def _span(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> tuple[Any, ...]:
+    """Return ("any", values) or ("linear" or "log", first, last); () after faults were added."""
+    if isinstance(node.value, list):
+        return ("any", *read_axis(leaf, node, path, problems))
+    if not isinstance(node.value, dict) or leaf.kind in OF_WORDS:
+        what = f"is neither {{from, to}} nor a list (write e.g. [{example(leaf)}])"
+        raise Refused(OF_WORDS.get(leaf.kind, what))
+    end = dataclasses.replace(leaf, default=dataclasses.MISSING)
+    given = read_fields({"from": end, "to": end, "spacing": SPACING}, node, path, problems, "write {from: …, to: …}")
+    if given is None:
+        return ()
+    first, last, spacing = given["from"], given["to"], given["spacing"]
+    if not first < last:
+        problems.append(Problem(node.place, path, "from is not below to (exchange them)"))
+    elif spacing == "log" and not first > 0.0:
+        problems.append(Problem(node.place, path, "log spacing needs ends above zero (choose another from)"))
+    return (spacing, first, last)
+
+
+def draw(sample: Sample) -> Axes:
+    """Return the values [SI] of a sample by path; the same seed gives the same values."""
+    from scipy.stats import qmc
+
+    d = len(sample.over)
+    kinds: Mapping[str, Any] = {"sobol": qmc.Sobol, "latin_hypercube": qmc.LatinHypercube}
+    points = kinds[sample.kind](d, rng=np.random.default_rng(sample.seed)).random(sample.count)
+    return {path: _values(span, points[:, column]) for column, (path, span) in enumerate(sample.over)}
+
+
+def _values(span: tuple[Any, ...], u: np.ndarray) -> tuple[Any, ...]:
+    """Return values for numbers of [0, 1)."""
+    kind, *rest = span
+    if kind == "any":
+        return tuple(rest[place] for place in (u * len(rest)).astype(int))
+    first, last = rest
+    if isinstance(first, int):
+        return tuple((first + np.floor(u * (last - first + 1)).astype(int)).tolist())
+    if kind == "log":
+        return tuple((first * (last / first) ** u).tolist())
+    return tuple((first + (last - first) * u).tolist())

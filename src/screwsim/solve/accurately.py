@@ -5,13 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.close import again, close
+from screwsim.cycle.close import again, close, fallbacks
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.fallbacks import fallbacks
 from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CycleSolution, Led
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Led, Wanted
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import Separator
 from screwsim.evaluate.evaluation import Evaluation, evaluate

@@ -1,7 +1,7 @@
 """What lies around the machine and follows from its cycle: the oil's circuit (M284), a package's losses (M343).
 
 A cycle is closed with temperatures of the oil's supply and of the separator, and with lost pressures, as they stand;
-what it gives the separator (`evaluate.separator`), and its flow (`evaluate.package`), tell others. Broyden's method
+what it gives the separator (`evaluate.separator`), and its flow (`evaluate.separator`), tell others. Broyden's method
 finds those that agree, from the Jacobian of the circuit's own heat capacities, or from that of the point before: what
 the chambers change by them is left to learn. Every cycle begins from the one before, and is closed no better than the
 step after it needs. The last one is closed as accurately as the scene asks, and its errors are estimated; once more
@@ -18,8 +18,7 @@ from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit

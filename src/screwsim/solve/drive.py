@@ -11,8 +11,7 @@ import numpy as np
 from screwsim.cycle.close import again, close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.machine.drive.collocation import differentiation, resampled
 from screwsim.machine.drive.response import NoMotion, Response

@@ -9,8 +9,7 @@ all that follow would go; or the cycle closed again, finer (docs/model.md M41). 
 from dataclasses import replace
 
 from screwsim.cycle.balances import left_late, mass_in, met_across, residuals
-from screwsim.cycle.solution import CycleSolution, Led
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Led, Wanted
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import flow_errors, relative_errors
@@ -20,8 +19,7 @@ from screwsim.model.trajectory import Array
 from screwsim.numerics.estimates import AGAIN, ERRORS, LIVES, TOGETHER
 from screwsim.outputs import Figures
 from screwsim.solve.finer import NARROWER, NOTHING, Asked, Estimate, Finer
-from screwsim.solve.finer_cycles import chambers_together, closed_again
-from screwsim.solve.finer_lives import changes, finer_lives, repeated
+from screwsim.solve.finer_lives import chambers_together, changes, closed_again, finer_lives, repeated
 
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # the error over what that turn shows of it, where it is the regularisation's root
 LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.solution import CycleSolution, Led
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Led, Wanted
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.run import Machinery

@@ -1,22 +1,26 @@
-"""Errors estimated by finer lives: one that follows a closed cycle, or more, one among the other.
+"""Errors estimated by finer solutions: lives that follow a closed cycle, or a cycle that is closed once more.
 
 Source: docs/model.md M41; docs/explanation/numerics.md.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from screwsim.cycle.balances import met_across, streams_of
+from screwsim.cycle.close import MOST_OF_A_TRY, again
 from screwsim.cycle.coordinates import NEAR
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along
+from screwsim.cycle.search import SEARCH
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import Led
 from screwsim.cycle.ways import way_of
-from screwsim.evaluate.evaluation import Evaluation
+from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.exchange import station
 from screwsim.model.slices import INSIDE
@@ -201,3 +205,33 @@ class _Lives:
         """Return the share that a correction left of the change before it; none where that is hardly any."""
         before, last = self.changes[-2:]
         return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / max(before, 1e-300)
+
+
+def chambers_together(asked: Asked) -> Finer:
+    """Return all chambers closed together from a closed cycle, where lives among its own would repeat its error."""
+    if not asked.hidden:
+        return NOTHING
+    problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
+    wanted = replace(asked.wanted, rtol=FINER * cycle.rtol)
+    finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+    if finer.closed:
+        return Finer([evaluate(problem, finer).figures])
+    machinery.put(cycle.trajectory)
+    return NOTHING
+
+
+def closed_again(asked: Asked) -> Finer:
+    """Return the cycle that closes with finer steps from the closed one.
+
+    A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
+    off by is far less than what the cycle is off by. It goes the way that closed it and may cost as much as a fallback.
+    """
+    problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
+    wanted = replace(asked.wanted, rtol=FINER * cycle.rtol, tolerance=FINER * asked.wanted.tolerance)
+    if cycle.needed:
+        finer = again(problem, machinery, wanted, cycle)
+    else:
+        finer = way_of(cycle).finer(problem, machinery, wanted, cycle, MOST_OF_A_TRY)
+    if finer is None or not finer.closed:
+        return NOTHING
+    return Finer([evaluate(problem, finer).figures], cycle=finer if finer.needed == SEARCH else None)

@@ -1,19 +1,37 @@
-"""What a worker does: simulate blocks of cases and return them as one table."""
+"""What a worker does: simulate blocks of cases, each case begun from the one before it, and return them as one table.
 
+The cut depends on the grid alone, so that results depend neither on the number of workers nor on interruptions.
+
+Checks, by content, that workers run the code with which a sweep began and that the scene's files did not change.
+"""
+
+import math
+import os
 import pickle
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import tee
 from typing import Any
 
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import stamp
 from screwsim.outputs import Result
+from screwsim.results.identity import Files, Identity, code_identity, disagreement, file_identity, files_of
+from screwsim.results.schema import named_files
 from screwsim.results.table import Table, table_of
-from screwsim.scene import cross_check, with_values
+from screwsim.scene import cross_check, dimensions, with_values
 from screwsim.scene.types import Scene
-from screwsim.study.agreement import Wanted, refuse_to_differ
 from screwsim.study.limit import Limit, handed_on, running
 
+Wanted = Mapping[str, Any]  # of plain types: a worker of another version must be able to read it
+REMEDY = "install and put there what runs here, and start it again; the sweep resumes"
+BLOCK = 16  # cases at most in small sweeps: even work for all cores
+LONG_BLOCK = 64  # in sweeps of
+MANY = 512  # cases or more: longer chains of neighbours
+SAMPLE_BLOCK = 4  # the points of a sample are no neighbours
 SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
 Outcome = tuple[Table, float]  # results, and the time that they took [s]
 
@@ -132,3 +150,120 @@ def _chain(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
 
 def _told(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
+
+
+class Blocks:
+    """Consecutive cases of a grid of the given shape in blocks: parts of one row of the last axis, or whole rows."""
+
+    def __init__(self, shape: Sequence[int], longest: int = BLOCK) -> None:
+        self.cases = math.prod(shape)
+        self._row = shape[-1] if shape else 1
+        self._parts = -(-self._row // longest)  # blocks of a row
+        self._size = max(1, longest // self._row) * self._row  # where rows are short
+        long = self._parts > 1
+        self.count = self.cases // self._row * self._parts if long else -(-self.cases // self._size)
+
+    def cases_of(self, blocks: range) -> range:
+        """Return the cases of consecutive blocks."""
+        return range(self._start(blocks.start), self._start(blocks.stop))
+
+    def _start(self, block: int) -> int:
+        if self._parts == 1:
+            return min(block * self._size, self.cases)
+        row, part = divmod(block, self._parts)
+        return row * self._row + part * self._row // self._parts
+
+    def blocks_of(self, cases: range) -> range | None:
+        """Return the blocks that consecutive cases are; None when they are not whole blocks."""
+        first, last = (self._block_from(edge) for edge in (cases.start, cases.stop))
+        found = range(first, last)
+        return found if self.cases_of(found) == cases else None
+
+    def _block_from(self, case: int) -> int:
+        if self._parts == 1:
+            return -(-case // self._size)
+        row, place = divmod(case, self._row)
+        return row * self._parts + -(-place * self._parts // self._row)
+
+    def order(self, block: int) -> list[int]:
+        """Return the places in a block in the order of simulation: every other row backwards, so neighbours follow."""
+        size = len(self.cases_of(range(block, block + 1)))
+        if size <= self._row:
+            return list(range(size))
+        rows = [range(start, start + self._row) for start in range(0, size, self._row)]
+        return [place for number, row in enumerate(rows) for place in (reversed(row) if number % 2 else row)]
+
+
+def blocks_of(scene: Scene) -> Blocks:
+    """Return the blocks of a scene's sweep."""
+    found = dimensions(scene)
+    sampled = bool(found) and found[-1].joint is not None and found[-1].joint.sample is not None
+    shape = [dimension.size for dimension in found]
+    whole = LONG_BLOCK if math.prod(shape) >= MANY else BLOCK
+    return Blocks(shape, SAMPLE_BLOCK if sampled else whole)
+
+
+def wanted_of(scene: Scene) -> Wanted:
+    """Return what workers must have: names of own modules, paths of files, and the identity of all code and files."""
+    own, files = list(scene.own), named_files(scene)
+    return {"own": own, "files": files, "identity": code_identity(own) | file_identity(files)}
+
+
+def what_differs(wanted: Wanted) -> str:
+    """Return in words in what this process differs from what is wanted; '' when it does not."""
+    try:
+        found = code_identity(wanted["own"])
+    except ImportError as error:
+        return f"cannot import an effect of the scene: {error}"
+    return disagreement(found | file_identity(wanted["files"]), wanted["identity"])
+
+
+def refuse_to_differ(wanted: Wanted) -> None:
+    """Raise UsageError, in one line that names this worker, unless it is as wanted."""
+    what = what_differs(wanted)
+    if what:
+        raise UsageError(f"worker {_own_name()} {what} ({REMEDY})")
+
+
+def _own_name() -> str:
+    """Return the address of a worker of dask, else the number of this process."""
+    dask = sys.modules.get("distributed")
+    if dask is not None:
+        try:
+            return dask.get_worker().address
+        except ValueError:  # this process is none
+            pass
+    return str(os.getpid())
+
+
+class Watch:
+    """Looks after the files of a scene while its sweep runs: cases of before and after a change must not mix."""
+
+    def __init__(self, files: Files, identity: Identity) -> None:
+        self._files = files
+        self._began = files_of(identity)
+        self._stamps = {name: stamp(path) for name, path in files.items()}
+
+    def look(self) -> None:
+        """Raise UsageError, in one line, when a file has another content than when the sweep began."""
+        stamps = {name: stamp(path) for name, path in self._files.items()}
+        if stamps == self._stamps:
+            return
+        what = disagreement(file_identity(self._files), self._began)
+        if what:
+            raise UsageError(
+                f"this machine {what}: it was changed while the sweep ran, and its cases must not mix (put it back "
+                "and start the sweep again, which resumes it, or begin anew with --restart)"
+            )
+        self._stamps = stamps
+
+
+def simulate_with(
+    added: Callable[[Scene, Result], Result],
+    many: Callable[[Iterable[Scene]], Iterator[Result]],
+    scenes: Iterable[Scene],
+) -> Iterator[Result]:
+    """Yield the results of consecutive scenes by what simulates many, each with what is added to it."""
+    first, second = tee(scenes)
+    for result in many(first):
+        yield added(next(second), result)

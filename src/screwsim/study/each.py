@@ -1,14 +1,22 @@
-"""Call a function for every number of a range on all cores: for studies whose answers fit into memory."""
+"""Call a function for every number of a range on all cores: for studies whose answers fit into memory.
+
+Workers that stay for many small batches: a study whose next questions depend on the last answers.
+"""
+
+from __future__ import annotations
 
 import pickle
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any, TypeVar
 
+from screwsim.outputs import Result
+from screwsim.scene import Scene
 from screwsim.study.progress import Progress, Silent
-from screwsim.study.workers import Chunks, LocalPool, Work, cores, drain
+from screwsim.study.workers import GRACE, TICK, Chunks, Guard, LocalPool, Work, cores, drain, stop, submit, worker_died
 
 Answer = TypeVar("Answer")
 Finish = Callable[[range, tuple[list[Any], float]], None]
@@ -71,3 +79,102 @@ def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
 
 
 _unpacked = lru_cache(maxsize=1)(pickle.loads)
+
+
+class Crew:
+    """Call a function of a module for each payload of a batch on the same workers; of one job in this process.
+
+    A payload over which a worker dies is tried once more, alone; where that one dies, too, its answer is `died` of it.
+    """
+
+    def __init__(self, jobs: int, died: Callable[[Any], Any], tick: Callable[[], None]) -> None:
+        self.jobs = jobs
+        self._died = died
+        self._tick = tick
+        self._executor: Executor | None = None
+
+    def __enter__(self) -> Crew:
+        """Return the crew, whose workers start with the first batch."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Let the workers go."""
+        self.leave()
+
+    def leave(self) -> None:
+        """Let the workers go, and what they keep in memory with them; the next batch starts others."""
+        if self._executor is not None:
+            thread = getattr(self._executor, "_executor_manager_thread", None)
+            stop(self._executor)
+            if thread is not None:
+                thread.join(GRACE)  # beside it the next workers would not be forked (`workers.start_method`)
+            self._executor = None
+
+    def answers(self, task: Callable[[Any], Any], payloads: Sequence[Any]) -> list[Any]:
+        """Return the answers to payloads, in their order."""
+        if self.jobs <= 1:
+            return [self._here(task, payload) for payload in payloads]
+        found: dict[int, Any] = {}
+        self._executor = self._executor or LocalPool(self.jobs).executor(self.jobs)
+        lost = _drained(self._executor, task, dict(enumerate(payloads)), found, self._tick)
+        if lost:
+            self.leave()
+        for number in sorted(lost):
+            alone = LocalPool(1).executor(1)
+            try:
+                if _drained(alone, task, {number: payloads[number]}, found, self._tick):
+                    found[number] = self._died(payloads[number])
+            finally:
+                stop(alone)
+        return [found[number] for number in range(len(payloads))]
+
+    def _here(self, task: Callable[[Any], Any], payload: Any) -> Any:
+        self._tick()
+        return task(payload)
+
+
+def _drained(
+    executor: Executor,
+    task: Callable[[Any], Any],
+    payloads: dict[int, Any],
+    found: dict[int, Any],
+    tick: Callable[[], None],
+) -> set[int]:
+    """Put the answers to payloads into `found`; return the numbers of those that a worker's death took along."""
+    guard = Guard(executor)
+    running = {submit(executor, task, payload): number for number, payload in payloads.items()}
+    lost: set[int] = set()
+    while running:
+        done, _ = wait(running, TICK, FIRST_COMPLETED)
+        for future in done:
+            number = running.pop(future)
+            if worker_died(future):
+                lost.add(number)
+            else:
+                found[number] = future.result()
+        guard.look()
+        tick()
+    return lost
+
+
+class Warm:
+    """Simulate a scene when called, without traces, from the scene of the last call where that is near."""
+
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._course: Iterator[Result] | None = None
+
+    def __call__(self, scene: Scene) -> Result:
+        from screwsim.simulate import simulate_many
+
+        self._scene = scene
+        self._course = self._course or iter(simulate_many(self._scenes(), trace=False))
+        try:
+            return next(self._course)
+        except Exception:
+            self._course = None
+            raise
+
+    def _scenes(self) -> Iterator[Scene]:
+        while self._scene is not None:
+            yield self._scene

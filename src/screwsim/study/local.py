@@ -16,10 +16,9 @@ from typing import Any
 from screwsim.derivatives.closed import FINE, QUICK
 from screwsim.derivatives.solving import found
 from screwsim.figures import declared
-from screwsim.inputs.arguments import FLAG, TEXTS, instance, takes
+from screwsim.inputs.arguments import FLAG, TEXTS, instance, listed, takes
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.listed import listed
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
 from screwsim.outputs.display import About, Brief

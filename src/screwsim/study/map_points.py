@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import NUMBER, takes
+from screwsim.inputs.arguments import NUMBER, listed, takes
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.listed import listed
 from screwsim.results import Results, open_results
 from screwsim.scene.fields import leaf_paths, unknown
 from screwsim.scene.operation import CONDENSING, EVAPORATING

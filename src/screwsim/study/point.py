@@ -1,4 +1,4 @@
-"""A point as a program asks for it: simulated, and the derivatives of its figures when they are asked for."""
+"""A point as a program asks for it: simulated, its derivatives when they are asked for or the scene keeps them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from screwsim.scene.given import scene_of
 from screwsim.scene.types import Scene
 from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated
+from screwsim.study.local import Sensitivities, sensitivities
 
 
 @takes(trace=one_of(True, False, "ledger"))
@@ -35,3 +36,17 @@ def _found(scene: Scene, result: Result) -> Any:
     from screwsim.study.local import sensitivities
 
     return sensitivities(scene, result=result)
+
+
+def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
+    """Return the derivatives of a result that its scene keeps (`output.derivatives`), None for none."""
+    if not scene.output.keeps_slopes or result.status != "ok":
+        return None
+    found = sensitivities(scene, result=result)
+    return found if found.derivatives else None
+
+
+def with_slopes(scene: Scene, result: Result) -> Result:
+    """Return a result with the derivatives that its scene keeps."""
+    found = kept_slopes(scene, result)
+    return result if found is None else replace(result, derivatives=Derivatives.of(found, result.performance))

@@ -25,9 +25,19 @@ from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.given import scene_of
 from screwsim.scene.types import Scene
-from screwsim.study.agreement import Watch, wanted_of
-from screwsim.study.blocks import blocks_of
-from screwsim.study.cases import Block, Job, Outcome, SimulateMany, packed, run_blocks, run_packed
+from screwsim.study.cases import (
+    Block,
+    Job,
+    Outcome,
+    SimulateMany,
+    Watch,
+    blocks_of,
+    packed,
+    run_blocks,
+    run_packed,
+    simulate_with,
+    wanted_of,
+)
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, shown
@@ -295,13 +305,13 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
     many = partial(simulate_many, trace=scene.output.keeps_cycle)
     if scene.uncertain:
-        from screwsim.study.uncertain import simulate_uncertain
+        from screwsim.study.uncertain import with_uncertainty
 
-        many = partial(simulate_uncertain, many)
+        many = partial(simulate_with, with_uncertainty, many)
     if scene.output.keeps_slopes:
-        from screwsim.study.kept_slopes import simulate_with_slopes
+        from screwsim.study.point import with_slopes
 
-        many = partial(simulate_with_slopes, many)
+        many = partial(simulate_with, with_slopes, many)
     return many
 
 

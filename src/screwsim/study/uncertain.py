@@ -9,10 +9,9 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import tee
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -171,15 +170,6 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
         return replace(result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty by the inputs: {error}"))
     lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
-
-
-def simulate_uncertain(
-    many: Callable[[Iterable[Scene]], Iterator[Result]], scenes: Iterable[Scene]
-) -> Iterator[Result]:
-    """Yield the results of consecutive scenes by what simulates them, each with what its tolerances make of it."""
-    first, second = tee(scenes)
-    for result in many(first):
-        yield with_uncertainty(next(second), result)
 
 
 def _spread(

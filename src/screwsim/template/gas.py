@@ -9,7 +9,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.rotors.families import FAMILIES
+from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.asked import Asked, Condition, beside_of, condition_of, refused

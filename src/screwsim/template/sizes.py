@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from screwsim.effects.parts import motor_classes
-from screwsim.machine.rotors.families import FAMILIES
+from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.machine.stated import unit_volume
 
 SMALLEST, LARGEST = 0.05, 0.55  # [m], diameters of rotors that are cut

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from screwsim.machine.drive.collocation import POINTS, differentiation, resampled
-from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.motor_line import Motor
 from screwsim.machine.drive.response import NoMotion, extremes, respond, swing
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.machine.drive.run_up import run_up
-from screwsim.machine.drive.train import Train
+from screwsim.machine.drive.train import LinearCoupling, Train
 
 OMEGA = 100.0 * math.pi
 LINE = Motor(law="line", slope=50.0)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.effects.gap import ramp
+from screwsim.effects.parts.gap import ramp
 from screwsim.inputs.declare import choice, count, quantity, word
 from screwsim.inputs.faults import Fault
 from screwsim.machine.profile_law import Interface

@@ -7,8 +7,8 @@ import pytest
 
 from screwsim.machine.rotors import curves as module
 from screwsim.machine.rotors.curves import make_curves
-from screwsim.machine.rotors.end_face import face_lengths
 from screwsim.machine.rotors.export import coefficients_csv, curve_csv, curves_csv, outline_dxf
+from screwsim.machine.rotors.leakage import face_lengths
 from screwsim.machine.rotors.pair import outlines
 from screwsim.numerics.spline import pack_curve, read_curve, table_slope, table_value
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from screwsim.machine.rotors.curves import make_curves
-from screwsim.machine.rotors.end_face import contacts, mean_widths, offsets
+from screwsim.machine.rotors.leakage import contacts, mean_widths, offsets
 from screwsim.machine.rotors.pair import outlines
 
 DEG, MM = math.pi / 180.0, 1e-3

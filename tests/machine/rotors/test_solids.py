@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from solids import STEP, Solids
 
-from screwsim.machine.rotors import closed_form, end_face, ports
+from screwsim.machine.rotors import closed_form, leakage, ports
 from screwsim.machine.rotors.blow_hole import mirrored, opening
 from screwsim.machine.rotors.checks import mesh
 from screwsim.machine.rotors.flanks import male_flanks
@@ -196,5 +196,5 @@ def test_end_face_lengths_are_radii_between_two_chambers(pairs, solids, angle):
     step = 0.15 * MM / flanks.radii
     hit = beside(own, flanks.lead - step) & beside(behind, flanks.trail + step)
     counted = np.trapezoid(hit.astype(float), flanks.radii)
-    length = end_face.male_lengths(rotors.pair, rotors.chain, np.array([psi]))[1][0]
+    length = leakage.male_lengths(rotors.pair, rotors.chain, np.array([psi]))[1][0]
     assert counted == pytest.approx(length, abs=3.0 * MM)

@@ -1,1 +1,1 @@
-"""The parts that an effect declares, by what they concern; `effects.base` has all of them."""
+"""What effects are made of: parts that they declare (`effects.base` has all of them), laws that several share."""

@@ -10,7 +10,7 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, FIRST_OWN, OF_GAS
-from screwsim.numerics.once import once
+from screwsim.numerics.remembered import once
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"

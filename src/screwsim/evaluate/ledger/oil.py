@@ -1,12 +1,18 @@
-"""The oil in the ledger: its exergy rise, its injection and supply, the heat of its droplets, the gas that it holds."""
+"""The oil in the ledger: its exergy rise, its injection and supply, the heat of its droplets, the gas that it holds.
+
+The oil's circuit in the ledger: gas and oil mix in the separator, the oil goes back through its cooler (M286).
+
+Without effects.separator the ledger ends where gas and oil leave the chambers, unmixed, and the oil's supply is given.
+"""
 
 from collections.abc import Sequence
 from math import log
 
 import numpy as np
 
-from screwsim.cycle.powers import oil_lift
-from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, PowerLoss, Pulsation
+from screwsim.cycle.known import oil_lift
+from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, PowerLoss, Pulsation, Separator
+from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
     OIL_INJECTION,
@@ -19,12 +25,15 @@ from screwsim.evaluate.ledger.book import (
     State,
 )
 from screwsim.evaluate.ledger.dissolved import Held
-from screwsim.evaluate.ledger.suction import Streams
+from screwsim.evaluate.ledger.gas import Streams
+from screwsim.evaluate.separator import Circuit
 from screwsim.model import ledger as kernels
 from screwsim.model.exchange import station
 from screwsim.model.slots import (
+    DENSITY,
     DISCHARGE_IN,
     DISCHARGE_OUT,
+    ENTHALPY,
     OF_GAS,
     OF_OIL,
     OF_OIL_HEAT,
@@ -38,6 +47,8 @@ from screwsim.model.slots import (
     S_T_OIL,
 )
 from screwsim.model.trajectory import Array
+
+COOLER = "oil_cooler"
 
 
 def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
@@ -236,3 +247,31 @@ def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
 def _kept(cycle: Cycle) -> float:
     """Return the power [W] that losses leave in the oil as pressure."""
     return sum(float(part.kept(cycle.known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None)
+
+
+def through_circuit(book: Book, cycle: Cycle, of: Evaluation, of_gas: float, of_oil: float) -> tuple[float, float]:
+    """Return the exergy rises [W] of gas that has left the separator and of oil that is back; enter what lies between.
+
+    As they stand, `of_gas` and `of_oil`, where a scene has no separator.
+    """
+    circuit, names = of.circuit, [name for name, _ in cycle.parts.all(Separator)]
+    if not (isinstance(circuit, Circuit) and names) or circuit.parted.why:
+        return of_gas, of_oil
+    outflow, parted, T_0 = circuit.outflow, circuit.parted, cycle.T_0
+    line, T = cycle.suction.line, parted.T_separator
+    sucked = cycle.state(cycle.suction.temperature(line, cycle.lines.T_s), line[DENSITY], line[ENTHALPY])
+
+    def exergy(state: State) -> float:
+        return state.h - sucked.h - T_0 * (state.s - sucked.s)
+
+    gas = outflow.gas
+    left = cycle.state(T, gas.density(outflow.p, T), gas.enthalpy(outflow.p, T))
+    flashing = "" if cycle.parts.oil_gas is None else cycle.parts.oil_gas.plenum
+    others = zip(cycle.parts.plenums, cycle.drawn(), strict=True)
+    drawn = sum(net * exergy(State(own.T, own.rho, own.h, own.s)) for name, (net, own) in others if name != flashing)
+    of_parted = outflow.gas_flow * exergy(left) - drawn
+    cooled = outflow.oil_capacity * (T - outflow.T_supply - T_0 * log(T / outflow.T_supply))
+    heat = outflow.heating + outflow.friction - parted.lost_friction - parted.ambient_loss
+    book.add(names[0], gas=outflow.gas_flow, energy=heat, exergy=of_gas + of_oil - of_parted - cooled)
+    book.add(COOLER, energy=outflow.oil_capacity * (T - outflow.T_supply), exergy=cooled)
+    return of_parted, 0.0

@@ -15,10 +15,18 @@ from screwsim.cycle.balances import discharge_enthalpy
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
-from screwsim.evaluate.ledger.circuit import through_circuit
-from screwsim.evaluate.ledger.gas import Throttled, enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
-from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
-from screwsim.evaluate.ledger.suction import enter_line, line_streams, mean_back
+from screwsim.evaluate.ledger.gas import (
+    Throttled,
+    enter_intake,
+    enter_line,
+    enter_paths,
+    enter_pulsations,
+    enter_walls,
+    gas_rise,
+    line_streams,
+    mean_back,
+)
+from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise, through_circuit
 from screwsim.inputs.faults import own_number
 from screwsim.model.exchange import station
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION

@@ -1,4 +1,4 @@
-"""The drive train: motor, coupling and rotors as inertias on the male rotor's shaft (docs/reference/drive.md).
+"""The drive train: motor, coupling (a linear spring: M211), rotors as inertias on one shaft (docs/reference/drive.md).
 
 What: two masses, a spring with a damper between them, the motor's torque on one, gas and losses on the other
 (M210–M213); its torsional frequency and the speeds at which a lobe harmonic meets it (M216).
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.machine.drive.linear_coupling import LinearCoupling
+from screwsim.inputs.declare import quantity
 from screwsim.machine.drive.motor_line import Motor
 
 Array = np.ndarray
@@ -71,3 +71,37 @@ class Train:
         """Return the energy in both masses and the coupling [J] (M215)."""
         kinetic = 0.5 * (self.rotor_inertia * rotor_speed**2 + self.motor_inertia * motor_speed**2)
         return kinetic + self.coupling.energy(twist)
+
+
+@dataclass(frozen=True)
+class LinearCoupling:
+    """M = c Θ up to a twist at which the coupling fails."""
+
+    spring: float = quantity("torsional_stiffness", "torque over twist", gt=0.0)
+    largest_twist: float | None = quantity("angle", "twist at which the coupling fails", None, gt=0.0)
+
+    def torque(self, theta: float) -> float:
+        """Return the torque at a twist [N m] (M211)."""
+        return self.spring * theta
+
+    def stiffness(self, theta: float) -> float:
+        """Return the stiffness [N m/rad]; it is the same at every twist."""
+        return self.spring
+
+    def energy(self, theta: float) -> float:
+        """Return the stored energy at a twist [J]."""
+        return 0.5 * self.spring * theta * theta
+
+    def twist(self, moment: float) -> float:
+        """Return the twist that carries a torque [rad]."""
+        return moment / self.spring
+
+    def state(self, theta: float) -> str:
+        """Return what a twist means: `sound`, or why it cannot be borne, with the remedy."""
+        if self.largest_twist is None or abs(theta) <= self.largest_twist:
+            return "sound"
+        found, most = math.degrees(theta), math.degrees(self.largest_twist)
+        return (
+            f"the coupling fails: twisted by {found:.3g} deg, beyond {most:.3g} deg (choose a stiffer coupling or a "
+            "softer start)"
+        )

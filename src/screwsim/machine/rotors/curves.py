@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.machine.rotors import end_face, ports
+from screwsim.machine.rotors import leakage, ports
 from screwsim.machine.rotors.leakage import female_tip, male_tip, sealing_line
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
@@ -155,10 +155,10 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     hole, back = rotors.blow_hole, rotors.suction_blow_hole
     angles = [float(x) for x in (hole.psi_male[0], S, hole.psi_female[0])]
     early = [-TURN - float(x) for x in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
-    births = [rotors.start + offset * p for offset in end_face.offsets(pair)]
+    births = [rotors.start + offset * p for offset in leakage.offsets(pair)]
     face = [*_both_ends(rotors, [*section_breakpoints(rotors), S - p, S]), closes - OVERLAP, *births]
     phi = _grid(rotors, face)[0]
-    faces = {"end": end_face.face_lengths(pair, chain, phi - wrap), "suction": end_face.face_lengths(pair, chain, phi)}
+    faces = {"end": leakage.face_lengths(pair, chain, phi - wrap), "suction": leakage.face_lengths(pair, chain, phi)}
     made = [
         ("sealing_line", z1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[0]),
         ("sealing_line_over_tip", z1 + 1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[1]),

@@ -1,7 +1,16 @@
 """Lengths of the leakage paths of a chamber over the male angle: sealing line and tip helices.
 
 φ [rad] is zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane; the section at
-z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length becomes an area with a clearance. Source: docs/reference/rotors.md.
+z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length becomes an area with a clearance. Source:
+docs/reference/rotors.md.
+
+Leakage across the lobes' end faces: radial lengths of what separates two chambers, by lobe offset.
+
+At each radius a lobe's arc lies between its two flanks. A length is the radial extent over which one flank bounds one
+chamber and the other flank the other chamber; the contact points, at radii known from the chain, divide the flanks.
+Between the male tip's departure from the cusp and the new contact at S the division moves linearly (as R does).
+Source: ours (docs/reference/rotors.md). ψ is the section at the face [rad], lengths in m. A length and a clearance
+make an area.
 """
 
 import math
@@ -9,8 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from screwsim.machine.rotors.flanks import female_flanks, male_flanks
 from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated
 
+Level = tuple[Array, Array]  # (ψ, radius of a contact)
 TURN = 2.0 * math.pi
 
 
@@ -68,3 +79,98 @@ def female_tip(pair: Pair, chain: Chain, h: float) -> Helix:
     end = chain.land_start - pair.beta2 / pair.k
     start = end - (TURN - 2.0 * pair.beta2) / pair.k
     return Helix(start, end, math.hypot(pair.k * pair.female_radius, h))
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Radii [m] over ψ [rad] at which the contacts of lobe 0 divide the flanks of one rotor.
+
+    lead: on the side ahead of the lobe; tip: on the falling branch; trail: on the rising branch behind the lobe.
+    """
+
+    lead: Level
+    tip: Level
+    trail: Level
+
+
+def contacts(pair: Pair, chain: Chain, radii: Array, outer: float) -> Contacts:
+    """Return the contacts of one rotor, given the radii of its contact points and its outer radius.
+
+    Past S' the whole flank ahead of the lobe is on the suction side, and so is the one behind past the male tip.
+    """
+    first, last = chain.edges
+    past = np.array([1e-9])
+    start, top, end = np.array([-pair.beta1]), np.array([outer]), radii[[chain.tip]]
+    lead, tip = slice(first, chain.lead + 1), slice(chain.tip, chain.trail + 1)
+    trail = slice(chain.trail, last + 1)
+    return Contacts(
+        (
+            np.concatenate([np.maximum.accumulate(chain.psi[lead]) - past, chain.psi[[chain.lead]]]),
+            np.concatenate([radii[lead], end]),
+        ),
+        (
+            np.concatenate([start, chain.psi[tip][::-1] - past, chain.psi[[chain.tip]]]),
+            np.concatenate([top, radii[tip][::-1], end]),
+        ),
+        (np.concatenate([start, chain.psi[trail]]), np.concatenate([top, radii[trail]])),
+    )
+
+
+def male_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
+    """Return {offset: length [m]} across the male lobes, by the angle of the leading chamber at the face."""
+    c = contacts(pair, chain, chain.male_radii(), pair.male_radius)
+    root = float(chain.male_radii().min())
+    z1, before, ahead = pair.male_lobes, psi + TURN, psi + pair.pitch
+
+    def at(level: Level, where: Array) -> Array:
+        return np.interp(where, *level)
+
+    lead, tip, trail = at(c.lead, psi), at(c.tip, psi), at(c.trail, psi)
+    top = np.minimum(np.minimum(at(c.lead, before), trail), at(c.tip, before))
+    neighbour = top - np.maximum(lead, at(c.trail, before))
+    over = tip - np.maximum(trail, lead)
+    under = np.minimum(at(c.lead, ahead), at(c.trail, ahead)) - root
+    return {offset: np.maximum(length, 0.0) for offset, length in ((1, neighbour), (z1 - 1, under), (z1 + 1, over))}
+
+
+def female_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
+    """Return {offset: length [m]} across the female lobes, by the angle of the leading chamber at the face."""
+    c = contacts(pair, chain, chain.female_radii(pair), pair.female_radius)
+    outer, p = pair.female_radius, pair.pitch
+    before = psi + TURN / pair.k  # the same groove, one turn of the female rotor earlier
+
+    def at(level: Level, where: Array) -> Array:
+        return np.interp(where, *level)
+
+    top = np.minimum(np.minimum(at(c.tip, psi), at(c.lead, psi - p)), at(c.trail, before))
+    neighbour = top - np.maximum(at(c.tip, before), at(c.lead, before - p))
+    own, low, high = at(c.lead, psi), at(c.tip, psi + p), at(c.trail, psi + p)
+    facing = np.minimum(high, own) - low  # the filling groove against the chamber's own
+    edge = outer - np.maximum(high, own)  # the chamber, behind the contact, against the groove that fills
+    across = np.maximum(facing, 0.0) + np.maximum(edge, 0.0)
+    return {1: np.maximum(neighbour, 0.0), pair.male_lobes: across}
+
+
+def mean_widths(pair: Pair, chain: Chain) -> tuple[float, float]:
+    """Return the mean thickness of the male and the female lobe on the face [m]: how long the leak's way is."""
+    male, female = male_flanks(pair, chain), female_flanks(pair, chain)
+    one, two = (
+        float(np.trapezoid(f.radii * width, f.radii) / (f.radii[-1] - f.radii[0]))
+        for f, width in ((male, male.inner), (female, female.outer))
+    )
+    return one, two
+
+
+def offsets(pair: Pair) -> tuple[int, ...]:
+    """Return the pitches that lie between the chambers of each interface."""
+    z1 = pair.male_lobes
+    return tuple(sorted({1, z1 - 1, z1, z1 + 1}))
+
+
+def face_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
+    """Return {offset: length [m]} across both rotors' lobes at one end face."""
+    total: dict[int, Array] = {}
+    for part in (male_lengths(pair, chain, psi), female_lengths(pair, chain, psi)):
+        for offset, length in part.items():
+            total[offset] = total.get(offset, np.zeros_like(length)) + length
+    return dict(sorted(total.items()))

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model.network import balances, stops
-from screwsim.model.network.between import between_texts
+from screwsim.model.network.balances import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
 from screwsim.model.network.flows import (
     drag_flux,

@@ -13,7 +13,7 @@ from functools import lru_cache, partial
 from typing import Any
 
 from screwsim.model.network import balances
-from screwsim.model.network.between import between_texts
+from screwsim.model.network.balances import between_texts
 from screwsim.model.network.cell import CONSTANT, Cell
 from screwsim.model.network.flows import PortState, port_state_of, read_port_state
 from screwsim.model.network.layout import place_of_sum

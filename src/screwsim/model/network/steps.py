@@ -3,8 +3,7 @@
 Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 """
 
-from screwsim.model.borders import share_before_border, share_before_switch
-from screwsim.model.closing_ports import closes, stiff
+from screwsim.model.borders import closes, share_before_border, share_before_switch, stiff
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, PortState, stream_terms
 from screwsim.model.network.layout import Layout
@@ -98,7 +97,7 @@ def _error_size() -> str:
 
 
 def _lands(network: Network) -> str:
-    """Return the text that tells whether a step may end where the segment does (`closing_ports`)."""
+    """Return the text that tells whether a step may end where the segment does (`model.borders`)."""
     to, layout = Statements(), Layout(network)
     if network.ports:
         with to.within(f"if {closing_test(layout, network, '')}"), to.within(f"if {stiff_test(network, '')}"):

@@ -111,7 +111,7 @@ def _through_port(network: Network) -> str:
 
 
 def _lands(network: Network) -> str:
-    """Return the text that tells whether a step may end where the segment does, for all chambers (`closing_ports`)."""
+    """Return the text that tells whether a step may end where the segment does, for all chambers (`model.borders`)."""
     to, layout = Statements(), Layout(network)
     if network.ports:
         with to.within("for j in range(CHAMBERS)"):

@@ -8,8 +8,8 @@ from screwsim.model.network.flows import NUMBERS, needed
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.port_states import read_ahead, read_behind
 from screwsim.model.pulsation import pulsed
-from screwsim.model.surroundings import read_ahead, read_behind
 from screwsim.numerics.kernel import Kernel
 
 DISCHARGE = 1  # number of the line that lies ahead of the last chamber

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.figures.engineering import engineering, shown_name
+from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.report.front import aims
 from screwsim.report.quantities import is_numeric, shown_axis
 from screwsim.results import Results
@@ -60,7 +60,7 @@ def best(results: Results) -> Best:
 
 
 def _aim(results: Results, name: str, row: int) -> str:
-    return " ".join(engineering(results.figure(name), float(results.optimum[AIM + name][row]))).strip()
+    return figure_text(results.figure(name), float(results.optimum[AIM + name][row]))
 
 
 def _sense(results: Results, name: str) -> str:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.figures.engineering import engineering, shown_name, small
+from screwsim.figures.engineering import engineering, figure_text, shown_name, small
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.best import is_optimisation
@@ -107,7 +107,7 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str, str]]:
         values, about = np.where(there, results.performance[name], np.nan), results.figure(name)
         finite = values[np.isfinite(values)]
         if finite.size:
-            low, high = (" ".join(engineering(about, float(end))).strip() for end in (finite.min(), finite.max()))
+            low, high = (figure_text(about, float(end)) for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
             half = half_of(results, name)
             where = np.nanargmax(half) if np.isfinite(half).any() else None

@@ -10,10 +10,9 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
-from screwsim.study.accuracy.effects import EffectCost, effect_costs
+from screwsim.study.accuracy.effects import EffectCost, Size, effect_costs, lobe_times, sweep_times
 from screwsim.study.accuracy.measure import Asked, Measured, NoReference, Truth, as_asked, measure, one_line, truth
-from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
+from screwsim.study.accuracy.solving import QUICK, Case, Extent, all_cases, omitted
 from screwsim.study.progress import Progress, Silent
 
 __all__ = ["QUICK", "Case", "Extent", "Measured", "NoReference", "Study", "Truth", "study"]

@@ -19,8 +19,7 @@ from screwsim.numerics.integrators import DEFAULT
 from screwsim.outputs import Figures
 from screwsim.scene import Scene
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.cases import Case, Extent
-from screwsim.study.accuracy.solving import Solved, WorkLimit, solve, way
+from screwsim.study.accuracy.solving import Case, Extent, Solved, WorkLimit, solve, way
 
 Traces = Mapping[str, np.ndarray]
 NAMES = ("pressure", "gas_temperature")  # traces that are compared

@@ -1,6 +1,8 @@
 """Solving one scene in a stated way: integrator, closing, tolerances, regularisation and breakpoints, each by itself.
 
 `simulate` derives all of these from the wanted accuracy. A study of that accuracy has to set them one by one.
+
+What the study tries: each case is a scene and a way of solving it.
 """
 
 import math
@@ -18,23 +20,27 @@ from screwsim.cycle.close import close
 from screwsim.cycle.guess import rehearse
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import CycleSolution
-from screwsim.cycle.wanted import Wanted
+from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.fluid.models import find_gas_model
+from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import ROTORS
 from screwsim.model import leases
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.compiling import seconds_again
-from screwsim.numerics.integrators import DEFAULT, check_of
+from screwsim.numerics.integrators import CHECKS, DEFAULT, check_of
 from screwsim.numerics.rodas import TAKEN
-from screwsim.scene import Scene
+from screwsim.scene import Scene, with_values
 from screwsim.solve.accurately import Watch
 from screwsim.solve.circuit import steady
 from screwsim.solve.drive import settled
+from screwsim.study.coolprop_back_end import can_be_asked
 
 START = 1e-2  # accuracy of the cycle from which scipy's integrators start
 NARROWEST = 1e-12  # of a pressure: stands for a regularisation of zero, of which the model would divide 0 by 0
+TIGHT = 1e-7  # accuracy of all but the one choice that a case looks at
 
 
 class WorkLimit(Exception):
@@ -136,3 +142,147 @@ def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
     jumps = np.append(np.arange(0.0, P[P_LIFE], P[P_PITCH]), (P[P_INJECTION], P[P_LIFE]))
     near = np.abs(composition.breakpoints[:, None] - jumps[None, :]).min(axis=1) < 1e-6
     return composition.breakpoints[near]
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is tried."""
+
+    asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of our own method
+    scipy_asked: tuple[float, ...] = (1e-2, 1e-4, 1e-6)
+    back_end_asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4)
+    widths: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)  # over those of the scene's accuracy
+    closures: tuple[float, ...] = (0.01, 0.1, 1.0, 10.0, 100.0)
+    dead_volumes: tuple[float, ...] = (0.1, 10.0)
+    reference: float = 1e-10
+    check: float = 1e-10  # tolerance of a step of the second method
+    check_limit: float = 60.0  # [s]
+    limit: float = 5.0  # [s] for a case
+    seconds: float = 0.5  # [s] in which a case is repeated
+    runs: int = 9  # at most
+    points: tuple[int, ...] = (1, 10, 100, 1000)
+    lobes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8)
+    pairs: int = 31  # paired runs of the cost of an effect
+
+
+QUICK = Extent(
+    asked=(1e-2, 1e-3, 1e-4),
+    scipy_asked=(1e-3,),
+    back_end_asked=(1e-3,),
+    widths=(0.0, 1.0, 100.0),
+    closures=(1.0, 100.0),
+    dead_volumes=(10.0,),
+    reference=1e-7,
+    check=1e-8,
+    check_limit=20.0,
+    limit=1.0,
+    seconds=0.05,
+    runs=3,
+    points=(1, 4),
+    lobes=(),
+    pairs=3,
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One solution to be made: what it is for, what was asked, the way, and the gas that answers."""
+
+    part: str
+    label: str
+    asked: float
+    way: Way
+    scene: Scene
+    back_end: str  # 'ideal' | 'compiled' | 'coolprop' | 'own'
+    factor: float | None = None  # of the choice that is looked at
+    own_reference: bool = False  # is it another model, with a reference of its own?
+
+
+def own_back_end(scene: Scene) -> str:
+    """Return the back end of a scene's gas."""
+    return find_gas_model(scene.gas.model).back_end
+
+
+def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
+    """Yield every integrator on the scene's own gas: ours of orders 4 and 3, scipy's."""
+    gas = own_back_end(scene)
+    for closing in ("histories", "coupled"):
+        for asked in extent.asked:
+            yield Case("integrators", f"rodas4 {closing}", asked, way(asked, closing=closing), scene, gas)
+    for asked in extent.asked:
+        yield Case("integrators", "rodas3 histories", asked, way(asked, "rodas3", "histories"), scene, gas)
+    for name in CHECKS:
+        for asked in extent.scipy_asked:
+            yield Case("integrators", name, asked, way(asked, name), scene, gas)
+
+
+def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
+    """Yield our method and one of scipy's on the other property back ends."""
+    other = "compiled" if own_back_end(scene) == "ideal" else "ideal"
+    model = "real" if other == "compiled" else "ideal"
+    k = None if model == "real" else scene.gas.isentropic_exponent
+    changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")
+    tries: list[tuple[str, Scene]] = [(other, changed)]
+    if can_be_asked(scene):
+        tries.append(("coolprop", scene))
+    for gas, base in tries:
+        for name, closing in ((DEFAULT, "histories"), ("scipy-lsoda", "coupled")):
+            label = f"{name} {closing}" if name == DEFAULT else name
+            asks = extent.back_end_asked if name == DEFAULT else extent.back_end_asked[-1:]
+            if gas == "coolprop" and name != DEFAULT:
+                continue  # see `omitted`
+            for asked in asks:
+                how = way(asked, name, closing)
+                yield Case("back ends", f"{label}, {gas}", asked, how, base, gas, own_reference=gas == other)
+
+
+def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
+    """Yield the numerical choices of the model itself, one at a time."""
+    gas, asked = own_back_end(scene), scene.numerics.accuracy
+    for closing in ("histories", "coupled"):
+        for landing in (True, False):
+            how = way(asked, closing=closing, landing=landing)
+            text = f"{closing}, {'on breakpoints' if landing else 'not on breakpoints'}"
+            yield Case("breakpoints", text, asked, how, scene, gas, factor=float(landing))
+    for factor in extent.widths:
+        how = way(asked, closing="histories", regularised=factor * WIDTH * asked)
+        yield Case("regularisation", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
+    for factor in extent.widths:
+        how = way(TIGHT, regularised=factor * WIDTH * asked)
+        yield Case("regularisation alone", f"all else 1e-7, {_times(factor)}", asked, how, scene, gas, factor)
+    for factor in extent.closures:
+        how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
+        yield Case("closure", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
+    path, dead = kind_of(scene.machine).dead_volume(scene.machine)
+    for factor in extent.dead_volumes if path else ():
+        changed = with_values(scene, {path: factor * dead})
+        how = way(asked, closing="histories")
+        yield Case("dead volume", f"histories, {_times(factor)}", asked, how, changed, gas, factor, own_reference=True)
+
+
+def _times(factor: float) -> str:
+    return f"x {factor:g}"
+
+
+def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield what is not tried at all, and why."""
+    yield "start and end angle", "the model has none: a chamber's whole life is integrated"
+    yield "regularisation x 0", "taken as 1e-12 of the pressure: with none the model divides 0 by 0 at equal pressures"
+    if not find_gas_model(scene.gas.model).by_coolprop:
+        yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
+    elif scene.gas.relative_humidity:
+        yield "CoolProp called directly", "its equations of moist air have no liquid in them"
+    else:
+        yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
+    kind = kind_of(scene.machine)
+    if not kind.dead_volume(scene.machine)[0]:
+        tabled = ROTORS in kind.offers
+        yield "dead volume", "is part of the table of machine.volume.law: table" if tabled else "is none of its paths"
+    if ROTORS not in kind.offers:
+        yield "male lobes", f"{kind.chamber} has none"
+
+
+def all_cases(scene: Scene, extent: Extent) -> list[Case]:
+    """Return all cases of a scene."""
+    makers: tuple[Any, ...] = (integrators, back_ends, choices)
+    return [case for make in makers for case in make(scene, extent)]

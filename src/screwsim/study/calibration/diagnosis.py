@@ -40,9 +40,8 @@ from screwsim.study.calibration.machine import (
     prepare,
     unchanged_machine,
 )
-from screwsim.study.calibration.profile import Profile, profile, straight
+from screwsim.study.calibration.profile import Along, Profile, along, profile, straight, whitener
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.calibration.single import Along, along, whitener
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED

@@ -18,9 +18,8 @@ import numpy as np
 
 from screwsim.study.calibration.descent import descend
 from screwsim.study.calibration.fit import DIFFERENCES, Fit
-from screwsim.study.calibration.profile import Profile
+from screwsim.study.calibration.profile import Along, Profile, log_mass
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.calibration.single import Along, log_mass
 
 STEPS, CHEAP = 8, 40  # of least squares, with solutions and without
 GRID, FINER = 401, 3  # places of a grid, and how often it is made finer where the likelihood lies

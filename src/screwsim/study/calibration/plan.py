@@ -17,17 +17,19 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check, with_values
-from screwsim.study.calibration.conditions import Typical, points_of, typical
 from screwsim.study.calibration.data import odd_uncertainty
 from screwsim.study.calibration.design import chosen, covariance, spread
 from screwsim.study.calibration.fit import Fit, Measured, Point, prior_of
 from screwsim.study.calibration.machine import (
     Group,
+    Typical,
     by_tolerance,
     inputs_of,
     places_of,
+    points_of,
     posed,
     prepare,
+    typical,
     unchanged_machine,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate, why_not

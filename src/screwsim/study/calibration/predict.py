@@ -14,9 +14,9 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import ENDS, Posterior, Prediction, Predictions
-from screwsim.study.calibration.conditions import Typical, points_of, typical
 from screwsim.study.calibration.emulator import Row, figures_at, fitted, places_within
 from screwsim.study.calibration.fit import Fit, Measured, Point
+from screwsim.study.calibration.machine import Typical, points_of, typical
 from screwsim.study.calibration.posterior import CHECKED, TOLERABLE, posterior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration

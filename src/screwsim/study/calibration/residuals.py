@@ -16,8 +16,8 @@ from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.solving import Found, found
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration.fit import EXACT, Fit, Measured, Parameter, Point
+from screwsim.study.each import Warm
 from screwsim.study.optimum import Simulate, closed
-from screwsim.study.warm import Warm
 
 Array = NDArray[np.float64]
 PENALTY = 1e4  # [uncertainties] at the least, of a figure without a solution

@@ -110,7 +110,7 @@ def _sheet(
         demands = () if profile is None else read_profile(profile)
         return air_sheet(scene, air_rating(scene), demands)
     _refuse({"--profile": profile}, "the scene is none")
-    from screwsim.study.datasheet import gas, refrigeration
+    from screwsim.study.datasheet import gas
     from screwsim.study.datasheet.bounds import limits_of
     from screwsim.study.datasheet.rated import rating
 
@@ -118,10 +118,10 @@ def _sheet(
     operation = scene.operation
     states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
     if states_lines and not scene.machine.expands:
-        from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
+        from screwsim.study.datasheet.refrigeration_sheet import asked_of, refrigeration_sheet
 
         _refuse({name: ranges[name] for name in BY_PRESSURE}, "the scene states saturation temperatures")
-        asked = refrigeration.asked_of(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
+        asked = asked_of(scene, ranges["--evaporating"], ranges["--condensing"], bounds)
         return refrigeration_sheet(rating(asked, jobs, progress), heating)
     from screwsim.study.datasheet.gas_sheet import gas_sheet
 

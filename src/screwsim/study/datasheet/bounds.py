@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, quantity, shown_name
+from screwsim.figures.engineering import figure_text, quantity, shown_name
 from screwsim.scene import Scene
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.goals import read_bounds
@@ -45,7 +45,7 @@ def shown(figure: str, value: float) -> str:
     if about.units == "K":
         return f"{value - ZERO_CELSIUS:.4g} °C"
     if about.units == "1":
-        return " ".join(engineering(about, value)).strip()
+        return figure_text(about, value)
     return quantity(about.shown or about.units, value)
 
 

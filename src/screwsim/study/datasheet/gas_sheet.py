@@ -15,29 +15,27 @@ from screwsim.study.datasheet.gas import ratio_at
 from screwsim.study.datasheet.rated import Rating, celsius, pressure_ratio
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import (
+    DUTY,
     HOUR,
     KW,
     PERCENT,
     Column,
+    control_line,
+    cooled,
     decimals_of,
     document_of,
     envelope_table,
     has,
-    part_load_drawing,
-    part_load_note,
-    part_load_table,
-    shown_at,
-    tables_of,
-)
-from screwsim.study.datasheet.words import (
-    DUTY,
-    control_line,
-    cooled,
     limit_lines,
     machine_line,
     notes_of,
     oil_line,
+    part_load_drawing,
+    part_load_note,
+    part_load_table,
     power_lines,
+    shown_at,
+    tables_of,
 )
 from screwsim.study.part_load import SPEED
 

@@ -1,37 +1,51 @@
-"""The rating of a refrigeration machine as a sheet: what it says, draws and gives to programs."""
+"""The rating of a refrigeration machine as a sheet: what it says, draws and gives to programs.
 
-from collections.abc import Iterator, Mapping
+A scene that sweeps these temperatures is rated at their values, one that does not at steps around its own point. Where
+a gas cooler takes the condenser's place, its pressure takes that of the condensing temperature.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
-from screwsim.scene import Scene
-from screwsim.scene.operation import CONDENSING
-from screwsim.study.datasheet.rated import Rating, celsius
-from screwsim.study.datasheet.refrigeration_tables import (
-    CAPACITY,
-    DISCHARGE,
-    ELECTRICAL,
-    FLOW,
-    HEATING,
-    HEATING_COPS,
-    SHAFT,
-    columns_of,
-    heating_columns,
-    own_point,
-    tables_of,
-)
-from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet
-from screwsim.study.datasheet.tables import document_of, has, part_load_drawing, shown_at
-from screwsim.study.datasheet.words import (
+from screwsim.inputs.faults import UsageError
+from screwsim.scene import Scene, value_at
+from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet import tables
+from screwsim.study.datasheet.bounds import Bound, motor_of
+from screwsim.study.datasheet.rated import Asked, Axis, Rating, celsius, faults_of, read_range, spread
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
+from screwsim.study.datasheet.tables import (
     DUTY,
+    HOUR,
+    KW,
+    Column,
     control_line,
+    cooled,
+    decimals_of,
+    document_of,
+    has,
     limit_lines,
     machine_line,
     notes_of,
     oil_line,
+    part_load_drawing,
     power_lines,
+    shown_at,
 )
+from screwsim.study.part_load import ENDS, RATIO, controls, ratios
 
+CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
+HEATING, HEATING_COPS = "heating_capacity", ("heating_cop", "electrical_heating_cop")
+SHAFT, ELECTRICAL = ("shaft_power", "cop"), ("electrical_power", "electrical_cop")
+KILOWATTS = 1e5  # a capacity, where the scene's own point has none
+STEP = 5.0  # [K] between temperatures of a table
+BELOW, ABOVE = 15.0, 10.0  # [K] of the scene's own temperatures, over which a table goes by itself
+SHARES = (0.85, 0.9, 0.95, 1.0, 1.05, 1.1)  # of a gas cooler's pressure
+MOST = 12  # values on an axis of a table
 KEPT = (
     CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
     "volumetric_efficiency",
@@ -127,3 +141,100 @@ def _document(rated: Rating) -> dict[str, Any]:
         "subcooling": scene.operation.subcooling,
         **document_of(rated, KEPT),
     }
+
+
+def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]) -> Asked:
+    """Return what of a scene is to be rated; raise UsageError where it varies something else, or a range is none."""
+    base = replace(scene, sweep={}, joints=())
+    second = GAS_COOLER_P if base.operation.gas_cooler is not None else CONDENSING
+    known = {EVAPORATING, second, RATIO, *ENDS}
+    others = [path for path in scene.sweep if path not in known]
+    if others or scene.joints:
+        path = others[0] if others else scene.joints[0].paths[0]
+        raise UsageError(
+            f"datasheet: a sheet goes over {EVAPORATING}, {second} and controls of the capacity, and the scene varies "
+            f"{path} otherwise (rate one value after the other: a scene without that axis, with --set {path}=VALUE)"
+        )
+    axes = (
+        _axis(scene, base, EVAPORATING, evaporating, "--evaporating"),
+        _axis(scene, base, second, condensing, "--condensing"),
+    )
+    return Asked(base, *axes, tuple(bounds), tuple(controls(scene)), ratios(scene))
+
+
+def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
+    if text is not None:
+        return Axis(path, _range(base, path, text, option))
+    if path in scene.sweep:
+        return Axis(path, tuple(sorted(map(float, scene.sweep[path]))))
+    own = float(value_at(base, path))
+    if path == GAS_COOLER_P:
+        return Axis(path, tuple(own * share for share in SHARES))
+    middle = STEP * round((own - ZERO_CELSIUS) / STEP) + ZERO_CELSIUS
+    values = [middle + STEP * i for i in range(-round(BELOW / STEP), round(ABOVE / STEP) + 1)]
+    return Axis(path, tuple(value for value in values if not faults_of(base, {path: value})) or (own,))
+
+
+def _range(base: Scene, path: str, text: str, option: str) -> tuple[float, ...]:
+    example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
+    first, last = read_range(base, path, text, option, example)
+    count = len(SHARES) if path == GAS_COOLER_P else min(max(round((last - first) / STEP) + 1, 2), MOST)
+    return spread(first, last, count)
+
+
+def own_point(rated: Rating) -> str:
+    operation = rated.asked.scene.operation
+    evaporating = f"{celsius(operation.evaporating_temperature or 0.0):.4g} °C"
+    cooler = operation.gas_cooler
+    if cooler is not None:
+        outlet = celsius(cooler.outlet_temperature)
+        return f"{evaporating} and a gas cooler at {quantity('Pa', cooler.pressure)} that leaves {outlet:.4g} °C"
+    return f"{evaporating} / {celsius(operation.condensing_temperature or 0.0):.4g} °C"
+
+
+def columns_of(rated: Rating) -> tuple[Column, ...]:
+    """Return what each table is of: capacity, power, COP, flow, discharge temperature, duty of an oil cooler."""
+    scene, own = rated.asked.scene, rated.own.performance
+    kw, flow = decimals_of(KW * (own.get(CAPACITY) or KILOWATTS)), decimals_of(HOUR * (own.get(FLOW) or 1.0))
+    power, cop = ELECTRICAL if motor_of(scene) is not None else SHAFT
+    word = "Electrical power" if power in ELECTRICAL else "Shaft power"
+    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if cooled(scene) else ()
+    return (
+        Column(CAPACITY, "Cooling capacity [kW]", KW, kw),
+        Column(power, f"{word} [kW]", KW, kw),
+        Column(cop, f"COP of the {word.lower()}", 1.0, 2),
+        Column(FLOW, "Mass flow [kg/h]", HOUR, flow),
+        Column(DISCHARGE, "Discharge temperature [°C]", 1.0, 1, celsius=True),
+        *duty,
+    )
+
+
+def heating_columns(rated: Rating) -> tuple[Column, ...]:
+    """Return what the tables of a heat pump have more: heating capacity, and its COP by the same power."""
+    kw = decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
+    motor = motor_of(rated.asked.scene) is not None
+    word = "electrical" if motor else "shaft"
+    return (
+        Column(HEATING, "Heating capacity [kW]", KW, kw),
+        Column(HEATING_COPS[motor], f"COP of heating, of the {word} power", 1.0, 2),
+    )
+
+
+def tables_of(rated: Rating, heating: bool) -> Iterator[Table]:
+    """Yield all tables of the sheet, where asked for with those of heating."""
+    condensing = rated.asked.down.path == CONDENSING
+    columns = columns_of(rated)
+    shown = (*columns, *heating_columns(rated)) if heating else columns
+    yield from tables.tables_of(rated, shown, "condensing" if condensing else "gas cooler")
+    side = "condensing temperature" if condensing else "pressure of the gas cooler"
+    yield from tables.envelope_table(rated, "evaporating", side)
+    load = f"cooling capacity over that of the scene as it stands, at {own_point(rated)}"
+    note = tables.part_load_note(rated, load, "COP")
+    capacity, power, cop, _, discharge, *_ = columns
+    part = (
+        ("capacity kW", capacity),
+        (f"{power.title.split()[0].lower()} kW", power),
+        ("COP", cop),
+        ("discharge °C", discharge),
+    )
+    yield from tables.part_load_table(rated, part, ("COP there", cop), note)

@@ -17,12 +17,11 @@ from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.scene.given import scene_of
-from screwsim.study.crew import Crew
+from screwsim.study.each import Crew, Warm
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
-from screwsim.study.optimize.evaluate import Simulated, simulated
+from screwsim.study.optimize.evaluate import Aim, Question, Simulated, question, simulated
 from screwsim.study.optimize.points import Points
-from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
@@ -31,7 +30,6 @@ from screwsim.study.progress import Progress, Silent, shown
 from screwsim.study.search import Top
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
-from screwsim.study.warm import Warm
 from screwsim.study.workers import cores
 
 __all__ = ["Aim", "Optimum", "Question", "Reach", "optimize", "question", "run", "spans_of"]

@@ -18,15 +18,13 @@ import numpy as np
 from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import with_values
-from screwsim.study.crew import Crew
-from screwsim.study.kept_slopes import with_slopes
+from screwsim.study.each import Crew, Warm
 from screwsim.study.limit import CASE_LIMIT, Limit
-from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
-from screwsim.study.optimize.question import Question
+from screwsim.study.optimize.evaluate import Evaluation, Question, evaluation_of, simulated
 from screwsim.study.optimum import Simulate
+from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress, Silent
 from screwsim.study.shards import Parts
-from screwsim.study.warm import Warm
 from screwsim.study.workers import DIED
 
 FRESH = 2000  # evaluations after which workers start afresh: profiles leave tables and rotors in their caches

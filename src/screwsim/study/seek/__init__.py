@@ -8,26 +8,22 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, ends_of, takes
+from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, ends_of, listed, takes
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.listed import listed
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
 from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only
-from screwsim.study.each import each
+from screwsim.study.each import Warm, each
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import Goal, read_figure, read_goals
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate
 from screwsim.study.progress import Progress, shown
 from screwsim.study.seek import one, several
-from screwsim.study.seek.catalogue import next_size, read_catalogue
-from screwsim.study.seek.found import Found, judged
-from screwsim.study.seek.told import Told
-from screwsim.study.seek.trials import Trial, Trials
+from screwsim.study.seek.found import Found, judged, next_size, read_catalogue
+from screwsim.study.seek.trials import Told, Trial, Trials
 from screwsim.study.spans import Span, read_spans, schema_range, span_of
-from screwsim.study.warm import Warm
 from screwsim.study.workers import DIED
 
 __all__ = ["Found", "Question", "find", "find_each", "question"]

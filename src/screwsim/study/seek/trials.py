@@ -6,6 +6,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.study.goals import Goal
 from screwsim.study.optimum import Simulate, absolute_error, closed
+from screwsim.study.progress import Progress
 from screwsim.study.spans import Span
 
 CLOSE = 0.5  # of the estimated errors of the figures: met when no further off
@@ -98,3 +99,28 @@ def size_of(goal: Goal) -> float:
     from screwsim.figures import declared
 
     return 10.0 if declared(goal.figure).units == "K" else max(abs(goal.value), 1e-12)
+
+
+class Told:
+    """Simulates as another does; within `with`, each solution is one of those expected, or of as many again."""
+
+    def __init__(self, simulate: Simulate, progress: Progress, expected: int) -> None:
+        self._simulate = simulate
+        self._progress = progress
+        self._expected = self._left = expected
+
+    def __enter__(self) -> None:
+        self._progress.start(self._expected, 0)
+
+    def __call__(self, scene: Scene) -> Result:
+        result = self._simulate(scene)
+        if not self._left:
+            self._progress.more(self._expected)
+            self._left = self._expected
+        self._left -= 1
+        self._progress.advance(1, int(result.status != "ok"))
+        return result
+
+    def __exit__(self, *error: object) -> None:
+        self._progress.more(-self._left)
+        self._progress.stop()

@@ -1,7 +1,6 @@
 """Two compressors in a row: two scenes, what lies between them, and the pressure there (docs/model.md M200–M203)."""
 
-from screwsim.study.stages.explain import explain_stages
-from screwsim.study.stages.read import is_stages, read_stages, stages_schema
+from screwsim.study.stages.read import explain_stages, is_stages, read_stages, stages_schema
 from screwsim.study.stages.result import ChainResult
 from screwsim.study.stages.solve import run_stages
 

@@ -1,21 +1,24 @@
-"""Read STAGES.yaml: the scenes of both stages and what lies between, every fault at its line; its JSON Schema."""
+"""Read STAGES.yaml: both scenes and what lies between, every fault at its line; its JSON Schema, and it in words."""
 
 import os
+import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from screwsim.build import build_parts
 from screwsim.effects.base import Plenum
+from screwsim.explain import WIDTH, explain
 from screwsim.fluid.composition import is_blend
-from screwsim.inputs.declare import choice, quantity
+from screwsim.inputs.declare import KINDS, choice, quantity
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import Leaf, section_of
-from screwsim.scene.lines import condensate_enthalpy
+from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.scene.sections import read_section
+from screwsim.scene.units import readable_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
 
@@ -204,3 +207,30 @@ def stages_schema() -> dict[str, Any]:
     }
     properties = {"title": {"type": ["string", "null"]}, KEY: files, "intercooler": between}
     return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [KEY])
+
+
+def explain_stages(chain: Chain) -> str:
+    """Return the text. Raises UsageError for a fluid that is not there."""
+    p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
+    ends = " to ".join(readable_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
+    found = (
+        f"Two stages, {ends}. The pressure between them is found: that at which what the first stage gives is what the "
+        f"second one takes (M200). {_between(chain.intercooler)} The discharge line of the first scene and the suction "
+        "line of the second follow from that, in place of what these scenes state."
+    )
+    head = [chain.title] if chain.title else []
+    blocks = [*head, textwrap.fill(found, WIDTH)]
+    for name, scene in zip(NAMES, (chain.first, chain.second), strict=True):
+        title = f"The {name} stage"
+        blocks += [f"{title}\n{'=' * len(title)}", str(explain(scene))]
+    return "\n\n".join(blocks)
+
+
+def _between(between: Intercooler) -> str:
+    words = BETWEEN[between.kind]
+    if between.outlet_temperature is not None:
+        words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
+    if between.pressure_drop > 0.0:
+        lost = readable_quantity(KINDS["pressure_difference"], between.pressure_drop)
+        words += f" Both lines differ by a pressure drop of {lost}."
+    return words

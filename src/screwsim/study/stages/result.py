@@ -1,12 +1,22 @@
-"""What comes of two stages together: the record, capacities and their COP (docs/model.md M203, M410)."""
+"""What comes of two stages together: record, capacities and COP, numerical errors (docs/model.md M203, M395, M410)."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 from screwsim.evaluate.performance import NO_POWER, heating
-from screwsim.outputs import Figures, Result
+from screwsim.figures.errors import error_in_unit, error_scale
+from screwsim.outputs import STAGES, Figures, Result
 from screwsim.scene import Scene
+
+if TYPE_CHECKING:
+    from screwsim.study.stages.solve import Pair
+
+STEP = 1.02  # factor of the pressure between the stages, for the slopes by it
+WARMER = 1.0  # K, of the gas that the first stage gives, for the slopes by that
+USED = ("gas_mass_flow", "shaft_power", "discharge_temperature", "separator_temperature", "oil_cooler_duty")
 
 
 @dataclass(frozen=True)
@@ -50,3 +60,70 @@ def capacities(
     warming, reasons = heating({"shaft_power": power}, second["gas_mass_flow"], rejected, unparted)
     notes = reasons if cop is not None else {"cop": NO_POWER, **reasons}
     return {"cooling_capacity": cooling, "cop": cop, **warming}, notes
+
+
+def chain_errors(
+    pair: Pair,
+    figures: Callable[[Pair], Mapping[str, Any]],
+    beside: Callable[[float], Pair],
+    warmer: Callable[[float], Pair],
+) -> Figures:
+    """Return the estimated error of each figure of a chain, over its scale; empty where a stage tells none.
+
+    `figures` are those of a pair of stages, `beside` is the pair at another pressure [Pa] between them, `warmer` that
+    at the same pressure whose first stage gives gas that is warmer by some kelvin.
+    """
+    if not all(result.error for result in pair.results):
+        return Figures()
+    found = figures(pair)
+    off, left = dict.fromkeys(found, 0.0), abs(pair.excess)
+    for which, name, error in _told(pair.results):
+        hands_on = which == 0 and name == handed_on(pair.results[0])
+        other = warmer(WARMER) if hands_on else _changed(pair, which, name, error)
+        share = error / WARMER if hands_on else 1.0
+        left += share * abs(other.excess - pair.excess)
+        off = {key: off[key] + share * size for key, size in _change(found, figures(other)).items()}
+    other = beside(pair.p * STEP)
+    shift = left / max(abs(other.excess - pair.excess), 1e-300)  # of the way to that other pressure
+    by_pressure = _change(found, figures(other))
+    known = {name: 0.0 if value is None else value for name, value in found.items()}
+    scales = {name: STAGES[name].scale for name, value in found.items() if value is not None}
+    sizes = {name: error_scale(name, scale, known) for name, scale in scales.items() if not scale.unasked}
+    return Figures(
+        {
+            name: (off[name] + shift * by_pressure[name]) / max(sizes[name], 1e-300) if name in sizes else None
+            for name in found
+        }
+    )
+
+
+def handed_on(first: Result) -> str:
+    """Return which temperature the gas has that the first stage gives: behind its separator, where it has oil."""
+    return (
+        "discharge_temperature" if first.performance.get("separator_temperature") is None else "separator_temperature"
+    )
+
+
+def _told(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:
+    """Yield stage, name and error of each figure of both stages that those of the whole are made of, as it is."""
+    for which, result in enumerate(results):
+        for name in USED:
+            error = error_in_unit(name, result.performance, result.error)
+            if error is not None:
+                yield which, name, error
+
+
+def _changed(pair: Pair, which: int, name: str, error: float) -> Pair:
+    """Return a pair with one figure of a stage larger by its error."""
+    result = pair.results[which]
+    performance = result.performance.copy()
+    performance[name] += error
+    results = list(pair.results)
+    results[which] = replace(result, performance=performance)
+    return pair._replace(results=(results[0], results[1]))
+
+
+def _change(found: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, float]:
+    """Return how far apart two chains' figures are; where one has none, nothing."""
+    pairs = ((name, value, other.get(name)) for name, value in found.items())
+    return {name: 0.0 if value is None or its is None else abs(its - value) for name, value, its in pairs}

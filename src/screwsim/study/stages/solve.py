@@ -21,9 +21,8 @@ from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthal
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
-from screwsim.study.stages.errors import chain_errors, handed_on
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
-from screwsim.study.stages.result import ChainResult, Given, capacities
+from screwsim.study.stages.result import ChainResult, Given, capacities, chain_errors, handed_on
 
 GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
 EDGE = 1.02  # least pressure ratio of a stage that is tried

@@ -4,10 +4,19 @@ A source is a folder `validation/<name>/` of the checkout: data with their sourc
 `compare.py` with one function, `compare(here: Path) -> Comparison`. Whatever such a module needs stands here.
 """
 
-from screwsim.study.validation.asking import read_table, sibling, solved
 from screwsim.study.validation.discrepancy import compared, model_errors
 from screwsim.study.validation.record import Compared, Comparison, NotRun, Panel, Row, Series, equal, shown, trend
-from screwsim.study.validation.sources import Outcome, document, errors_of, folder_of, names_of, run_sources
+from screwsim.study.validation.sources import (
+    Outcome,
+    document,
+    errors_of,
+    folder_of,
+    names_of,
+    read_table,
+    run_sources,
+    sibling,
+    solved,
+)
 
 __all__ = [
     "Compared",
