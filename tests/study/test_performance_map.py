@@ -134,6 +134,7 @@ def test_an_empty_map_covers_nothing():
 
 
 @pytest.mark.slow
+@pytest.mark.around
 def test_the_shipped_map_is_a_good_fit(tmp_path):
     run_sweep(load(CONFIGS / "map.yaml"), tmp_path / "map.h5")
     (found,) = performance_maps(open_results(tmp_path / "map.h5"))
