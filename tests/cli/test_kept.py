@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from screwsim.cli import exit_code
+from screwsim.study import datasheet
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 POINT = str(CONFIGS / "paper" / "point.yaml")
@@ -181,8 +182,23 @@ PAGES = {  # the command, and what another program may have under such a name: i
 RATED = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "--jobs", "1", *ROUGH]
 
 
+@pytest.fixture(scope="module")
+def sheet():
+    """Return what stands for `sheet_of`: the one sheet that is asked for here, computed once."""
+    made, asked = {}, datasheet.sheet_of
+
+    def sheet_of(scene, **how):
+        key = repr((scene, [(name, each) for name, each in how.items() if name != "progress"]))
+        if key not in made:
+            made[key] = asked(scene, **how)
+        return made[key]
+
+    return sheet_of
+
+
 @pytest.mark.parametrize("kind", PAGES)
-def test_a_page_replaces_its_own_and_no_other(kind, swept, tmp_path, capsys):
+def test_a_page_replaces_its_own_and_no_other(kind, swept, sheet, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(datasheet, "sheet_of", sheet)
     command, ending, text = PAGES[kind]
     machine = str(CONFIGS / "r134a" / "point.yaml")
     asked = [command, swept] if command == "report" else [command, machine, *RATED]

@@ -98,6 +98,7 @@ def lengths_of(found):
     return {name: entry["value"] for name, entry in found["coefficients"].items()}
 
 
+@pytest.mark.around
 @pytest.mark.parametrize("scene", ROTORS, ids=lambda path: path.stem)
 def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(written, scene):
     code, document, err, _ = written(scene)
@@ -106,6 +107,7 @@ def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(written, 
     assert all(Path(path).stat().st_size > 100 for path in document["files"])
 
 
+@pytest.mark.around
 def test_every_figure_and_file_is_written_and_the_same_again(capsys, written, tmp_path):
     first = written(B).folder
     assert answer(capsys, B, "-o", tmp_path)[0] == 0

@@ -36,6 +36,7 @@ def command(*arguments) -> int:
     return cli.exit_code([str(each) for each in ("tolerance", *arguments)])
 
 
+@pytest.mark.around
 def test_it_prints_tables_that_fit_a_terminal_and_draws(scene_file, tmp_path, capsys):
     assert command(scene_file, "--count", 8, "--jobs", 1, "--bore-grade", 7, "-o", tmp_path / "out") == 0
     out = capsys.readouterr().out

@@ -12,6 +12,7 @@ from screwsim.machine.slider_crank import rod_strength as strength
 from screwsim.machine.slider_crank import tolerance as law
 from screwsim.study.validation import sibling
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 CRANK, COUPLING = (
     (ROOT / "docs" / "reference" / f"{name}.md").read_text(encoding="utf-8").replace("−", "-")

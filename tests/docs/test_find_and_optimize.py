@@ -8,6 +8,7 @@ import pytest
 
 from screwsim.study.optimize.points import standards
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "find-and-optimize.md").read_text(encoding="utf-8")
 (PIECE,) = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)

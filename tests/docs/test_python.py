@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "python.md").read_text(encoding="utf-8")
 PIECES = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)

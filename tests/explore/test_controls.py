@@ -10,6 +10,7 @@ from screwsim.explore.controls import document
 from screwsim.explore.machine import document as drawn
 from screwsim.scene import value_at
 
+pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
 SCENES = (
     "paper/point.yaml",

@@ -11,6 +11,7 @@ from screwsim.explore.machine import document
 from screwsim.machine.rotors.sections import polygon_area
 from screwsim.scene import load
 
+pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 

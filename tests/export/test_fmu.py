@@ -18,6 +18,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many
 
+pytestmark = pytest.mark.around
 OPEN = """\
 #include "map.h"
 #include <time.h>

@@ -10,6 +10,7 @@ from screwsim.export.tespy import tespy_document
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 
+pytestmark = pytest.mark.around
 SCENE = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 T_E, T_C = -2.5, 42.0  # [°C] between the nodes
 

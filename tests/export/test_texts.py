@@ -21,6 +21,7 @@ from screwsim.scene import loads
 from screwsim.study.performance_map import NAMES, polynomial
 from screwsim.study.sweep import run_sweep
 
+pytestmark = pytest.mark.around
 S, D = 2.0, 44.0  # [°C] inside
 
 

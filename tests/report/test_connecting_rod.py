@@ -7,6 +7,7 @@ from screwsim.machine.slider_crank.rod import FlexibleRod, bend
 from screwsim.report import connecting_rod as figures
 from screwsim.report.style import journal
 
+pytestmark = pytest.mark.around
 ROD = FlexibleRod(width=9e-3, thickness=0.46e-3, flexible=23e-3, length=45.5e-3, crank_radius=1.5e-3, modulus=206e9)
 ALPHA = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
 BENDING = bend(ROD, ALPHA, -100.0 * np.sin(ALPHA))

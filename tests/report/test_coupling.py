@@ -8,6 +8,7 @@ from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.report import coupling as figures
 from screwsim.report.style import journal
 
+pytestmark = pytest.mark.around
 COUPLING = RubberCordCoupling()
 DRAWN = RubberCordCoupling(cords=60, lean_plus=radians(36.0), lean_minus=radians(36.0))
 LEANS = (figures.Lean(radians(27.9), radians(21.9), radians(34.1)),)

@@ -19,6 +19,7 @@ from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.study.optimize import optimize
 
+pytestmark = pytest.mark.around
 RANGES = ("oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm")
 
 

@@ -31,6 +31,7 @@ from screwsim.report.page import data, pack, report, tables
 from screwsim.results import open_results
 from screwsim.study.claims import claims_of
 
+pytestmark = pytest.mark.around
 PAPER = "Chernov et al. 2015, Fig. 1"
 
 

@@ -10,6 +10,8 @@ from screwsim.machine.rotors.settings import Profile
 from screwsim.report import rotors as figures
 from screwsim.report.style import journal
 
+pytestmark = pytest.mark.around
+
 
 @pytest.fixture(scope="module")
 def pair() -> Rotors:

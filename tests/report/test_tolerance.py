@@ -7,6 +7,7 @@ from screwsim.machine.slider_crank.tolerance import links_of, tabulated
 from screwsim.report import tolerance as figures
 from screwsim.report.style import journal
 
+pytestmark = pytest.mark.around
 NOMINAL = links_of(4.4, 12.0, 4.5, 0.015)
 ALPHA = np.linspace(-np.pi, np.pi, 24, endpoint=False)
 POINTS = (ALPHA, tabulated(ALPHA, NOMINAL))

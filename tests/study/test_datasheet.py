@@ -17,6 +17,7 @@ from screwsim.study.datasheet.air_rating import rating
 from screwsim.study.datasheet.air_sheet import air_sheet
 from screwsim.study.datasheet.sheet import Table
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 AIR = ROOT / "configs" / "air"
 FIXED, VARIABLE = ("fixed_speed_7", "fixed_speed_10"), ("variable_speed_7", "variable_speed_10")

@@ -15,6 +15,7 @@ from screwsim.study.part_load import SPEED
 from screwsim.template import asked_of as options
 from screwsim.template import new_scene
 
+pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
 NONE = {"--suction": None, "--discharge": None}
 LAX = "numerics.accuracy=3e-3"

@@ -22,6 +22,7 @@ from screwsim.study.datasheet.sheet import told
 from screwsim.study.datasheet.tables import part_load_note
 from screwsim.study.part_load import NEAR, RATIO, Control, controls, part_load, ratios
 
+pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
 DOCS = CONFIGS.parent / "docs"
 CONTROL = CONFIGS / "control" / "point.yaml"

@@ -12,6 +12,7 @@ import pytest
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.validation import read_table, sibling
 
+pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]
 BITZER, PAPER = ROOT / "validation" / "bitzer", ROOT / "validation" / "paper"
 STORED = json.loads((BITZER / "fitted" / "fit.json").read_text(encoding="utf-8"))

@@ -10,6 +10,7 @@ import screwsim
 ROOT = Path(__file__).parents[2]
 HERE = ROOT / "validation" / "he2018"
 FLOWS = (27.0, 50.0)  # L/min
+QUICK = ("numerics.error=none",)  # gains are held against limits, not against their errors
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +52,8 @@ def test_more_oil_fills_a_machine_better_whose_shafts_it_seals(he):
     """And not one without that leak, nor one with dry gaps, unless its oil is as cold as the gas."""
 
     def gain(name):
-        at = [he.at(HERE / "machine.yaml", 2000.0, flow, he.TRIED[name]).volumetric_efficiency for flow in FLOWS]
+        changes = [*he.TRIED[name], *QUICK]
+        at = [he.at(HERE / "machine.yaml", 2000.0, flow, changes).volumetric_efficiency for flow in FLOWS]
         return next(b - a for a, b in pairwise(at))
 
     assert gain("machine.yaml") > 0.01
