@@ -175,7 +175,7 @@ class RealGas:
         return _vapour_density(self, p, T)
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-        """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid. Raises Unfound below all."""
+        """Return (T, ρ) at p and an enthalpy or entropy: vapour, two phases or liquid. Raises Unfound below all."""
         T, rho = _at_pressure(self, p, wanted, entropy)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
