@@ -274,6 +274,24 @@ def test_a_result_that_does_not_know_its_scene_says_so():
     assert "none" in repr(Result("ok").derivatives)
 
 
+@pytest.mark.parametrize(
+    ("section", "change", "says"),
+    [
+        ("operation", {"speed": "3100 rpm"}, "operation.speed is 3000 rpm there, 3100 rpm here"),
+        ("operation", {"ambient_temperature": "300 K"}, "ambient_temperature is 298.15 K there, 300 K here"),
+        ("effects", {"mechanical": {"fraction": 0.1}}, "effects.mechanical is simulated here only"),
+    ],
+)
+def test_a_result_of_another_scene_is_not_differentiated(result, section, change, says):
+    """Nor is one that came through a pickle; its accuracy may be another."""
+    other = {**GIVEN, section: {**GIVEN[section], **change}}
+    for given in (result, pickle.loads(pickle.dumps(result))):
+        with pytest.raises(UsageError, match=says):
+            screwsim.sensitivities(other, result=given)
+    finer = {**GIVEN, "numerics": {"accuracy": 1e-4}}
+    assert screwsim.sensitivities(finer, ["operation.speed"], result=result).derivatives
+
+
 def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
     def solved(scene, values, points, number):
         path, by = points[number]

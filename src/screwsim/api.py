@@ -62,7 +62,7 @@ def optimum(
     return _optimum.optimum(at, asked, jobs=jobs, progress=shown("optimum", progress))
 
 
-@takes(evaporating=TEXT, condensing=TEXT, suction=TEXT, discharge=TEXT, limits=TEXTS, heating=FLAG)
+@takes(evaporating=TEXT, condensing=TEXT, suction=TEXT, discharge=TEXT, limits=TEXTS, heating=FLAG, profile=FILE)
 def datasheet(
     scene: SceneLike,
     *,
@@ -72,6 +72,7 @@ def datasheet(
     discharge: str | None = None,
     limits: Sequence[str] = (),
     heating: bool = False,
+    profile: str | os.PathLike[str] | None = None,
     output: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     progress: Progress | bool | None = None,
@@ -81,7 +82,8 @@ def datasheet(
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
     `sheet.document` is the sheet in SI units, as `--json` prints it; a page or a PDF is written to `output`. With
-    `heating` it also tells the heating capacity and its COP, of a heat pump.
+    `heating` it also tells the heating capacity and its COP, of a heat pump; with a `profile`, a CSV file of flows and
+    hours, the energy that an air package takes over it.
     """
     if output is not None:
         check_sheet(Path(output))
@@ -94,6 +96,7 @@ def datasheet(
         discharge=discharge,
         limits=limits,
         heating=heating,
+        profile=None if profile is None else os.fspath(profile),
         jobs=jobs,
         progress=bar,
     )

@@ -10,8 +10,12 @@ from screwsim.build import build_parts
 from screwsim.effects import hydromechanical, mechanical, oil_heat, oil_pump
 from screwsim.figures import called_for
 from screwsim.fluid.pipe import friction_factor
+from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
+from screwsim.simulate import simulate
 
+CONFIGS = Path(__file__).parents[2] / "configs"
+OF_THEORETICAL = "effects.mechanical.of=theoretical_power"
 MACHINE = SimpleNamespace(lobes=4, swept_volume=1.692e-4)
 FIGURES = SimpleNamespace(
     omega=300.0,
@@ -73,6 +77,29 @@ def test_a_pump_without_losses_from_the_separator_is_free():
 @pytest.mark.parametrize("indicated", [5e4, -5e4])
 def test_mechanical_loss_is_never_negative(indicated):
     assert power(mechanical, mechanical.Parameters(fraction=0.1), indicated_power=indicated) == pytest.approx(5e3)
+
+
+def test_friction_of_the_theoretical_power_has_a_torque_that_no_slide_changes():
+    """Of the displacement between the lines: ρ V_sw (h_2s − h_1) a pitch, twice the power at twice the speed (M460)."""
+    stays = mechanical.Parameters(fraction=0.1, of=mechanical.THEORETICAL)
+    known = {"theoretical_torque": lambda: 200.0}
+    taken = [power(mechanical, stays, indicated_power=each, **known) for each in (5e4, 1e4)]
+    assert taken == [pytest.approx(0.1 * 200.0 * 300.0)] * 2
+    assert power(mechanical, stays, omega=600.0, **known) == pytest.approx(2.0 * taken[0])
+
+
+@pytest.mark.parametrize("scene", ["r134a/point", "paper/point", "slider_crank/air"])
+def test_the_theoretical_power_is_that_of_the_displacement_compressed_without_loss(scene):
+    """As the isentropic efficiency counts it (M36), of all that is displaced in place of the flow."""
+    stated = load(CONFIGS / f"{scene}.yaml", [OF_THEORETICAL, "numerics.error=none"])
+    found, fraction = simulate(stated, trace=False).performance, stated.effects["mechanical"].parameters.fraction
+    isentropic = found.shaft_power * found.isentropic_efficiency / found.volumetric_efficiency
+    assert found.mechanical_power / fraction == pytest.approx(isentropic, rel=1e-6)
+
+
+def test_an_expander_has_no_theoretical_power_of_what_it_displaces():
+    with pytest.raises(SceneError, match=r"mechanical\.of: theoretical_power is of all that a compressor displaces"):
+        load(CONFIGS / "expander" / "point.yaml", [OF_THEORETICAL])
 
 
 def test_heat_of_droplets_is_the_papers():

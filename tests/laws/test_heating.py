@@ -38,6 +38,23 @@ def test_evaporator_shaft_and_motor_bring_what_condenser_and_oil_cooler_take(mac
     assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-4 * p.shaft_power)
 
 
+def test_heat_that_is_pushed_back_into_an_economizer_leaves_or_evaporates_liquid():
+    """What leaves is told, warned of, and missing from the balance; what stays takes its cooling capacity."""
+    port = "effects.economizer={temperature: 18 degC, opens: 420 deg, closes: 520 deg, area: 2 cm^2, backflow: %s}"
+    machine = CONFIGS / "r134a" / "separator.yaml"
+    away, kept = (
+        simulate(load(machine, [port % word, "numerics.error=none"]), trace=False)
+        for word in ("given_away", "evaporates")
+    )
+    heat = away.performance.economizer_heat_loss
+    for p in (away.performance, kept.performance):
+        brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
+        assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-5 * p.shaft_power)
+    assert heat > 0.01 * away.performance.shaft_power and kept.performance.economizer_heat_loss == 0.0
+    assert away.performance.cooling_capacity - kept.performance.cooling_capacity == pytest.approx(heat, rel=1e-9)
+    assert [f"loses {heat:.3g} W" in " ".join(one.warnings) for one in (away, kept)] == [True, False]
+
+
 def test_an_ideal_gas_without_a_separator_gives_off_what_it_left_the_chambers_with():
     p, scene = run(RATED).performance, make(RATED)
     warmed = build_gas(scene).c_p * (p.discharge_temperature - lines(scene).T_s)

@@ -187,6 +187,18 @@ def test_run_prints_it_in_80_columns_and_json_has_it(capsys, scene):
     assert {"path", "value", "wanted", "left", "tolerances"} == set(document["measured"]["explanations"][0])
 
 
+def test_a_figure_without_a_value_is_told_and_the_command_ends_with_4(capsys):
+    """The point is ok, but what was asked of it could not be compared."""
+    from screwsim.cli import exit_code
+
+    asked = ["run", "configs/r134a/point.yaml", "--set", "numerics.error=none", "--measured"]
+    assert exit_code([*asked, "isothermal_efficiency=70 % ± 1 %", "--short"]) == 4
+    assert "no isothermal efficiency to compare: R134a at 12.00 °C condenses" in capsys.readouterr().out
+    assert exit_code([*asked, "isothermal_efficiency=70 %", "--json"]) == 4
+    document = json.loads(capsys.readouterr().out)
+    assert document["status"] == "ok" and set(document["measured"]["none"]) == {"isothermal_efficiency"}
+
+
 def test_a_slip_of_a_measurement_is_told_before_anything_is_simulated(capsys, monkeypatch):
     from screwsim.cli import exit_code
 

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -19,6 +20,7 @@ from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration import asked_of
 from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 from screwsim.study.datasheet.sheet import told
+from screwsim.study.datasheet.tables import part_load_note
 from screwsim.study.part_load import NEAR, RATIO, Control, controls, part_load, ratios
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -267,6 +269,26 @@ def test_at_each_part_load_the_best_built_in_ratio_is_found_at_that_load(monkeyp
             assert step.best.performance.cooling_capacity == pytest.approx(step.load * 0.97e5, abs=2.0 * NEAR * 1e5)
     assert ratios(screwsim.load(ROTORS)) == ()
     assert ratios(screwsim.load(ROTORS, ["sweep.machine.built_in_volume_ratio=[3, 2.2]"])) == (2.2, 3.0)
+
+
+def test_a_ratio_that_the_machine_cannot_have_is_told_and_its_own_is_among_those_that_are_tried(monkeypatch):
+    """Best at 2.5, where the machine stands; below 2.3 its slide would be too narrow, so that 2.7 seemed best."""
+
+    def simulate_many(scenes, trace):
+        for scene in scenes:
+            ratio = scene.machine.built_in_volume_ratio
+            known = {"cooling_capacity": scene.operation.speed, "cop": 4.0 - (ratio - 2.5) ** 2}
+            yield Result("ok", performance=Figures(known)) if ratio > 2.3 else Result("failed", "too narrow")
+
+    monkeypatch.setattr(part_load_of, "simulate_many", simulate_many)
+    scene = screwsim.load(ROTORS, ["machine.built_in_volume_ratio=2.5", "machine.axial_volume_ratio=3.6"])
+    found = part_load(scene, controls(scene)[0], among=ratios(scene))
+    for step in found.steps:
+        assert step.ratio == pytest.approx(2.5, abs=1e-6)
+        assert step.missed == dict.fromkeys(ratios(scene)[:2], "failed: too narrow")
+    rated = SimpleNamespace(asked=SimpleNamespace(ratios=ratios(scene)), loads=[found])
+    told = part_load_note(rated, "its flow", "COP")
+    assert told.endswith("; not everywhere at 1.8, 2.25, so that a better one may be missed (failed: too narrow)")
 
 
 @pytest.mark.parametrize("condensing", [30, 45])

@@ -29,6 +29,9 @@ def datasheet(
     heating: Annotated[
         bool, typer.Option("--heating", help="Also tables of the heating capacity and its COP, of a heat pump.")
     ] = False,
+    profile: Annotated[
+        str | None, option("LOADS.csv", "Flows and hours of an air package: its energy over them.", "--profile")
+    ] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -53,6 +56,7 @@ def datasheet(
         discharge=discharge,
         limits=limits or (),
         heating=heating,
+        profile=profile,
         jobs=jobs,
         progress=for_terminal("datasheet"),
     )

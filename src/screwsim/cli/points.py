@@ -102,7 +102,7 @@ def run(
             from screwsim.printing.measured import print_measured
 
             print_measured(scene, result, found)
-    return OK if result.status == "ok" else NOT_ALL_OK
+    return OK if result.status == "ok" and not (found and found.none) else NOT_ALL_OK
 
 
 def _measured(scene: Scene, texts: Sequence[str] | None) -> tuple[Measured, ...]:

@@ -51,6 +51,7 @@ class CycleFigures:
     enthalpy: Callable[[float, float], float] | None = None  # [J/kg] of the gas at a pressure and a temperature
     drained: Callable[[float, float], tuple[float, Any]] | None = None  # at p, T: share and gas but for liquid
     suction_density: float = 0.0  # of the gas in the suction line
+    theoretical_torque: Callable[[], float] | None = None  # of all that is displaced, compressed without loss (M460)
     fluid: str = ""
     found: Mapping[str, Any] = field(default_factory=dict)  # the figures that are known already
 
@@ -120,8 +121,15 @@ def known_of(
         enthalpy=parts.gas.enthalpy,
         drained=lambda p, T: passed_on(parts.gas, p, T),
         suction_density=problem.inlet.density,
+        theoretical_torque=lambda: _theoretical_torque(problem),
         fluid=problem.scene.gas.name,
     )
+
+
+def _theoretical_torque(problem: Problem) -> float:
+    """Return the torque [N m] of compressing what the whole displacement takes in, without loss (M460)."""
+    geometry, inlet = problem.parts.geometry, problem.inlet
+    return inlet.density * geometry.swept_volume / geometry.pitch * (problem.h_isentropic - inlet.enthalpy)
 
 
 def _leaked_oil(problem: Problem, life: Trajectory) -> float:

@@ -4,7 +4,8 @@ What the shaft and the bearings feel repeats every lobe pitch. Pressures come fr
 history, slopes from the volume law itself; nothing is compiled for it.
 """
 
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,8 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 POINTS = 360  # of a pitch: 0.25° with four lobes
+ASIDE = 1e-6  # rad, beside the end of a step, and of a difference of volumes
+NEAR = 17  # points around an extreme, between those beside it
 
 
 class Pitch(NamedTuple):
@@ -31,6 +34,23 @@ class Pitch(NamedTuple):
     low_pressure: float
     torque_mean: float
     high_pressure: float
+    at: Callable[[Array], tuple[Array, Array]]
+    steps: Array
+
+    def extremes(self, curve: Callable[[Array, Array], Array]) -> tuple[float, float]:
+        """Return the lowest and the highest value over a pitch of a curve of all chambers' pressures and slopes.
+
+        Its tops and bottoms are corners, or stand between the points: it is asked on both sides of where steps end,
+        too, and once more around the lowest and the highest of all.
+        """
+        apart = self.angle[1]
+        width, at_points = apart * len(self.angle), curve(self.pressure, self.slope)
+        ends = np.sort(np.mod(np.concatenate([self.steps - ASIDE, self.steps + ASIDE]), width))
+        angles, values = np.append(self.angle, ends), np.append(at_points, curve(*self.at(ends)))
+        best = angles[[values.argmin(), values.argmax()]]
+        around = np.mod(best[:, None] + np.linspace(-apart, apart, NEAR), width).ravel()
+        values = np.append(values, curve(*self.at(np.sort(around))))
+        return float(values.min()), float(values.max())
 
 
 def pitch_of(
@@ -42,7 +62,19 @@ def pitch_of(
     found = life.states_at(grid.T.ravel())
     pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
-    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure)
+    at = partial(_at, life, geometry.pitch, geometry.chambers)
+    return Pitch(
+        angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, life.times[: life.steps].copy()
+    )
+
+
+def _at(life: Trajectory, pitch: float, chambers: int, angle: Array) -> tuple[Array, Array]:
+    """Return pressure and slope of the volume of all chambers at increasing angles of the youngest."""
+    grid = (angle + pitch * np.arange(chambers)[:, None]).ravel()
+    pressure = life.states_at(grid)[:, -1]
+    ahead, behind = (life.volumes(grid + aside) for aside in (ASIDE, -ASIDE))
+    shape = chambers, len(angle)
+    return pressure.reshape(shape).T, ((ahead - behind) / (2.0 * ASIDE)).reshape(shape).T
 
 
 @lru_cache(maxsize=16)

@@ -3,10 +3,11 @@
 What: nozzle flow (M12, M100) between the chamber and a plenum of vapour at the economizer's saturation temperature; the
 vapour comes from the liquid of the condenser, which it subcools in a heat exchanger, or from a flash tank (M102).
 Source: port: ours; cycle: textbook (two-stage expansion with one compressor).
-Assumptions: the plenum keeps its state, whatever the port draws; gas that is pushed back into it gives its heat away
-there; what the port draws and what the exchanger evaporates need not agree: economizer_draw_ratio tells, and it is 1
-at the temperature to which the economizer settles.
-Parameters: temperature (saturation) or pressure, superheat, opens, closes, area, flow_coefficient, kind, approach.
+Assumptions: the plenum keeps its state, whatever the port draws; what the port draws and what the exchanger evaporates
+need not agree: economizer_draw_ratio tells, and it is 1 at the temperature to which the economizer settles. Gas that is
+pushed back into the plenum is cooled to its state, and the heat leaves the machine or evaporates liquid (M440).
+Parameters: temperature (saturation) or pressure, superheat, opens, closes, area, flow_coefficient, kind, approach,
+backflow.
 """
 
 import math
@@ -26,13 +27,16 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
-from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale
+from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale, power_figure
 
 NAME = "economizer"
 HEAT_EXCHANGER, FLASH_TANK = "heat_exchanger", "flash_tank"
+GIVEN_AWAY, EVAPORATES = "given_away", "evaporates"
 GAIN = "economizer_capacity_gain"
 DRAW = "economizer_draw_ratio"
+HEAT_LOSS = "economizer_heat_loss"
 DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
+GIVEN_TOO_MUCH = 0.005  # share of the shaft power
 PER_FOLD = 8.0  # [K] by which the temperature is about wrong where the port draws e times what there is
 APART = 0.5  # [K] at least, from both lines and from the liquid that is cooled
 OF_VAPOUR = Scale(1.0)  # a draw errs over the vapour that the liquid makes, at least
@@ -45,6 +49,7 @@ FIGURES = (
     Figure(
         GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, needs=COOLED
     ),
+    power_figure(HEAT_LOSS, "heat of gas pushed back that leaves the machine in the economizer"),
 )
 
 
@@ -74,6 +79,11 @@ class Parameters(WindowParameters, Sought):
     )
     approach: float = quantity(
         "temperature_difference", "of the subcooled liquid over temperature (heat_exchanger)", 5.0, ge=0.0
+    )
+    backflow: str = choice(
+        "given_away: heat of gas that is pushed back leaves the machine; evaporates: it evaporates liquid (M440)",
+        (GIVEN_AWAY, EVAPORATES),
+        GIVEN_AWAY,
     )
 
     def __post_init__(self):
@@ -166,13 +176,14 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 
 
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
-    """Return the vapour drawn, and what it does for the cooling capacity (M102)."""
+    """Return the vapour drawn, and what it does for the cooling capacity (M102, M440)."""
     site, ratio = drawn.site, drawn.ratio
     found: dict[str, float | str | None] = {
         "economizer_temperature": saturation(parameters, site.fluid),
         "economizer_pressure": drawn.reservoir.p,
         "economizer_mass_flow": drawn.flow,
         "economizer_flow_ratio": ratio,
+        HEAT_LOSS: 0.0 if parameters.backflow == EVAPORATES else drawn.brought,
     }
     h_c, q_0 = site.liquid_enthalpy, site.refrigerating_effect
     if h_c is None or q_0 is None or ratio is None:
@@ -180,6 +191,8 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     wanted = h_c - _cold_liquid(parameters, site)
     p, T = drawn.reservoir.p, saturation(parameters, site.fluid) + parameters.superheat
     evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
+    if parameters.backflow == EVAPORATES:
+        evaporating = evaporating - drawn.brought / drawn.suction_flow
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
     found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
@@ -196,6 +209,15 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     if ratio > 1.0 + DRAWN_TOO_MUCH:
         what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes"
         yield f"{what}: its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
+    yield from _of_heat(found)
+
+
+def _of_heat(found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning where gas that is pushed back takes heat out of the machine."""
+    loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
+    if loss > GIVEN_TOO_MUCH * power:
+        what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
+        yield f"{what} of the shaft power (effects.{NAME}.backflow: {EVAPORATES} keeps it, or open the port later)"
 
 
 def _cold_liquid(parameters: Parameters, site: Site) -> float:
@@ -291,7 +313,7 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
 EFFECT = Effect(
     name=NAME,
     title="vapour from an economizer, through a port into the closed chamber",
-    equations=("M12", "M13", "M100", "M101", "M102", "M371"),
+    equations=("M12", "M13", "M100", "M101", "M102", "M371", "M440"),
     source="ours; cycle: textbook",
     parameters=Parameters,
     build=build,

@@ -70,7 +70,11 @@ def torque(pitch) -> np.ndarray:
 
 def raw_torque(pitch) -> np.ndarray:
     """Return the torque at the points of a pitch [N m] as the trace gives it."""
-    return -((pitch.pressure - pitch.low_pressure) * pitch.slope).sum(axis=1)
+    return _work(pitch.pressure - pitch.low_pressure, pitch.slope)
+
+
+def _work(excess: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    return -(excess * slope).sum(axis=1)
 
 
 def harmonics(values: np.ndarray, count: int) -> list[float]:
@@ -118,12 +122,16 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     def read(figures) -> dict[str, float | None]:
         """Return the figures of torque and forces (M144–M147)."""
         pitch = figures.pitch()
-        curve = torque(pitch)
-        values: list[float | None] = [pitch.torque_mean, float(np.ptp(curve)), *harmonics(curve, len(WHICH))]
+        low, high = pitch.extremes(lambda p, slope: _work(p - pitch.low_pressure, slope))
+        values: list[float | None] = [pitch.torque_mean, high - low, *harmonics(torque(pitch), len(WHICH))]
         values += on_rotors(parameters, pitch, ratio)
         for way in FORCES:
-            pressed = force(areas[way], pitch)
-            values += [None, None] if pressed is None else [float(pressed.mean()), float(pressed.max())]
+            area, pressed = areas[way], force(areas[way], pitch)
+            if area is None or pressed is None:
+                values += [None, None]
+            else:
+                excess = pitch.extremes(lambda p, _: (p - pitch.low_pressure).sum(axis=1))[1]
+                values += [float(pressed.mean()), area * excess]
         return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:

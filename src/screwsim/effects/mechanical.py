@@ -1,45 +1,64 @@
-"""Mechanical loss: bearings, seals and gears as a share of the indicated power.
+"""Mechanical loss: bearings, seals and gears as a share of the indicated or of the theoretical power.
 
-What: P = f |P_ind| (M33).
-Source: Giuffrida, Appl. Therm. Eng. 93 (2016) 813: 26.5 % of the theoretical power for a small machine (f = 0.265);
-we take the indicated power in place of the theoretical one.
-Assumptions: proportional to the indicated power at every speed.
-Parameters: fraction.
+What: P = f |P_ind| (M33), or P = f |M_th| ω (M460): M_th is the torque of compressing what the whole displacement takes
+in from p_s to p_d without loss.
+Source: Giuffrida, Appl. Therm. Eng. 93 (2016) 813: 26.5 % of the theoretical power for a small machine (f = 0.265).
+Assumptions: proportional to the speed, and to the indicated power or to that of the displacement between the lines'
+pressures. The first falls with a slide or a throttle as the gas flow does, though the pressures on bearings and shaft
+seals stay; with the second the friction torque stays.
+Parameters: fraction, of.
 """
 
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.parts.usual import FRICTION
-from screwsim.inputs.declare import number
+from screwsim.inputs.declare import choice, number
+from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER, ROTORS
 from screwsim.outputs import power_figure
+
+INDICATED, THEORETICAL = "indicated_power", "theoretical_power"
 
 
 @dataclass(frozen=True)
 class Parameters:
-    """Share of the indicated power."""
+    """Share of a power."""
 
     fraction: float = number(
-        "f: mechanical loss over indicated power (Giuffrida: 0.265)", ge=0.0, le=100.0, hardly=(None, 0.5)
+        "f: mechanical loss over that power (Giuffrida: 0.265)", ge=0.0, le=100.0, hardly=(None, 0.5)
+    )
+    of: str = choice(
+        "indicated_power: the loss goes with it; theoretical_power: its torque stays at part load (M460)",
+        (INDICATED, THEORETICAL),
+        INDICATED,
     )
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss]:
     def power(figures) -> float:
-        """Return the mechanical loss [W] (M33)."""
+        """Return the mechanical loss [W] (M33, M460)."""
+        if parameters.of == THEORETICAL:
+            return parameters.fraction * abs(figures.theoretical_torque() * figures.omega)
         return parameters.fraction * abs(figures.indicated_power)
 
     return [PowerLoss("mechanical_power", power, friction=True)]
 
 
+def check(parameters: Parameters, facts) -> Faults:
+    if parameters.of == THEORETICAL and facts.machine.expands:
+        what = f"{THEORETICAL} is of all that a compressor displaces; an expander fills with less"
+        yield Fault("effects.mechanical.of", f"{what} (write {INDICATED})")
+
+
 EFFECT = Effect(
     name="mechanical",
     title="bearings, seals and gears",
-    equations=("M33",),
+    equations=("M33", "M460"),
     source="Giuffrida 2016",
     parameters=Parameters,
     build=build,
+    check=check,
     figures=(power_figure("mechanical_power", "mechanical loss"),),
     usual={ROTORS: FRICTION, CYLINDER: FRICTION},
 )

@@ -5,14 +5,14 @@ at rated load the share c does not depend on the load, the rest goes with its sq
 follow (M149). Or η over the load x from a table: the loss of the motor is interpolated (M204). With `inverter` motor
 and inverter lose by speed and torque (M431–M433).
 Source: separation of losses of induction machines (textbook; IEC 60034-2-1); IEC 60034-30-1 states η_r by class and
-size: a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
+size (M450): a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
 Assumptions: without `inverter` the loss does not depend on the speed but through the power; it heats neither gas nor
 oil, or with `cooling: suction_gas` (semi-hermetic machines) what is sucked in, on its way to the suction line (M275).
 An expander's generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it.
 Above OVERLOAD times the rated power a warning says so; above BREAKDOWN times no motor turns (IEC 60034-12 asks for 1.6
 to 2 times the rated torque, catalogues state up to 3.5), and the point has failed.
-Parameters: rated_power, efficiency, constant_share or efficiency_file, cooling, drive_efficiency
-or inverter.
+Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
+drive_efficiency or inverter.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ import numpy as np
 
 from screwsim.effects import inverter
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
+from screwsim.effects.parts import motor_classes
 from screwsim.effects.parts.usual import DRIVE
-from screwsim.inputs.declare import choice, file, number, quantity
+from screwsim.inputs.declare import Derived, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import BadSheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
@@ -58,8 +59,12 @@ FIGURES = (
 )
 NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
-SUCTION = "suction_gas"
+SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
+
+
+class _Usual(float):
+    """The efficiency of a motor for which none is stated."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +73,18 @@ class Parameters:
 
     rated_power: float = quantity("power", "P_r: rated power at the shaft", gt=0.0)
     efficiency: float = number(
-        "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)", 0.95, gt=0.0, le=1.0, hardly=(0.3, 0.995)
+        "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)",
+        _Usual(0.95),
+        gt=0.0,
+        le=1.0,
+        hardly=(0.3, 0.995),
     )
+    efficiency_class: str = choice(
+        "in place of efficiency: of IEC 60034-30-1, 50 Hz, by rated_power and poles (M450)",
+        (STATED, *motor_classes.CLASSES),
+        STATED,
+    )
+    poles: int | None = count("2, 4 or 6, of efficiency_class (default: 4)", None)
     constant_share: float = number("c: share of the rated loss that does not depend on the load", 0.4, ge=0.0, le=1.0)
     efficiency_file: str | None = file(
         "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of both"
@@ -83,6 +98,18 @@ class Parameters:
         "eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0, hardly=(0.5, None)
     )
     inverter: inverter.Inverter | None = None
+
+    def __post_init__(self) -> None:
+        """Let the efficiency be that of the class, where one is stated and no efficiency is."""
+        poles = self.poles or 4
+        if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, _Usual | Derived):
+            efficiency = motor_classes.class_efficiency(self.efficiency_class, poles, self.rated_power)
+            object.__setattr__(self, "efficiency", Derived(efficiency))
+
+    @property
+    def is_of_class(self) -> bool:
+        """Does the efficiency follow from a class?"""
+        return self.efficiency_class in motor_classes.CLASSES
 
     @property
     def inverts(self) -> bool:
@@ -209,6 +236,7 @@ def check(parameters: Parameters, facts) -> Faults:
             read_table(parameters.efficiency_file)
         except UsageError as error:
             yield Fault("effects.motor.efficiency_file", str(error))
+    yield from _of_class(parameters)
     if parameters.inverter is not None:
         if parameters.drive_efficiency < 1.0:
             what = "is given beside effects.motor.inverter, whose losses go by frequency and current"
@@ -225,10 +253,28 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "suction_gas belongs to machine.mode: compressor (remove it)")
 
 
+def _of_class(parameters: Parameters) -> Faults:
+    """Yield what a class of efficiency does not know, and what is stated beside it."""
+    path, known = "effects.motor", motor_classes
+    if not parameters.is_of_class:
+        if parameters.poles is not None:
+            yield Fault(f"{path}.poles", "belongs to efficiency_class (write e.g. efficiency_class: IE3, or remove it)")
+        return
+    if parameters.poles not in (None, *known.POLES):
+        yield Fault(f"{path}.poles", f"{parameters.poles}: known are motors of 2, 4 and 6 (or write efficiency)")
+    elif not isinstance(parameters.efficiency, Derived):
+        yield Fault(f"{path}.efficiency", "is given beside efficiency_class (remove one of the two)")
+    if parameters.efficiency_file is not None:
+        yield Fault(f"{path}.efficiency_file", "is given beside efficiency_class (remove one of the two)")
+    if not known.SMALLEST <= parameters.rated_power <= known.LARGEST:
+        what = f"{1e-3 * parameters.rated_power:.4g} kW: classes are known from 0.75 kW to 1000 kW"
+        yield Fault(f"{path}.efficiency_class", f"{what} (write efficiency)")
+
+
 EFFECT = Effect(
     name="motor",
     title="electrical power of motor and inverter",
-    equations=("M148", "M149", "M204", "M275", "M431", "M432", "M433"),
+    equations=("M148", "M149", "M204", "M275", "M431", "M432", "M433", "M450"),
     source="separation of losses; IEC 60034-30-1; IEC 61800-9-2",
     parameters=Parameters,
     build=build,

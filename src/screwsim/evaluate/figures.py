@@ -18,7 +18,18 @@ from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
 from screwsim.model.exchange import station
-from screwsim.model.slots import ENTHALPY, OF_GAS, Q_WALLS, Q_WORK, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED, S_X_OIL
+from screwsim.model.slots import (
+    ENTHALPY,
+    OF_ENERGY,
+    OF_GAS,
+    Q_WALLS,
+    Q_WORK,
+    R_DISCHARGE,
+    R_RATIO,
+    R_SUCTION,
+    R_TRAPPED,
+    S_X_OIL,
+)
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
 
@@ -236,7 +247,8 @@ def _of_plenums(
     problem: Problem, sucked: float, streams: Array, about: dict[str, Figure]
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """Return what effects say of the cycle by their own plenums, and why some nothing; `sucked` [kg] a life, net."""
-    found, notes, parts, gas = {}, {}, problem.parts, streams[:, OF_GAS]
+    found, notes, parts = {}, {}, problem.parts
+    gas, energy = streams[:, OF_GAS], streams[:, OF_ENERGY]
     suction = sucked * problem.rate * (1.0 - problem.suction.returned)
     why = "" if suction > 0.0 else performance.NONE_DELIVERED
     for name, plenum in parts.all(Plenum):
@@ -244,7 +256,8 @@ def _of_plenums(
             continue
         i, state = 2 * parts.number(plenum.name), parts.plenums[plenum.name]
         site = build_site(problem.scene, parts.gas)
-        drawn = Drawn(float(gas[i] + gas[i + 1]) * problem.rate, suction, state, site)
+        brought = float(gas[i + 1] * state.h - energy[i + 1]) * problem.rate
+        drawn = Drawn(float(gas[i] + gas[i + 1]) * problem.rate, suction, state, site, brought)
         given, reasons = performance.valued(plenum.figures(drawn), name, why)
         about |= borrowed(name, problem.scene.effects[name].effect, given)
         found |= given

@@ -28,6 +28,7 @@ from screwsim.effects.base import (
     SuctionLine,
     Wall,
 )
+from screwsim.fluid.gas import Gas
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Held, Recipe
 from screwsim.model.numbers import fixed_numbers, operating
@@ -45,6 +46,7 @@ STRUCTURE: dict[type, Callable[[Any], Any]] = {
     ChamberState: attrgetter("name", "rate", "positive"),
     OilPort: attrgetter("flow", "pumped"),
 }
+OF_GAS = ("state", "phased_state", "specific_entropy", "varies")  # the same of a gas, beside the names of its values
 WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Shaft, Stops, SuctionLine)  # that must be the same
 
 
@@ -70,7 +72,7 @@ def angles_of(parts: Parts, law: Any) -> tuple[Any, ...]:
 def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composition | None:
     """Return the composition of parts that differ from those of another by numbers alone; None where they may not."""
     recipe = composition.recipe
-    if recipe.held is None or not beside_alike(parts, before):
+    if recipe.held is None or not _gas_alike(parts.gas, before.gas) or not beside_alike(parts, before):
         return None
     law = parts.geometry.volume_law()
     if not _machine_alike(parts, before) or not _law_alike(law, recipe.law) or not _effects_alike(parts, before):
@@ -97,14 +99,20 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
 
 
 def beside_alike(parts: Parts, other: Parts) -> bool:
-    """Tell whether what parts have beside machine and effects differs by numbers alone; the gas must be the same."""
-    if parts.gas != other.gas:
-        return False
+    """Tell whether what parts have beside machine, effects and gas differs by numbers alone."""
     if parts.oil_content is not other.oil_content or list(parts.plenums) != list(other.plenums):
         return False
     if parts.oil_content is not None and parts.plenums != other.plenums:
         return False
     return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
+
+
+def _gas_alike(gas: Gas, other: Gas) -> bool:
+    """Tell whether what two gases put into the text differs by numbers alone."""
+    if gas == other:
+        return True
+    kernels = all(getattr(gas, name) == getattr(other, name) for name in OF_GAS)
+    return kernels and gas.values.keys() == other.values.keys()
 
 
 def _supplied(parts: Parts) -> tuple[Any, ...]:

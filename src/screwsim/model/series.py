@@ -57,7 +57,8 @@ def _alike(parts: Parts, other: Parts) -> bool:
 
     Machine and effects must be the same objects: what is in them is not looked at.
     """
-    return parts.geometry is other.geometry and parts.effects is other.effects and beside_alike(parts, other)
+    same = parts.geometry is other.geometry and parts.effects is other.effects and parts.gas == other.gas
+    return same and beside_alike(parts, other)
 
 
 def _filled(composition: Composition, parts: Parts) -> Composition:

@@ -95,6 +95,12 @@ class Trajectory(NamedTuple):
         began, ended = float(times[i]), float(times[i + 1])
         return (float(self.quads[i, quadrature]) - before) / (ended - began) * (angle - began) + before
 
+    def volumes(self, angles: Array) -> Array:
+        """Return the volume [m³] of a chamber at angles [rad]."""
+        out = np.empty(len(angles))
+        self.module.trace__volumes(angles, self.composition.P, self.composition.TAB, out)
+        return out
+
     def sample(self, angles: Array) -> tuple[Array, Array]:
         """Return rows of (SAMPLED, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
         c = self.composition

@@ -39,11 +39,14 @@ class Derivatives(Mapping[tuple[str, str], float]):
     """Derivatives [SI] by (figure, path of the scene): `result.derivatives["shaft_power", "operation.speed"]`.
 
     The end of a path stands for it where no other ends so: "tip_leakage.gap". They are found all at once when the
-    first is asked for; a KeyError says what there is, and why what is asked for has none.
+    first is asked for; a KeyError says what there is, and why what is asked for has none. `scene` is the one of the
+    result, None where that does not know it.
     """
 
-    def __init__(self, find: Callable[[], Slopes] | None = None, performance: Figures | None = None) -> None:
-        self._find = find
+    def __init__(
+        self, find: Callable[[], Slopes] | None = None, performance: Figures | None = None, scene: Any = None
+    ) -> None:
+        self._find, self.scene = find, scene
         self._performance = Figures() if performance is None else performance
 
     @classmethod
@@ -117,7 +120,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         found = self.__dict__.get("found")
-        return Derivatives, (self._find if found is None else _Known(found), self._performance)
+        return Derivatives, (self._find if found is None else _Known(found), self._performance, self.scene)
 
     def _weight(self, figure: str, path: str) -> float:
         return abs(self.relative(figure, path) or 0.0) if path in self.found.derivatives[figure] else 0.0

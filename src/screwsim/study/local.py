@@ -29,7 +29,7 @@ from screwsim.scene.types import Found
 from screwsim.simulate import simulate
 from screwsim.study.each import each
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import STEPS, check_continuous
+from screwsim.study.inputs import STEPS, check_continuous, shown_value
 from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress, shown
 from screwsim.study.workers import DIED
@@ -119,9 +119,12 @@ def sensitivities(
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
 
     Pass the scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and
-    cost less (docs/explanation/numerics.md). Raises UsageError for a path or a figure that does not exist.
+    cost less (docs/explanation/numerics.md). Raises UsageError for a path or a figure that does not exist, and for a
+    result of another scene.
     """
     scene = scene_of(scene)
+    if result is not None and (other := _other_scene(scene, result)):
+        raise UsageError(f"result: is of another scene: {other} (pass that of this scene, or none)")
     every, left_out = numeric_paths(scene)
     left_out |= dict.fromkeys(FIXED & every.keys(), READ_OVER)
     every = {path: value for path, value in every.items() if path not in FIXED}
@@ -147,6 +150,29 @@ def sensitivities(
         {path: why for path, why in others.items() if path in by_path},
         ({} if paths else left_out) | failed,
     )
+
+
+def _other_scene(scene: Scene, result: Result) -> str:
+    """Return in which effect or input the scene of a result differs; '' for none, as far as the result tells."""
+    apart = set(result.effects) ^ set(scene.effects) if result.effects else ()
+    if apart:
+        name = min(apart)
+        return f"effects.{name} is simulated {'there' if name in result.effects else 'here'} only"
+    known = result.derivatives.scene
+    if known is None or known is scene:
+        return ""
+    if known.machine.kind != scene.machine.kind:
+        return f"machine.kind is {known.machine.kind} there, {scene.machine.kind} here"
+    for path in _leaves(scene):
+        there, here = value_at(known, path), value_at(scene, path)
+        if there != here and not path.startswith(APART):
+            shown = (_shown(one, path, value) for one, value in ((known, there), (scene, here)))
+            return f"{path} is {next(shown)} there, {next(shown)} here"
+    return ""
+
+
+def _shown(scene: Scene, path: str, value: Any) -> str:
+    return "not stated" if value is None else shown_value(scene, path, value)
 
 
 def _unit(leaf: Leaf) -> str:

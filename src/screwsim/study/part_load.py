@@ -28,6 +28,7 @@ LEAST_RATIO, LEAST = 0.5, 1.05  # of the axial port's ratio, to which a slide's 
 RATIOS = 5  # that are tried between
 Solve = Callable[[float], Result]
 _NONE: Mapping[str, float] = {}
+_NO_RATIO: Mapping[float, str] = {}
 ENDS = {  # path -> (name, the setting at which its capacity is least)
     SPEED: ("speed", None),
     "machine.slide_valve.position": ("slide valve", 1.0),
@@ -60,7 +61,8 @@ GAS = Aim("gas_mass_flow", "isentropic_efficiency", "nothing is delivered")
 class Step(NamedTuple):
     """A setting [SI] of a control with its load (share of the full capacity) and its result.
 
-    `ratio` and `best`: built-in volume ratio of the best COP at that load, and the result there (`ratios`).
+    `ratio` and `best`: built-in volume ratio of the best COP at that load, and the result there (`ratios`). `missed`:
+    ratios among which it could not be looked for, and why.
     """
 
     setting: float
@@ -68,6 +70,7 @@ class Step(NamedTuple):
     result: Result
     ratio: float | None = None
     best: Result | None = None
+    missed: Mapping[float, str] = _NO_RATIO
 
 
 @dataclass(frozen=True)
@@ -160,11 +163,18 @@ def _at_best(
     scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float], aim: Aim
 ) -> Step:
     """Return a step with the ratio of its best COP: between those tried by a parabola, at the same load."""
-    solve, cop = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}
+    solve, cop, missed = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}, {}
     for ratio in among:
-        value = solve(ratio).performance.get(aim.best)
-        if value is not None:
+        result = solve(ratio)
+        value = result.performance.get(aim.best)
+        if value is None:
+            missed[ratio] = result.notes.get(aim.best) or result.told
+        else:
             cop[ratio] = float(value)
+    step = step._replace(missed=missed)
+    own, value = value_at(scene, RATIO), step.result.performance.get(aim.best)
+    if own is not None and value is not None and among[0] <= own <= among[-1]:
+        cop.setdefault(float(own), float(value))
     if not cop:
         return step
     ratio = _top(cop)

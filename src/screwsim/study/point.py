@@ -28,7 +28,7 @@ def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: T
     """
     scene = scene_of(scene)
     result = simulated(scene, trace)
-    return replace(result, derivatives=Derivatives(partial(_found, scene, result), result.performance))
+    return replace(result, derivatives=Derivatives(partial(_found, scene, result), result.performance, scene))
 
 
 def _found(scene: Scene, result: Result) -> Any:

@@ -24,7 +24,12 @@ LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # kilograms per kilogram of gas; of the dis
 UNCOOLED = 0.75  # of the way from the suction to where nothing is cooled, that gas and oil leave at most
 COMPRESSING = 0.88  # for an estimate: efficiency without friction, which goes with the size and not with the gas
 FRICTION = 1.5  # over that of the films alone: bearings, and oil that is brought to speed
-SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut
+SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut ...
+SHUT_SHARE = (
+    0.8  # ... of the pressure rise at the most: a valve that opens above it holds the machine at its own pressure
+)
+LOST_BEFORE, LOST_BEHIND = 3.5e3, 36e3  # [Pa]: filter and valve; separator, valve and aftercooler of air.template
+COOLED, BROUGHT = 0.97, 1.1  # for an estimate: efficiency without friction where oil cools; friction over its films'
 FAN = 0.04  # of the motor
 INVERTER = 0.03  # of the motor, that an inverter loses at the point of its class: 97 % as configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on a sheet of a package of variable speed
@@ -81,7 +86,7 @@ def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: floa
 
 def _motor(rated: float) -> dict[str, str]:
     """Return what a scene states of a motor of so many kW."""
-    return {"rated": f"{rated:.6g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
+    return {"rated": f"{rated:.6g} kW", "efficiency": sizes.motor_efficiency(rated)}
 
 
 def _air_duty(asked: Asked) -> Duty:
@@ -103,7 +108,8 @@ def air(asked: Asked) -> str:
     flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
-    rated = sizes.motor_for(gas_flow * duty.work / ETA) if asked.motor is None else 1e-3 * asked.motor
+    taken = max(gas_flow * duty.work / ETA, gas_flow * _package_work(duty) + BROUGHT * _friction(size, speed, oil))
+    rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **_speeds(asked, rated, speed),
@@ -113,10 +119,16 @@ def air(asked: Asked) -> str:
         "free_air": f"{60.0 * (asked.free_air or LAMBDA * flow):.3g} m^3/min",
         "sheet": _sheet(asked),
         "named": _titled(asked, flow, speed),
-        "least": f"{1e-5 * (duty.at.low + SHUT):.3g} bar",
+        "least": f"{1e-5 * (duty.at.low + min(SHUT, SHUT_SHARE * drop)):.3g} bar",
         "fan": f"{FAN * rated:.2g} kW",
     }
     return texts.filled("air", values)
+
+
+def _package_work(duty: Duty) -> float:
+    """Return the work [J/kg] without friction, over what the package loses on both sides: much of a small rise."""
+    ratio = (duty.at.high + LOST_BEHIND) / max(duty.at.low - LOST_BEFORE, 0.5 * duty.at.low)
+    return sizes.isentropic_work(duty.k, duty.R, duty.T, ratio) / COOLED
 
 
 def _speeds(asked: Asked, rated: float, speed: float) -> dict[str, str]:

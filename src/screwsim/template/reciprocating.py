@@ -63,6 +63,6 @@ def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: f
         "ring": sizes.um(1e-6 * s),
         "wall": f"{T_s + WALL * (duty.hottest - T_s):.0f} K",
         "rated": f"{rated:g} kW",
-        "efficiency": f"{sizes.motor_efficiency(rated):.3g}",
+        "efficiency": sizes.motor_efficiency(rated),
     }
     return filled("reciprocating", values)

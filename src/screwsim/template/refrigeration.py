@@ -23,6 +23,7 @@ WARM = 333.15  # [K] at which the oil passes its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: from the others, and its length
 PORT = 0.0057  # its area over the squared diameter of the rotor: assumed, 2 cm^2 at 187 mm
 SHARES = 0.5, 0.8  # of the way from the triple to the critical point, where a condition lies that any fluid has
+FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power, which is so much over the theoretical one at 0/40 °C
 AXIAL = 5.0  # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
 STANDS_IN = "R134a"
 COPPER_EATS = ("ammonia", "r717", "nh3")
@@ -105,6 +106,7 @@ def _scene(asked: Asked, plant: Plant) -> str:
         "oil": oil,
         "oil_ratio": f"{ratio:g}",
         "separator": separator,
+        **_friction(asked.slide),
         "shaft_area": sizes.area(sizes.SHAFTS * size.scale * size.clearance),
     }
     text = texts.filled("refrigeration", values)
@@ -113,6 +115,18 @@ def _scene(asked: Asked, plant: Plant) -> str:
         values["machine"] = texts.machine(size, asked, usual, duty.p_d / duty.p_s, flow, speed, _slide(text, ratio))
         text = texts.filled("refrigeration", values) + texts.filled("slot", {})
     return f"{text}{_economizer(text, size)}" if asked.economizer else text
+
+
+def _friction(slide: bool) -> dict[str, str]:
+    """Return what a scene states of bearings, seals and films: with a slide their torque stays at part load."""
+    if not slide:
+        return {"stays": "", "friction": f"fraction: {FRICTION:g}"}
+    fraction = f"{FRICTION * OF_DISPLACED:.3g}"
+    told = (
+        f"at full load: {fraction} of the theoretical power of all that is displaced, so that their torque stays (M460)"
+    )
+    told = f"\n  # {told}"
+    return {"stays": told, "friction": f"fraction: {fraction}, of: theoretical_power"}
 
 
 def _slide(text: str, ratio: float) -> str:
@@ -182,7 +196,7 @@ def _drive(fluid: str, duty: Duty) -> dict[str, str]:
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
         return {
             "drive": told,
-            "motor": f"{{rated_power: {rated:g} kW, efficiency: {sizes.motor_efficiency(rated):.3g}}}",
+            "motor": f"{{rated_power: {rated:g} kW, {sizes.motor_efficiency(rated)}}}",
         }
     told = "Semi-hermetic, in the suction gas, 92 % efficient as the source of validation/bitzer takes it"
     return {"drive": told, "motor": f"{{rated_power: {rated:g} kW, efficiency: 0.92, cooling: suction_gas}}"}

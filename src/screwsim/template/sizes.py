@@ -9,6 +9,7 @@ cannot be cut as much finer: clearances fall with the tolerance unit of ISO 286,
 import math
 from typing import NamedTuple
 
+from screwsim.effects.parts import motor_classes
 from screwsim.machine.rotors.families import FAMILIES
 from screwsim.machine.stated import unit_volume
 
@@ -21,7 +22,6 @@ MOTORS = (  # [kW], rated powers of IEC 60072-1
     *(400, 450, 500, 560, 630, 710, 800, 900, 1000),
 )
 RESERVE = 1.1  # of a motor over the estimated power
-RATED = ((7.5, 0.904), (22.0, 0.930), (55.0, 0.946), (110.0, 0.954), (200.0, 0.960))  # IE3, four poles, IEC 60034-30-1
 
 
 class Size(NamedTuple):
@@ -61,14 +61,11 @@ def motor_for(power: float) -> float:
     return next((float(each) for each in MOTORS if each >= wanted), float(math.ceil(wanted / 100.0) * 100.0))
 
 
-def motor_efficiency(rated: float) -> float:
-    """Return the efficiency of an IE3 motor of a rated power [kW], between the table's rows by its logarithm."""
-    powers, found = zip(*RATED, strict=True)
-    if rated <= powers[0] or rated >= powers[-1]:
-        return found[0] if rated <= powers[0] else found[-1]
-    above = next(i for i, each in enumerate(powers) if each >= rated)
-    share = math.log(rated / powers[above - 1]) / math.log(powers[above] / powers[above - 1])
-    return found[above - 1] + share * (found[above] - found[above - 1])
+def motor_efficiency(rated: float) -> str:
+    """Return what a scene states of the efficiency of a four-pole motor of a rated power [kW]: IE3 (M450)."""
+    if motor_classes.SMALLEST <= 1e3 * rated <= motor_classes.LARGEST:
+        return f"efficiency_class: {motor_classes.IE3}"
+    return f"efficiency: {motor_classes.class_efficiency(motor_classes.IE3, 4, 1e3 * rated):.3g}"
 
 
 def bore(oil_flow: float, density: float, drop: float, count: int = 2) -> float:

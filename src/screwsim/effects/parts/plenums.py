@@ -32,12 +32,16 @@ class Site:
 
 @dataclass(frozen=True)
 class Drawn:
-    """What a plenum gave during the closed cycle: net mass flows [kg/s] from it and from the suction line."""
+    """What a plenum gave during the closed cycle: net mass flows [kg/s] from it and from the suction line.
+
+    `brought` [W] is the enthalpy of gas that was pushed back into it, over that of the plenum's state.
+    """
 
     flow: float
     suction_flow: float
     reservoir: Reservoir
     site: Site
+    brought: float = 0.0
 
     @property
     def ratio(self) -> float | None:

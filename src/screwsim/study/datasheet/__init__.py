@@ -18,7 +18,12 @@ __all__ = ["Sheet", "sheet_of"]
 
 BY_TEMPERATURE, BY_PRESSURE = ("--evaporating", "--condensing"), ("--suction", "--discharge")
 REFRIGERATES, STATES = "a refrigeration machine", "a machine whose lines are stated by pressures"
-BELONGS = dict.fromkeys((*BY_TEMPERATURE, "--limit", "--heating"), REFRIGERATES) | dict.fromkeys(BY_PRESSURE, STATES)
+PACKAGE = "an air package"
+BELONGS = (
+    dict.fromkeys((*BY_TEMPERATURE, "--limit", "--heating"), REFRIGERATES)
+    | dict.fromkeys(BY_PRESSURE, STATES)
+    | {"--profile": PACKAGE}
+)
 FIGURES = ("gas_mass_flow", "cooling_capacity", "shaft_power", "electrical_power", "cop", "specific_power")
 
 
@@ -31,6 +36,7 @@ def sheet_of(
     discharge: str | None = None,
     limits: Sequence[str] = (),
     heating: bool = False,
+    profile: str | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Sheet:
@@ -39,13 +45,12 @@ def sheet_of(
     Of a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') in place of those of the
     scene's sweep; of a gas compressor and an expander, whose scenes state pressures, `suction` and `discharge` ('4
     bar..6 bar'). `limits` say what is to hold ('discharge_temperature<110 degC'), `heating` asks for the tables of a
-    heat pump, too. A package of air has none of these.
+    heat pump, too. A package of air has none of these, but a `profile`, a CSV file of flows and hours.
     Where the scene gives tolerances, or names the validation of its model, lines say what these make of its own point.
     """
     given = (evaporating, condensing, suction, discharge)
-    sheet = _sheet(
-        scene, dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True)), limits, heating, jobs, progress
-    )
+    ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
+    sheet = _sheet(scene, ranges, limits, heating, profile, jobs, progress)
     return _with_uncertainty(scene, sheet) if scene.uncertain or scene.model_error else sheet
 
 
@@ -90,17 +95,21 @@ def _sheet(
     ranges: Mapping[str, str | None],
     limits: Sequence[str],
     heating: bool,
+    profile: str | None,
     jobs: int | None,
     progress: Progress | None,
 ) -> Sheet:
     if package_of(scene) is not None and scene.gas.name.lower() == "air":
         from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
+        from screwsim.study.datasheet.air_year import read_profile
 
         _refuse(
             {**ranges, "--limit": tuple(limits) or None, "--heating": heating or None}, "the scene is an air package"
         )
-        return air_sheet(scene, air_rating(scene))
+        demands = () if profile is None else read_profile(profile)
+        return air_sheet(scene, air_rating(scene), demands)
+    _refuse({"--profile": profile}, "the scene is none")
     from screwsim.study.datasheet import gas, refrigeration
     from screwsim.study.datasheet.bounds import limits_of
     from screwsim.study.datasheet.rated import rating

@@ -1,6 +1,6 @@
 """The rating of an air package as a sheet: in the trade's order, metric beside American units."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
@@ -10,6 +10,7 @@ from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
+from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, told
 
@@ -30,8 +31,9 @@ HUMID = (
 MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
 
 
-def air_sheet(scene: Scene, rated: Rating) -> Sheet:
-    """Return the sheet of a rating."""
+def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
+    """Return the sheet of a rating, with the energy of demands."""
+    shares = year(rated, demands) if demands else ()
     rows = [_row(point, rated.full) for point in rated.points]
     good = [point for point in rated.points if point.flow > 0.0]
     curve = Curve([MINUTE * point.flow for point in good], [_specific(point) for point in good])
@@ -42,11 +44,11 @@ def air_sheet(scene: Scene, rated: Rating) -> Sheet:
         heading="Air package, rating by ISO 1217",
         title=scene.title,
         lines=list(_lines(scene, rated)),
-        tables=[Table("Points", HEADS, rows)],
+        tables=[Table("Points", HEADS, rows), *([year_table(rated, shares)] if shares else [])],
         verdict=_verdict(rated.regulation),
         notes=list(_notes(scene, every)),
         drawings=[drawing] if len(good) > 1 else [],
-        document=_document(scene, rated),
+        document={**_document(scene, rated), **({"profile": year_document(shares)} if shares else {})},
         ok=all(point.ok for point in every),
     )
 

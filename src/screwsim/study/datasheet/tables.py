@@ -122,7 +122,18 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
     if not ratios:
         return note
     within = f"{ratios[0]:.3g} … {ratios[-1]:.3g}"
-    return f"{note}; best Vi: machine.built_in_volume_ratio of the best {best} at that load, within {within}"
+    note = f"{note}; best Vi: machine.built_in_volume_ratio of the best {best} at that load, within {within}"
+    return f"{note}{_missed(rated)}"
+
+
+def _missed(rated: Rating) -> str:
+    """Return at which built-in volume ratios no best was looked for, and why; empty where it was at all of them."""
+    missed = {ratio: why for each in rated.loads for step in each.steps for ratio, why in step.missed.items()}
+    if not missed:
+        return ""
+    named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
+    why = missed[min(missed)].splitlines()[0]
+    return f"; not everywhere at {named}, so that a better one may be missed ({why})"
 
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
@@ -190,4 +201,7 @@ def _control(each: PartLoad, names: Sequence[str]) -> dict[str, Any]:
 
 def _best(step: Step, names: Sequence[str]) -> dict[str, Any]:
     """Return the built-in volume ratio of the best COP at a part load, and the figures there."""
-    return {} if step.best is None else {"best_volume_ratio": {"ratio": step.ratio, **kept(step.best, names)}}
+    missed = {"missed_volume_ratios": {f"{ratio:g}": why for ratio, why in step.missed.items()}} if step.missed else {}
+    if step.best is None:
+        return missed
+    return {"best_volume_ratio": {"ratio": step.ratio, **kept(step.best, names)}, **missed}

@@ -1,0 +1,160 @@
+"""What an air package takes over a profile of demands: hours at flows of free air, and the energy of them (M470).
+
+Between the points of a package of variable speed its power is interpolated over the flow. Below the lowest of them, and
+of a package of fixed speed below full flow, it loads and unloads; one that has no unloaded point stops in between.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
+from screwsim.numerics.pchip import Pchip
+from screwsim.scene.units import NUMBER, Refused, parse_quantity
+from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.sheet import Table
+
+POWER, OPTION = "package_input_power", "--profile"
+MINUTE, KWH, WHOLE = 60.0, 3.6e6, 8760.0  # s, J, h
+NEAR = 1e-3  # of full flow, by which a demand may be above it and still be met
+_FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
+_EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
+
+
+class Demand(NamedTuple):
+    """A flow of free air [m³/s] that is asked for during so many hours."""
+
+    flow: float
+    hours: float
+
+
+class Share(NamedTuple):
+    """A demand, the flow [m³/s] that is given for it, the mean power [W] and the share of the time on load."""
+
+    demand: Demand
+    given: float
+    power: float
+    loaded: float
+
+    @property
+    def energy(self) -> float:
+        """Energy [J]."""
+        return self.power * self.demand.hours * MINUTE * MINUTE
+
+    @property
+    def volume(self) -> float:
+        """Free air [m³]."""
+        return self.given * self.demand.hours * MINUTE * MINUTE
+
+
+def read_profile(name: str) -> tuple[Demand, ...]:
+    """Return the demands of a CSV file; raise UsageError in one line."""
+    where = f"{OPTION} {name}"
+    try:
+        sheet = read_sheet(name)
+    except Unreadable as reason:
+        raise UsageError(f"{where}: cannot be read: {reason} (name a CSV file: {_EXAMPLE})") from None
+    except BadSheet as fault:
+        raise UsageError(f"{where}: {fault}") from None
+    heads = [_FLOW.fullmatch(text) for text in sheet.names]
+    flow = next((i for i, match in enumerate(heads) if match), None)
+    if flow is None or "hours" not in sheet.names or len(sheet.names) != 2 or not sheet.rows:
+        raise UsageError(f"{where}: is no table of flows with a unit and hours (write {_EXAMPLE})")
+    match = heads[flow]
+    assert match is not None
+    found = []
+    for row in sheet.rows:
+        at, hours = f"{where} line {row.line}", row.cells[1 - flow]
+        try:
+            asked = parse_quantity(KINDS["volume_flow"], f"{row.cells[flow]} {match[1]}")
+        except Refused as refusal:
+            raise UsageError(f"{at}: flow: {refusal}") from None
+        if not re.fullmatch(NUMBER, hours) or not 0.0 <= float(hours) <= WHOLE:
+            raise UsageError(f"{at}: hours {hours!r} is no number from 0 to {WHOLE:g} (write e.g. 2000)")
+        if asked < 0.0:
+            raise UsageError(f"{at}: a flow of {row.cells[flow]} is below 0 (write 0 for idling)")
+        found.append(Demand(asked, float(hours)))
+    total = sum(each.hours for each in found)
+    if not 0.0 < total <= WHOLE + 24.0:
+        raise UsageError(f"{where}: has {total:g} hours in all (a year has {WHOLE:g})")
+    return tuple(found)
+
+
+def year(rated: Rating, demands: Sequence[Demand]) -> tuple[Share, ...]:
+    """Return what a rated package takes for each demand (M470); raise UsageError where a point of it is not known."""
+    points = sorted((point for point in rated.points if point.flow > 0.0), key=lambda point: point.flow)
+    if not points or not rated.full.ok:
+        raise UsageError(f"{OPTION}: the package has no point of full flow ({rated.full.result.told})")
+    idle = 0.0
+    if rated.unloaded is not None:
+        if not rated.unloaded.ok:
+            raise UsageError(f"{OPTION}: the power unloaded is not known ({rated.unloaded.result.told})")
+        idle = _power(rated.unloaded)
+    return tuple(_share(points, idle, demand) for demand in demands)
+
+
+def _power(point: Point) -> float:
+    return float(point.result.performance[POWER])
+
+
+def _share(points: Sequence[Point], idle: float, demand: Demand) -> Share:
+    least, most = points[0], points[-1]
+    given = min(demand.flow, most.flow)
+    if given < least.flow:
+        loaded = given / least.flow
+        return Share(demand, given, loaded * _power(least) + (1.0 - loaded) * idle, loaded)
+    if len(points) == 1:
+        return Share(demand, given, _power(most), 1.0)
+    curve = Pchip(np.array([point.flow for point in points]), np.array([_power(point) for point in points]))
+    return Share(demand, given, float(curve(given)), 1.0)
+
+
+def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
+    """Return the table of a profile, its last row the whole."""
+    rows = [
+        [*(f"{MINUTE * each.demand.flow:.2f}", f"{each.demand.hours:.0f}", f"{100.0 * each.loaded:.0f}"),
+         *(f"{1e-3 * each.power:.1f}", f"{each.energy / KWH:.0f}", _specific(each.energy, each.volume))]
+        for each in shares
+    ]  # fmt: skip
+    hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
+    mean = 1e-3 * energy / (hours * MINUTE * MINUTE)
+    rows.append(["all", f"{hours:.0f}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume)])
+    note = "; ".join(_told(rated, shares))
+    return Table("Energy over the profile", ("m³/min", "hours", "% on load", "mean kW", "kWh", "kWh/m³"), rows, note)
+
+
+def _sums(share: Share) -> tuple[float, float, float]:
+    return share.demand.hours, share.energy, share.volume
+
+
+def _specific(energy: float, volume: float) -> str:
+    return f"{energy / KWH / volume:.4f}" if volume > 0.0 else ""
+
+
+def _told(rated: Rating, shares: Sequence[Share]) -> Iterator[str]:
+    full = rated.full.flow
+    missing = [each for each in shares if each.demand.flow > (1.0 + NEAR) * full]
+    if missing:
+        hours = sum(each.demand.hours for each in missing)
+        yield f"during {hours:g} h less is given than asked for, {MINUTE * full:.2f} m³/min"
+    if any(each.loaded < 1.0 for each in shares):
+        if rated.unloaded is None:
+            yield "below its lowest flow it stops and starts, and takes nothing in between (it has no unloaded point)"
+        else:
+            yield "below its lowest flow it loads and unloads; venting and filling its separator are not counted"
+
+
+def year_document(shares: Sequence[Share]) -> dict[str, Any]:
+    """Return a profile as `--json` has it, SI units; hours are hours."""
+    hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
+    rows = [
+        {"flow": each.demand.flow, "hours": each.demand.hours, "given_flow": each.given, "power": each.power,
+         "loaded": each.loaded, "energy": each.energy}
+        for each in shares
+    ]  # fmt: skip
+    return {"demands": rows, "hours": hours, "energy": energy, "volume": volume}

@@ -1,0 +1,76 @@
+"""Energy of an air package over a profile of demands, against sums by hand; what no profile is, is one line."""
+
+import pytest
+
+from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.study.datasheet import sheet_of
+from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_year import Demand, read_profile, year, year_document, year_table
+
+FULL, LEAST = 0.2, 0.1  # m³/s
+PROFILE = (Demand(0.3, 100.0), Demand(0.15, 1000.0), Demand(0.05, 500.0), Demand(0.0, 10.0))
+
+
+def point(flow, power):
+    return Point(300.0, Result("ok", performance=Figures(free_air_delivered=flow, package_input_power=power)))
+
+
+def rated(*points, unloaded=None):
+    idle = None if unloaded is None else point(0.0, unloaded)
+    return Rating(points, idle, None, len(points) > 1, "air")
+
+
+def test_a_package_of_fixed_speed_is_on_load_for_the_share_of_its_flow():
+    shares = year(rated(point(FULL, 80e3), unloaded=20e3), PROFILE)
+    assert [each.loaded for each in shares] == pytest.approx([1.0, 0.75, 0.25, 0.0])
+    assert [each.power for each in shares] == pytest.approx([80e3, 65e3, 35e3, 20e3])
+    found = year_document(shares)
+    assert found["energy"] == pytest.approx(3600.0 * (80e3 * 100 + 65e3 * 1000 + 35e3 * 500 + 20e3 * 10))
+    assert found["volume"] == pytest.approx(3600.0 * (FULL * 100 + 0.15 * 1000 + 0.05 * 500))
+
+
+def test_one_of_variable_speed_follows_the_flow_and_stops_below_its_lowest():
+    package = rated(point(FULL, 80e3), point(0.15, 56e3), point(LEAST, 40e3))
+    shares = year(package, PROFILE)
+    assert [each.power for each in shares] == pytest.approx([80e3, 56e3, 20e3, 0.0])
+    assert "it stops and starts" in year_table(package, shares).note
+
+
+def test_a_demand_above_full_flow_is_told_and_counts_what_is_given():
+    package = rated(point(FULL, 80e3), unloaded=20e3)
+    shares = year(package, PROFILE)
+    assert shares[0].given == FULL
+    table = year_table(package, shares)
+    assert table.note.startswith("during 100 h less is given than asked for, 12.00 m³/min")
+    assert table.rows[-1][0] == "all" and table.rows[-1][1] == "1610"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("flow, hours\n8, 100", "is no table of flows with a unit and hours"),
+        ("flow [m^3/min], hours", "is no table of flows with a unit and hours"),
+        ("flow [m3/mn], hours\n8, 100", "line 2: flow: '8 m3/mn' is not a volume flow"),
+        ("flow [m^3/min], hours\n8, 1e5", "line 2: hours '1e5' is no number from 0 to 8760"),
+        ("flow [m^3/min], hours\n-8, 10", "line 2: a flow of -8 is below 0"),
+        ("flow [m^3/min], hours\n8, 8000\n7, 8000", "has 16000 hours in all"),
+    ],
+)
+def test_what_is_no_profile_is_told_in_one_line(tmp_path, text, says):
+    (tmp_path / "loads.csv").write_text(text)
+    with pytest.raises(UsageError) as told:
+        read_profile(str(tmp_path / "loads.csv"))
+    assert says in str(told.value) and "\n" not in str(told.value)
+
+
+def test_columns_may_come_in_any_order_and_unit(tmp_path):
+    (tmp_path / "loads.csv").write_text("# of a week\nhours, flow [L/s]\n10, 100\n")
+    assert read_profile(str(tmp_path / "loads.csv")) == (Demand(pytest.approx(0.1), 10.0),)
+
+
+def test_no_other_machine_has_a_profile(pytestconfig):
+    from screwsim import load
+
+    with pytest.raises(UsageError, match="--profile: belongs to an air package"):
+        sheet_of(load(pytestconfig.rootpath / "configs" / "r134a" / "point.yaml"), profile="loads.csv")
