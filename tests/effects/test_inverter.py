@@ -95,6 +95,13 @@ def test_points_that_tell_no_law_are_refused(tmp_path, rows, message):
         inverter.fitted(inverter.read_points(str(path)))
 
 
+def test_points_too_narrow_to_tell_the_loss_elsewhere_are_refused(tmp_path):
+    """Currents of 0.9 to 1 that are met to 3 %, and tell of six times the largest loss without current."""
+    rows = [(0.9, 0.9, 2000), (0.9, 0.95, 2300), (0.9, 1, 2700), (0.95, 0.9, 2050), (0.95, 1, 2750), (0.85, 0.95, 2200)]
+    with pytest.raises(UsageError, match="too narrow to tell the loss elsewhere"):
+        inverter.fitted(rows)
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [

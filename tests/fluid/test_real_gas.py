@@ -12,7 +12,7 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Limit
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kernel import Kernel
 
 FLUIDS = ("R134a", "R1234yf", "R1234ze(E)", "R32", "Ammonia", "CarbonDioxide", "n-Propane", "Nitrogen", "Air")
@@ -300,6 +300,14 @@ def test_the_margin_falls_through_zero_at_the_equations_limits():
 def test_a_liquid_is_refused_with_its_boiling_point():
     with pytest.raises(UsageError, match=r"R134a at 500000 Pa, 280 K is liquid: it boils at 288\.88"):
         R134A.port_state(5e5, 280.0)
+
+
+def test_what_no_state_has_fails_a_case_and_ends_no_sweep():
+    """Carbon dioxide above its critical pressure, colder than at the critical temperature; a liquid in a line."""
+    with pytest.raises(Unfound, match="below what the equation covers; use warmer gas or oil"):
+        RealGas("CarbonDioxide").temperature(1.2e7, 261e3)
+    with pytest.raises(Unfound, match="is liquid"):
+        R134A.enthalpy(5e5, 280.0)
 
 
 def test_the_nearest_vapour_is_the_state_itself_or_one_kelvin_above_saturation():

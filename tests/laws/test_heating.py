@@ -9,7 +9,7 @@ from scenes import RATED, make, run
 from screwsim.build import build_gas
 from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating
 from screwsim.scene import lines, load, refrigerating_effect
-from screwsim.simulate import simulate
+from screwsim.simulate import simulate, simulate_many
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -66,6 +66,13 @@ def test_a_gas_cooler_gives_heat_as_a_condenser_does():
     p = simulate(load(CONFIGS / "co2" / "transcritical.yaml"), trace=False).performance
     ends = [PropsSI("H", "P", 90e5, "T", T, "CO2") for T in (p.discharge_temperature, 308.15)]
     assert p.heating_capacity == pytest.approx(p.gas_mass_flow * (ends[0] - ends[1]), rel=1e-6)
+
+
+def test_oil_so_cold_that_what_leaves_the_separator_is_liquid_fails_its_case_alone():
+    scenes = [load(CONFIGS / "r134a" / "point.yaml", [f"oil_supply.temperature={T}"]) for T in ("-50 degC", "57 degC")]
+    cold, warm = simulate_many(scenes, trace=False)
+    assert (cold.status, warm.status) == ("failed", "ok")
+    assert "is liquid: it boils at 318.15 K" in cold.message
 
 
 def test_its_error_is_told_and_small():

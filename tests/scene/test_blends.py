@@ -76,6 +76,10 @@ def test_a_blend_by_mole_is_another():
             "gas.fluid: component 'R32' is listed twice (remove one)",
         ),
         (
+            ("gas.fluid=R32/R125 (1/0)",),
+            "gas.fluid: 'R32/R125 (1/0)': has nothing of R125 (leave out what is not there)",
+        ),
+        (
             ("gas.fluid=[R22, R124]", "gas.mole_fractions=[0.5, 0.5]"),
             "gas.fluid: R22/R124 (mole 0.5/0.5): CoolProp has no data of the pair R124 and R22; choose another blend, "
             "such as R454B, R513A or R448A, or a pure fluid",

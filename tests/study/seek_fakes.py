@@ -53,6 +53,11 @@ def choosing(scene: Scene) -> Result:
     return figures_of(scene, shaft_power=1.0 + x * x + y * y, gas_mass_flow=2.0 - (1.0 - x) ** 2 - y * y)
 
 
+def idle(scene: Scene) -> Result:
+    """Return an efficiency that the oil ratio does nothing to, a little higher below 1.01 as its error allows."""
+    return figures_of(scene, isothermal_efficiency=0.7 * (1.0 + (1.5e-6 if scene.oil_supply.ratio < 1.01 else 0.0)))
+
+
 def deadly(scene: Scene) -> Result:
     """Kill the process where the oil ratio is above 2.8."""
     if scene.oil_supply.ratio > 2.8:

@@ -100,6 +100,14 @@ def test_a_sum_of_both_at_one_speed_is_not_told_apart(tmp_path):
     assert "not told apart" in combination.says
 
 
+def test_a_parameter_alone_that_does_nothing_is_said_to(tmp_path):
+    """Its singular value is the largest, and what it tells is less than the bounds do."""
+    idle = FIT.partition("parameters:")[0] + "parameters:\n  operation.ambient_temperature: {from: 280 K, to: 300 K}\n"
+    found = calibrate(read_fit(write_fit(tmp_path, idle)), jobs=1, simulate=plane)
+    (combination,) = found.certainty.open
+    assert combination.says == "the data say next to nothing about operation.ambient_temperature"
+
+
 def test_told_apart_parameters_raise_no_warning(fit):
     assert calibrate(fit, jobs=1, simulate=plane).certainty.open == ()
 

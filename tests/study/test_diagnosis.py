@@ -55,6 +55,18 @@ def by_path(found):
     return {each.path: each for each in found.hypotheses}
 
 
+def test_of_a_parameter_that_does_nothing_the_points_tell_nothing(tmp_path):
+    """Its probability is that beforehand, and its interval that of its bounds; of another they tell."""
+    idle = FIT.replace("oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", "operation.ambient_temperature: IDLE")
+    fit = write_fit(
+        tmp_path,
+        idle.replace("IDLE", "{from: 280 K, to: 300 K}"),
+        points(),
+        screwsim.loads(SCENE).with_(UNCHANGED).text,
+    )
+    assert diagnose(read_fit(fit, fixed=False), simulate=plane, jobs=1).untold == ("operation.ambient_temperature",)
+
+
 def test_the_evidence_is_the_mean_likelihood_between_the_bounds():
     generator = np.random.default_rng(2)
     for place, size in ((0.3, 8.0), (0.02, 3.0), (0.9, 40.0), (0.5, 0.0)):

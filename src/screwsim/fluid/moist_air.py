@@ -24,7 +24,7 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.roots import brentq
@@ -135,7 +135,7 @@ class MoistAir:
         T, rho = self._compiled("at_pressure", p, wanted, entropy, T_LOW, T_HIGH, self.R)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise UsageError(f"moist air at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state")
+            raise Unfound(f"moist air at {p:.6g} Pa, {what} is below what the equation covers; use warmer gas or oil")
         return T, rho
 
     def temperature(self, p: float, h: float) -> float:

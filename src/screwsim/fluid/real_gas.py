@@ -163,11 +163,11 @@ class RealGas:
         return lru_cache(maxsize=64)(lambda T: float(pressure(max(T, found.T_low))[0]) if T < found.T_c else inf)
 
     def density(self, p: float, T: float) -> float:
-        """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises UsageError for a liquid."""
+        """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises Unfound for a liquid."""
         found = saturation(self.fluid)
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
             what = "is liquid, or wet: it condenses from" if self.known.glides else "is liquid: it boils at"
-            raise UsageError(
+            raise Unfound(
                 f"{self.known.name} at {p:.6g} Pa, {T:.6g} K {what} "
                 f"{self.saturation_temperature(p) or found.T_c:.6g} K; "
                 "give a higher temperature or a lower pressure"
@@ -175,12 +175,12 @@ class RealGas:
         return _vapour_density(self, p, T)
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-        """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid."""
+        """Return (T, ρ) at p and an enthalpy or entropy: vapour, two phases or liquid. Raises Unfound below all."""
         T, rho = _at_pressure(self, p, wanted, entropy)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise UsageError(
-                f"{self.known.name} at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state"
+            raise Unfound(
+                f"{self.known.name} at {p:.6g} Pa, {what} is below what the equation covers; use warmer gas or oil"
             )
         return T, rho
 
@@ -212,7 +212,7 @@ class RealGas:
         return _port_state_of_enthalpy(self, p, h)
 
     def vapour(self, p: float, T: float) -> Reservoir:
-        """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises UsageError for a liquid."""
+        """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises Unfound for a liquid."""
         return self._reservoir(p, T, self.density(p, T))
 
     def liquid(self, p: float, h: float) -> Reservoir:

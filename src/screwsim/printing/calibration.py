@@ -106,6 +106,7 @@ def spread(found: Calibration, index: int) -> tuple[float | None, float | None]:
     """Return the lowest and highest value [SI] of a parameter among the fits that are as good."""
     parameter = found.fit.parameters[index]
     values = [parameter.value(found.starts[number].places[index]) for number in found.as_good]
+    values += [found.values[parameter.path]] if values else []  # the best start is led on from where it ended
     return (min(values), max(values)) if values else (None, None)
 
 
@@ -233,7 +234,7 @@ def _warnings(found: Calibration) -> Iterator[str]:
             yield f"warning: {parameter.path} is at its {border} bound, {shown}: a better fit may lie beyond"
     for each in known.open:
         yield f"warning: {each.says} (a standard error along it is {each.span:.2g} of the bounds' distance)"
-    if known.open:
+    if any(not each.strength >= WEAK for each in known.open):
         yield (
             f"a combination is not fixed below {WEAK:g} of the largest singular value of the scaled slopes; two "
             f"parameters are not told apart above |r| = {CORRELATED:g} (fix one, add data, or state a prior)"

@@ -28,6 +28,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "hypotheses": [_hypothesis(each) for each in found.hypotheses],
         "changed": found.changed,
         "not_told_apart": [each._asdict() for each in found.alike],
+        "told_next_to_nothing_of": list(found.untold),
         "probability_of_a_misfit_as_large": found.chance,
         "uncertain_inputs": list(found.inputs),
         "points_without_solution": dict(found.reasons),
@@ -128,6 +129,8 @@ def _told(found: Diagnosis) -> Iterator[str]:
             f"not told apart: {each.first} and {each.second}: their changes make the same of all points together, "
             f"within {each.off:.2g} uncertainties (screwsim plan says which points would tell)"
         )
+    for path in found.untold:
+        yield f"warning: the points say next to nothing about {path}: any value between its bounds fits as well"
     if found.chance is not None and found.chance < CHANCE:
         several = "more than two" if two else "several"
         yield (

@@ -114,6 +114,8 @@ def _print_best(found: Optimum) -> None:
     for path, reach in found.reach.items():
         if reach.border:
             say(wrapped(f"{path} lies at the {reach.border} of its range, a better one may lie beyond: widen it"))
+        if reach.idle:
+            say(wrapped(f"{path} does next to nothing: over all of its range values as good were found"))
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
         say(wrapped(f"another local optimum at {where}: {_text(aim.figure, height)}"))

@@ -99,6 +99,9 @@ def _fractions(path: str, fractions: tuple[float, ...], fluids: tuple[str, ...])
     if len(fractions) != len(fluids):
         what = f"has {len(fractions)} numbers for {len(fluids)} components"
         yield Fault(path, f"{what} (write one for each of {', '.join(fluids)})")
+    elif not all(x > 0.0 for x in fractions):
+        absent = ", ".join(fluid for fluid, x in zip(fluids, fractions, strict=True) if not x > 0.0)
+        yield Fault(path, f"has nothing of {absent} (leave out what is not there)")
     elif abs(total - 1.0) > SUM:
         scaled = ", ".join(f"{x / total:.6g}" for x in fractions)
         yield Fault(path, f"add up to {total:.7g}, not to 1 (if only their ratios are meant: [{scaled}])")

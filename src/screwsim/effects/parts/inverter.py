@@ -117,7 +117,21 @@ def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float,
     if left > POOR * float(loss.max()):
         raise UsageError(f"has points up to {left:.3g} W off the law of M432 (check their speeds and currents)")
     standing, current, square, power = found.tolist()
+    _check_course((standing, current, square, power), POOR * float(loss.max()))
     return standing, current, square, power
+
+
+def _check_course(terms: tuple[float, float, float, float], slack: float) -> None:
+    """Raise UsageError where a fitted loss is not above 0, or falls by more than a slack [W] as the current grows."""
+    for speed in (0.0, 1.0):
+        course = [inverter_loss(terms, Turning(speed, current)) for current in np.linspace(0.0, 1.0, 21)]
+        highest = np.maximum.accumulate(course)
+        if min(course) <= 0.0 or float(np.max(highest - course)) > slack:
+            what = f"tells of {course[0]:.4g} W without current and {min(course):.4g} W at the least"
+            raise UsageError(
+                f"{what}, at {speed:g} times the rated speed: too narrow to tell the loss elsewhere "
+                "(write all eight of IEC 61800-9-2)"
+            )
 
 
 def told(inverter: Inverter, at: Turning) -> tuple[str, ...]:

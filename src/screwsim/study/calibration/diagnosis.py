@@ -48,6 +48,7 @@ from screwsim.study.workers import DIED
 
 UNCHANGED = 0.5  # probability beforehand that nothing changed; the others share the rest
 PAIRS = 0.1  # odds beforehand of two changes at once against one
+UNTOLD = 0.95  # of the width of an interval that knows the bounds alone: the points tell next to nothing
 FIRST = 3  # single changes that are solved again in any case, beside those that are likely by slopes
 LIKELY_PAIR = 1e-2  # probability from which on two changes at once are solved, ...
 MOST_PAIRS = 6  # ... at most so many of them, ...
@@ -84,6 +85,17 @@ class Diagnosis:
             for path in one.paths:
                 sums[path] += one.probability
         return dict(sorted(sums.items(), key=lambda item: -item[1]))
+
+    @property
+    def untold(self) -> tuple[str, ...]:
+        """The parameters of which the points tell next to nothing: any value between the bounds fits as well."""
+        single = {one.path: one.changes[0] for one in self.hypotheses if len(one.changes) == 1 and not one.linear}
+
+        def width(parameter: Parameter) -> float:
+            was, now = self.unchanged[parameter.path], single[parameter.path]
+            return parameter.place(was + now.high) - parameter.place(was + now.low)
+
+        return tuple(each.path for each in self.fit.parameters if each.path in single and width(each) > UNTOLD * LEVEL)
 
 
 class Here(NamedTuple):

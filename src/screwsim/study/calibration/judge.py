@@ -10,6 +10,8 @@ from screwsim.study.calibration.residuals import Array
 
 CORRELATED = 0.95  # from this |r| on two parameters are not told apart
 WEAK = 0.02  # of the largest singular value of the scaled slopes: below it a combination is not fixed
+LEAST = 1e-100  # singular value, whose inverse can be squared
+IDLE = 1.0  # of the bounds' distance: a standard error above it tells nothing, even where it is the smallest
 BORDER = 5e-3  # of the bounds' distance: nearer is at the bound
 SHARE = 0.25  # of the largest part: what belongs to a combination
 
@@ -80,7 +82,7 @@ def certainty(
 
 
 def _inverse(s: Array) -> Array:
-    return 1.0 / np.maximum(s, max(1e-9 * float(s[0]), 1e-300))
+    return 1.0 / np.maximum(s, max(1e-9 * float(s[0]), LEAST))
 
 
 def open_combinations(
@@ -104,9 +106,9 @@ def open_combinations(
 
 
 def _weak(parameters: Sequence[Parameter], share: Array, inverse: Array, v: Array) -> Iterator[Combination]:
-    """Yield the combinations whose singular value is small."""
+    """Yield the combinations whose singular value is small, and those that bounds tell more of than the data."""
     for strength, span, direction in zip(share, inverse, v, strict=True):
-        if strength < WEAK:
+        if strength < WEAK or span > IDLE:
             move = direction / direction[int(np.argmax(np.abs(direction)))]
             parts = [index for index, size in enumerate(move) if abs(size) >= SHARE]
             yield _told([parameters[index] for index in parts], move[parts], float(strength), float(span))

@@ -35,15 +35,20 @@ from screwsim.study.workers import cores
 __all__ = ["Aim", "Optimum", "Question", "Reach", "optimize", "question", "run", "spans_of"]
 
 BORDER = 2e-4  # of a range: at its end
+IDLE = 0.9  # of a range over which all is as good: its path does not matter
 
 
 @dataclass(frozen=True)
 class Reach:
-    """How far a path [SI] may go with one aim as good within its error, by what was evaluated; `border` it lies at."""
+    """How far a path [SI] may go with one aim as good within its error, by what was evaluated.
+
+    `border` it lies at; `idle` where the aim is as good from one end of the range to the other.
+    """
 
     low: float
     high: float
     border: str = ""
+    idle: bool = False
 
 
 @dataclass(frozen=True, repr=False)
@@ -233,10 +238,13 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
 def _reach(found: Optimum, feasible: np.ndarray, column: int, best: int, top: Top | None) -> Reach:
     """Return how far a path may go, as good within the error of the best; of one path by the parabola of its top."""
     span, place = found.asked.spans[column], float(found.places[best, column])
-    border = "lower border" if place < BORDER else "upper border" if place > 1.0 - BORDER else ""
-    if top is not None and not found.asked.bounds:
-        return Reach(span.value(top.low), span.value(top.high), border)
     sign = found.asked.aims[0].sign
     worse = sign * (found.aims[:, 0] - found.aims[best, 0])
-    good = found.places[feasible & (worse <= found.errors[best, 0]), column]
-    return Reach(span.value(float(good.min())), span.value(float(good.max())), border)
+    good = found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column]
+    low, high = float(good.min()), float(good.max())
+    if high - low > IDLE:  # what does next to nothing lies at a border by chance
+        return Reach(span.value(low), span.value(high), idle=True)
+    border = "lower border" if place < BORDER else "upper border" if place > 1.0 - BORDER else ""
+    if top is not None and not found.asked.bounds:
+        low, high = top.low, top.high
+    return Reach(span.value(low), span.value(high), border)
