@@ -125,13 +125,10 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         low, high = pitch.extremes(lambda p, slope: _work(p - pitch.low_pressure, slope))
         values: list[float | None] = [pitch.torque_mean, high - low, *harmonics(torque(pitch), len(WHICH))]
         values += on_rotors(parameters, pitch, ratio)
-        for way in FORCES:
-            area, pressed = areas[way], force(areas[way], pitch)
-            if area is None or pressed is None:
-                values += [None, None]
-            else:
-                excess = pitch.extremes(lambda p, _: (p - pitch.low_pressure).sum(axis=1))[1]
-                values += [float(pressed.mean()), area * excess]
+        pressed = (pitch.pressure - pitch.low_pressure).sum(axis=1).mean()
+        most = pitch.extremes(lambda p, _: (p - pitch.low_pressure).sum(axis=1))[1] if any(areas.values()) else 0.0
+        for area in (areas[way] for way in FORCES):
+            values += [None, None] if area is None else [float(area * pressed), area * most]
         return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:
