@@ -425,12 +425,17 @@ def test_ammonia_by_any_name_has_an_open_drive_mineral_oil_and_a_cooler(name):
 
 
 @pytest.mark.parametrize(
-    ("condition", "vi", "end"),
-    [("0/40 degC", None, 1.0), ("10/40 degC", None, 1.0), (None, 2, 1.0), ("-20/40 degC", None, 0.85)],
+    ("condition", "vi", "end", "load"),
+    [
+        ("0/40 degC", None, 1.0, 0.28),
+        ("10/40 degC", None, 1.0, 0.28),
+        (None, 2, 1.0, 0.28),
+        ("-20/40 degC", None, 0.8, 0.31),
+    ],
 )
-def test_a_slide_valve_goes_to_a_quarter_of_the_load_or_so_and_takes_none_at_full(condition, vi, end):
+def test_a_slide_valve_goes_to_a_quarter_of_the_load_or_so_and_takes_none_at_full(condition, vi, end, load):
     """Full load as without it but for the axial port, which is cut later: η_s within 2 points, flow within 0.5 %. At
-    −20/40 °C oil that nothing cools gets too hot at the end of the way.
+    −20/40 °C oil that nothing cools gets too hot in the last fifth of the way.
     """
     asked = asked_of(None, None, vi, None, None, condition, slide=True)
     text = new_scene("refrigeration", asked)
@@ -446,7 +451,7 @@ def test_a_slide_valve_goes_to_a_quarter_of_the_load_or_so_and_takes_none_at_ful
     assert full.gas_mass_flow == pytest.approx(plain.gas_mass_flow, rel=5e-3)
     assert full.isentropic_efficiency == pytest.approx(plain.isentropic_efficiency, abs=0.02)
     loads = [each.cooling_capacity / full.cooling_capacity for each in (half, least)]
-    assert 0.45 < loads[0] < 0.9 and loads[1] < 0.28
+    assert 0.45 < loads[0] < 0.9 and loads[1] < load
     assert full.shaft_power > half.shaft_power > least.shaft_power > loads[1] * full.shaft_power
 
 
