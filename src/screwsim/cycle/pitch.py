@@ -37,20 +37,23 @@ class Pitch(NamedTuple):
     at: Callable[[Array], tuple[Array, Array]]
     steps: Array
 
-    def extremes(self, curve: Callable[[Array, Array], Array]) -> tuple[float, float]:
-        """Return the lowest and the highest value over a pitch of a curve of all chambers' pressures and slopes.
+    def extremes(self, *curves: Callable[[Array, Array], Array]) -> list[tuple[float, float]]:
+        """Return the lowest and the highest value over a pitch of curves of all chambers' pressures and slopes.
 
-        Its tops and bottoms are corners, or stand between the points: it is asked on both sides of where steps end,
-        too, and once more around the lowest and the highest of all.
+        Tops and bottoms are corners, or stand between the points: each is asked on both sides of where steps end, too,
+        and once more around its lowest and its highest of all.
         """
         apart = self.angle[1]
-        width, at_points = apart * len(self.angle), curve(self.pressure, self.slope)
+        width, found = apart * len(self.angle), []
         ends = np.sort(np.mod(np.concatenate([self.steps - ASIDE, self.steps + ASIDE]), width))
-        angles, values = np.append(self.angle, ends), np.append(at_points, curve(*self.at(ends)))
-        best = angles[[values.argmin(), values.argmax()]]
-        around = np.mod(best[:, None] + np.linspace(-apart, apart, NEAR), width).ravel()
-        values = np.append(values, curve(*self.at(np.sort(around))))
-        return float(values.min()), float(values.max())
+        angles, at_ends = np.append(self.angle, ends), self.at(ends)
+        for curve in curves:
+            values = np.append(curve(self.pressure, self.slope), curve(*at_ends))
+            best = angles[[values.argmin(), values.argmax()]]
+            around = np.mod(best[:, None] + np.linspace(-apart, apart, NEAR), width).ravel()
+            values = np.append(values, curve(*self.at(np.sort(around))))
+            found.append((float(values.min()), float(values.max())))
+        return found
 
 
 def pitch_of(

@@ -77,6 +77,10 @@ def _work(excess: np.ndarray, slope: np.ndarray) -> np.ndarray:
     return -(excess * slope).sum(axis=1)
 
 
+def _pressing(excess: np.ndarray) -> np.ndarray:
+    return excess.sum(axis=1)
+
+
 def harmonics(values: np.ndarray, count: int) -> list[float]:
     """Return the amplitudes of the first `count` harmonics of a curve over one pitch (M147)."""
     return (2.0 / len(values) * np.abs(np.fft.rfft(values))[1 : count + 1]).tolist()
@@ -112,7 +116,7 @@ def rotor_torques(parameters: Parameters, pitch, ratio: float) -> tuple[np.ndarr
 
 def force(area: float | None, pitch) -> np.ndarray | None:
     """Return the gas force on a projected area of each chamber, at the points of a pitch [N] (M146)."""
-    return None if area is None else area * (pitch.pressure - pitch.low_pressure).sum(axis=1)
+    return None if area is None else area * _pressing(pitch.pressure - pitch.low_pressure)
 
 
 def build(parameters: Parameters, machine) -> list[Reading]:
@@ -122,13 +126,14 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     def read(figures) -> dict[str, float | None]:
         """Return the figures of torque and forces (M144–M147)."""
         pitch = figures.pitch()
-        low, high = pitch.extremes(lambda p, slope: _work(p - pitch.low_pressure, slope))
+        (low, high), (_, most) = pitch.extremes(
+            lambda p, slope: _work(p - pitch.low_pressure, slope), lambda p, _: _pressing(p - pitch.low_pressure)
+        )
         values: list[float | None] = [pitch.torque_mean, high - low, *harmonics(torque(pitch), len(WHICH))]
         values += on_rotors(parameters, pitch, ratio)
-        pressed = (pitch.pressure - pitch.low_pressure).sum(axis=1).mean()
-        most = pitch.extremes(lambda p, _: (p - pitch.low_pressure).sum(axis=1))[1] if any(areas.values()) else 0.0
+        mean = float(_pressing(pitch.pressure - pitch.low_pressure).mean())
         for area in (areas[way] for way in FORCES):
-            values += [None, None] if area is None else [float(area * pressed), area * most]
+            values += [None, None] if area is None else [area * mean, area * most]
         return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:

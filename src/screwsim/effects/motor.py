@@ -29,8 +29,7 @@ from screwsim.effects.parts import inverter, motor_classes
 from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import Derived, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet
-from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
@@ -128,12 +127,8 @@ def loss_of_shares(parameters: Parameters) -> Loss:
 
 def read_table(path: str) -> list[tuple[float, float]]:
     """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where it is none."""
-    try:
+    with usable("name a CSV file with the columns load, efficiency"):
         cells = read_sheet(path).columns("load", "efficiency")
-    except Unreadable as reason:
-        raise UsageError(f"cannot be read: {reason} (name a CSV file with the columns load, efficiency)") from None
-    except BadSheet as fault:
-        raise UsageError(str(fault)) from None
     try:
         rows = [(float(load), float(efficiency)) for _, (load, efficiency) in cells]
     except ValueError:

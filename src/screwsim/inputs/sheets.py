@@ -7,9 +7,12 @@ have made two cells of one number.
 
 import csv
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
-from screwsim.inputs.textfiles import MOST_TABLE, read_text
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
 _OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
@@ -63,6 +66,21 @@ class Sheet:
 def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
     """Return the table of a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
     return sheet_of(read_text(path, most))
+
+
+@contextmanager
+def usable(remedy: str, where: str = "") -> Iterator[None]:
+    """Tell as a UsageError in one line why a table read within cannot be had; `where` begins it.
+
+    `remedy` is for a file that cannot be read at all.
+    """
+    before = f"{where}: " if where else ""
+    try:
+        yield
+    except Unreadable as reason:
+        raise UsageError(f"{before}cannot be read: {reason} ({remedy})") from None
+    except BadSheet as fault:
+        raise UsageError(f"{before}{fault}") from None
 
 
 def sheet_of(text: str) -> Sheet:

@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet
-from screwsim.inputs.textfiles import Unreadable, stamp
+from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.inputs.textfiles import stamp
 from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
 
@@ -35,12 +35,8 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
 @lru_cache(maxsize=32)
 def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array]:
     """Read a curve; `_stamp` tells a file from what it was before."""
-    try:
+    with usable("name an existing CSV file", path):
         rows = read_sheet(path).columns("angle_deg", column)
-    except Unreadable as reason:
-        raise UsageError(f"{path}: cannot be read: {reason} (name an existing CSV file)") from None
-    except BadSheet as fault:
-        raise UsageError(f"{path}: {fault}") from None
     angles, values = [], []
     for line, cells in rows:
         try:

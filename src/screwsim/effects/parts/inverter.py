@@ -24,8 +24,7 @@ import numpy as np
 from screwsim.effects.base import Faults
 from screwsim.inputs.declare import file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet
-from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.sheets import read_sheet, usable
 
 FREQUENCY = 0.9  # of the point at which the loss is stated
 IRON = 1.5
@@ -90,12 +89,8 @@ def motor_share(constant_share: float, at: Turning) -> float:
 
 def read_points(path: str) -> list[tuple[float, float, float]]:
     """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where there are none."""
-    try:
+    with usable(f"name a CSV file with the columns {', '.join(COLUMNS)}"):
         cells = read_sheet(path).columns(*COLUMNS)
-    except Unreadable as reason:
-        raise UsageError(f"cannot be read: {reason} (name a CSV file with the columns {', '.join(COLUMNS)})") from None
-    except BadSheet as fault:
-        raise UsageError(str(fault)) from None
     try:
         rows = [(float(speed), float(current), float(loss)) for _, (speed, current, loss) in cells]
     except ValueError:

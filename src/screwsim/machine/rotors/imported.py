@@ -11,8 +11,7 @@ import math
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet
-from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.machine.rotors.closed_form import Segment
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
@@ -25,13 +24,10 @@ NOISE = 1e-3  # rad: contact that runs back by less, outside the tip, is noise o
 
 def read_profile(path: str) -> tuple[Array, Array]:
     """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are remarks."""
-    try:
+    with usable("name an existing CSV file", path):
         rows = read_sheet(path).columns("x_mm", "y_mm")
+    try:
         points = np.array([(float(x), float(y)) for _, (x, y) in rows])
-    except Unreadable as reason:
-        raise UsageError(f"{path}: cannot be read: {reason} (name an existing CSV file)") from None
-    except BadSheet as fault:
-        raise UsageError(f"{path}: {fault}") from None
     except ValueError:
         raise UsageError(f"{path}: needs the columns x_mm and y_mm with a number in every row") from None
     if len(points) < 20 or not np.isfinite(points).all():

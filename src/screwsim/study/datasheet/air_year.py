@@ -12,15 +12,14 @@ import numpy as np
 
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet
-from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.numerics.pchip import Pchip
 from screwsim.scene.units import NUMBER, Refused, parse_quantity
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.sheet import Table
 
 POWER, OPTION = "package_input_power", "--profile"
-MINUTE, KWH, WHOLE = 60.0, 3.6e6, 8760.0  # s, J, h
+MINUTE, HOUR, KWH, WHOLE = 60.0, 3600.0, 3.6e6, 8760.0  # s, s, J, h
 NEAR = 1e-3  # of full flow, by which a demand may be above it and still be met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
 _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
@@ -44,23 +43,19 @@ class Share(NamedTuple):
     @property
     def energy(self) -> float:
         """Energy [J]."""
-        return self.power * self.demand.hours * MINUTE * MINUTE
+        return self.power * self.demand.hours * HOUR
 
     @property
     def volume(self) -> float:
         """Free air [m³]."""
-        return self.given * self.demand.hours * MINUTE * MINUTE
+        return self.given * self.demand.hours * HOUR
 
 
 def read_profile(name: str) -> tuple[Demand, ...]:
     """Return the demands of a CSV file; raise UsageError in one line."""
     where = f"{OPTION} {name}"
-    try:
+    with usable(f"name a CSV file: {_EXAMPLE}", where):
         sheet = read_sheet(name)
-    except Unreadable as reason:
-        raise UsageError(f"{where}: cannot be read: {reason} (name a CSV file: {_EXAMPLE})") from None
-    except BadSheet as fault:
-        raise UsageError(f"{where}: {fault}") from None
     heads = [_FLOW.fullmatch(text) for text in sheet.names]
     flow = next((i for i, match in enumerate(heads) if match), None)
     if flow is None or "hours" not in sheet.names or len(sheet.names) != 2 or not sheet.rows:
@@ -95,23 +90,22 @@ def year(rated: Rating, demands: Sequence[Demand]) -> tuple[Share, ...]:
         if not rated.unloaded.ok:
             raise UsageError(f"{OPTION}: the power unloaded is not known ({rated.unloaded.result.told})")
         idle = _power(rated.unloaded)
-    return tuple(_share(points, idle, demand) for demand in demands)
+    flows, powers = (np.array(each) for each in zip(*((at.flow, _power(at)) for at in points), strict=True))
+    curve = Pchip(flows, powers) if len(points) > 1 else None
+    return tuple(_share(points, curve, idle, demand) for demand in demands)
 
 
 def _power(point: Point) -> float:
     return float(point.result.performance[POWER])
 
 
-def _share(points: Sequence[Point], idle: float, demand: Demand) -> Share:
+def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: Demand) -> Share:
     least, most = points[0], points[-1]
     given = min(demand.flow, most.flow)
     if given < least.flow:
         loaded = given / least.flow
         return Share(demand, given, loaded * _power(least) + (1.0 - loaded) * idle, loaded)
-    if len(points) == 1:
-        return Share(demand, given, _power(most), 1.0)
-    curve = Pchip(np.array([point.flow for point in points]), np.array([_power(point) for point in points]))
-    return Share(demand, given, float(curve(given)), 1.0)
+    return Share(demand, given, _power(most) if curve is None else float(curve(given)), 1.0)
 
 
 def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
@@ -122,7 +116,7 @@ def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
         for each in shares
     ]  # fmt: skip
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
-    mean = 1e-3 * energy / (hours * MINUTE * MINUTE)
+    mean = 1e-3 * energy / (hours * HOUR)
     rows.append(["all", f"{hours:.0f}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume)])
     note = "; ".join(_told(rated, shares))
     return Table("Energy over the profile", ("m³/min", "hours", "% on load", "mean kW", "kWh", "kWh/m³"), rows, note)

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, Row, read_sheet
-from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.sheets import Row, read_sheet, usable
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, Refused
@@ -205,12 +204,8 @@ class _Column:
 
 def _from_file(scene: Scene, name: str) -> Points:
     """Return the points of a CSV file; raise UsageError with the line at fault."""
-    try:
+    with usable("name a CSV file in UTF-8", f"--over {name}"):
         sheet = read_sheet(name)
-    except Unreadable as reason:
-        raise UsageError(f"--over {name}: cannot be read: {reason} (name a CSV file in UTF-8)") from None
-    except BadSheet as fault:
-        raise UsageError(f"--over {name}: {fault}") from None
     if not 1 <= len(sheet.rows) <= MOST:
         raise UsageError(f"--over {name}: has {len(sheet.rows)} points (write 1 to {MOST}, a line each; {_EXAMPLE})")
     columns = [_column(scene, text, f"--over {name} line {sheet.head.line}") for text in sheet.head.cells]
