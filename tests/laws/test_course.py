@@ -140,13 +140,19 @@ def test_a_trend_that_leads_to_no_state_of_a_gas_is_not_followed(one_closed, whe
     assert ends == pytest.approx(grows[:, 1], rel=1e-9)
 
 
-def test_what_was_read_of_a_point_is_freed_with_it():
-    points = scenes("oil_supply.ratio")[:3]
-    list(simulate_many(points, trace=False))  # what is kept for good
+def left_for_the_search(points):
+    """Return how many objects simulating points leaves that only a search for cycles of references frees."""
     gc.collect()
     gc.disable()
     try:
         list(simulate_many(points, trace=False))
-        assert gc.collect() == 0  # a cycle of references would hold histories until the next search for garbage
+        return gc.collect()
     finally:
         gc.enable()
+
+
+def test_what_was_read_of_a_point_is_freed_with_it():
+    points = scenes("oil_supply.ratio")[:3]
+    list(simulate_many(points, trace=False))  # what is kept for good
+    # a cycle would hold the histories of every round; what else the process drops, of other tests too, falls into one
+    assert any(left_for_the_search(points) == 0 for _ in range(3))
