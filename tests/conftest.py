@@ -132,6 +132,12 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return True if marked and "mark.around" in marked[0] else None
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Take what other methods found of scenes as it is stored, where scripts/test does not run all (`known.py`)."""
+    if config.option.markexpr == "not around":
+        os.environ.setdefault("SCREWSIM_KNOWN", "stored")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files that take longest first, and leave all else in its order."""
     root, last = Path(__file__).parents[1], len(LONGEST)

@@ -4,13 +4,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from known import known
 from tight import Tight, closed_tightly
 
 import screwsim
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Series, problem_of
+from screwsim.cycle.problem import problem_of
 from screwsim.derivatives.solving import Found, figures_of
-from screwsim.scene import with_values
+from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
 from screwsim.study.local import sensitivities
 
@@ -37,6 +38,7 @@ PULSATING = 2e-3  # the same; with short slices at the pressure of the line itse
 DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
 STOOD_IN = 5e-3  # of cycles at 1e-6; over half a percent of an angle, three degrees, 5e-2
 WARMED = 2e-3  # the same; with the states left out of what the shaft takes 5e-2
+ANEW = 5e-5  # of a slope: differences found again, whose cycles may take other steps
 OFF = 5e-4  # of the largest of a number's: by the slices at the default accuracy of 3e-4; median 1e-6
 
 
@@ -52,21 +54,8 @@ def test_derivatives_are_those_of_closed_cycles(file, way, paths):
     scene = screwsim.load(file, [f"numerics.closing={way}"])
     paths = [path for path in paths if value_at(scene, path) is not None]
     found = sensitivities(scene, paths)
-    series, problem = Series(), problem_of(scene)
-    machinery = leased(problem)
-    base = closed_tightly(problem, machinery, rtol=STEPS)
     for path in paths:
-        value = value_at(scene, path)
-        sides = [
-            figures_of(
-                closed_tightly(
-                    problem_of(with_values(scene, {path: value * (1.0 + by)}), series), machinery, base.life, STEPS
-                )
-            )
-            for by in (STEP, -STEP)
-        ]
-        at = figures_of(base)
-        slopes = {name: (sides[0][name] - sides[1][name]) / (2.0 * STEP) / at[name] for name in FIGURES}
+        slopes = all_differenced(scene, path, FIGURES, STEP, STEPS)
         close = OFF * max(LEAST, *map(abs, slopes.values()))
         assert found.method[path] == "exact"
         assert {name: found.relative(name, path) for name in FIGURES} == pytest.approx(slopes, abs=close), path
@@ -112,12 +101,17 @@ def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figure
 
 
 def all_differenced(scene, path, figures, step, rtol):
-    """Return the derivatives of figures in percent per percent, by tightly closed cycles."""
-    value, problem = value_at(scene, path), problem_of(scene)
-    tight = Tight(problem, leased(problem), rtol=rtol)
-    above, below = (figures_of(tight.of(with_values(scene, {path: value * (1.0 + by)}))) for by in (step, -step))
-    at = figures_of(tight.base)
-    return {figure: (above[figure] - below[figure]) / (2.0 * step * at[figure]) for figure in figures}
+    """Return the derivatives of figures in percent per percent, by tightly closed cycles (`known`: stored, or anew)."""
+
+    def find():
+        value, problem = value_at(scene, path), problem_of(scene)
+        tight = Tight(problem, leased(problem), rtol=rtol)
+        above, below = (figures_of(tight.of(with_values(scene, {path: value * (1.0 + by)}))) for by in (step, -step))
+        at = figures_of(tight.base)
+        return {figure: (above[figure] - below[figure]) / (2.0 * step * at[figure]) for figure in figures}
+
+    what = f"{', '.join(figures)} by {path}, steps of {step:g}, {rtol:g}"
+    return known("differences", what, scene_text(scene), find, ANEW)
 
 
 def differenced(scene, path, figure, step, rtol):

@@ -18,7 +18,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import effects_space  # noqa: E402
-from true_error import RADAU, Kept, account, drawn, kept  # noqa: E402
+from true_error import RADAU, Kept, Reference, account, drawn, kept, reference  # noqa: E402
 
 from screwsim.inputs.faults import SceneError  # noqa: E402
 from screwsim.scene import Scene, load, with_values  # noqa: E402
@@ -68,12 +68,16 @@ def _that_makes_sense(name: str, seed: int, first: int) -> Drawn:
 
 
 def sample(
-    scenes: Iterator[Drawn], radau_every: int = RADAU_EVERY, verbose: bool = False, radau: float = RADAU
+    scenes: Iterator[Drawn],
+    radau_every: int = RADAU_EVERY,
+    verbose: bool = False,
+    radau: float = RADAU,
+    asked: Reference = reference,
 ) -> list[Kept]:
     """Return the outcome of scenes, some judged by scipy's Radau with a tolerance of its steps."""
     found = []
     for index, (name, scene, changes) in enumerate(scenes):
-        one = kept(scene, changes, radau if index % radau_every == radau_every - 1 else None)
+        one = kept(scene, changes, radau if index % radau_every == radau_every - 1 else None, asked)
         found.append(one)
         if verbose:
             print(index, name, one, flush=True)

@@ -34,6 +34,7 @@ ACCURACIES = 1e-5, 1e-2  # drawn evenly in logarithms
 TRIES = 200  # draws until one makes sense
 ANOTHER = "another cycle"  # status of a reference that came to one: the machine has several
 APART = 10.0  # wanted accuracies between cycles that may be two
+Reference = Callable[[Scene, float | None], tuple[str, Figures]]
 JUDGED = 0.05  # of the wanted accuracy: estimates of smaller errors matter to nobody
 
 
@@ -107,14 +108,21 @@ def _log_uniform(random: np.random.Generator, low: float, high: float) -> float:
     return float(math.exp(random.uniform(math.log(low), math.log(high))))
 
 
-def true_error(scene: Scene, result: Result, radau: float | None = None) -> tuple[str, str, float]:
+def reference(scene: Scene, radau: float | None = None) -> tuple[str, Figures]:
+    """Return status and figures of the reference: scipy's Radau where a tolerance of its steps is given."""
+    return _by_coupling(scene) if radau is None else _by_radau(scene, radau)
+
+
+def true_error(
+    scene: Scene, result: Result, radau: float | None = None, asked: Reference = reference
+) -> tuple[str, str, float]:
     """Return status of the reference, the figure that differs most from it and by how much, NaN where it has none.
 
-    The reference is scipy's Radau where a tolerance of its steps is given. Finer solutions that begin anew may come to
-    another cycle of a machine that has two, as gaps that pass oil or gas give it: where they lie far away, those begun
-    from the scene's own cycle are asked, and the status is `ANOTHER` where they stay on it.
+    Finer solutions that begin anew may come to another cycle of a machine that has two, as gaps that pass oil or gas
+    give it: where they lie far away, those begun from the scene's own cycle are asked, and the status is `ANOTHER`
+    where they stay on it.
     """
-    status, better = _by_coupling(scene) if radau is None else _by_radau(scene, radau)
+    status, better = asked(scene, radau)
     if status != "ok":
         return status, "", math.nan
     figure, error = worst(relative_errors(result.performance, better))
@@ -158,12 +166,12 @@ def _by_radau(scene: Scene, rtol: float) -> tuple[str, Figures]:
     return found.cycle.status, found.evaluation.figures if found.cycle.status != "failed" else Figures()
 
 
-def kept(scene: Scene, changes: dict[str, Any], radau: float | None = None) -> Kept:
+def kept(scene: Scene, changes: dict[str, Any], radau: float | None = None, asked: Reference = reference) -> Kept:
     """Return how a scene's figures compare with its reference: Radau where a tolerance of its steps is given."""
     result, wanted = simulate(scene, trace=False), scene.numerics.accuracy
     status, name, true = result.status, "", math.nan
     if status == "ok":
-        known, name, true = true_error(scene, result, radau)
+        known, name, true = true_error(scene, result, radau, asked)
         status = "ok" if known in ("ok", ANOTHER) else f"reference {known}"
     kind = "coupled" if radau is None else "scipy-radau"
     estimated, evaluations = worst(Figures(result.error))[1], int(result.numerics.rhs_evaluations)
