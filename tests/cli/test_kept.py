@@ -163,6 +163,7 @@ def test_what_is_written_into_a_folder_replaces_nothing_of_others(command, name,
     assert [each for each in tmp_path.rglob("*") if each.is_file()] == [mine]
 
 
+@pytest.mark.around
 @pytest.mark.parametrize(
     "command", [["rotors", ROTORS], ["export", "loads", POINT, *ROUGH], ["startup", DRIVE, "--longest", "0.02"]]
 )
@@ -196,6 +197,7 @@ def sheet():
     return sheet_of
 
 
+@pytest.mark.around
 @pytest.mark.parametrize("kind", PAGES)
 def test_a_page_replaces_its_own_and_no_other(kind, swept, sheet, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(datasheet, "sheet_of", sheet)
