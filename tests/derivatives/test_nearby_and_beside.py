@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from closed_points import closed_point
 
-from screwsim.derivatives import beside, nearby
+from screwsim.derivatives import beside, closed, nearby
 from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.pitch import Pitch
 from screwsim.derivatives.slices import INTEGRALS, between
@@ -137,3 +137,25 @@ def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle)
     assert nearby.closed(pitch, cycle.nodes, 0.0, nearby.Kept()) is None
     assert (pitch.numbers.P == at.P).all()
     assert pitch.begin(cycle.nodes) == pytest.approx(start, rel=0.0, abs=0.0)
+
+
+@pytest.mark.parametrize("size", [5e-6, 5e-4])
+def test_an_iteration_that_comes_no_nearer_ends_with_what_is_near_enough_or_none(cycle, size, monkeypatch):
+    """As nodes do that go to and fro over a border of phases: sizes in threes, over and over."""
+    pitch, asked, open_of = cycle.pitch, [], closed.open_of
+    pitch.put(cycle.at)
+    pitch.install(cycle.start, cycle.nodes)
+
+    def in_threes(pitch, Y):
+        off, residual, _, read = open_of(pitch, Y)
+        asked.append(size * (1.0, 1.9, 1.4)[len(asked) % 3])
+        return off, residual, asked[-1], read
+
+    monkeypatch.setattr(closed, "open_of", in_threes)
+    monkeypatch.setattr(closed.nearby, "closed", lambda *_: None)
+    if size < closed.ENOUGH:
+        closed._closed(pitch, 1e-9, None, nearby.Kept())
+    else:
+        with pytest.raises(closed.NotClosed):
+            closed._closed(pitch, 1e-9, None, nearby.Kept())
+    assert len(asked) == 1 + closed.STALLED

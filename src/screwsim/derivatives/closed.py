@@ -38,7 +38,8 @@ ERROR = 0.03  # of the wanted accuracy: of a slice
 READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside slices, which the error tells less of
 WIDER_INSIDE = 0.8  # ... and of how slices around a turning of a flow grow
 ROUNDS = 9  # of refinement
-MOST = 20  # of Newton's iterations
+MOST = 20  # of Newton's iterations ...
+STALLED = 6  # ... of which so many may come no nearer: nodes that go to and fro over a border of phases never do
 CLOSED = 1e-7  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices, where states nearby are not found
@@ -202,13 +203,16 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tu
     found = nearby.closed(pitch, Y, nearly, own)
     if found is not None:
         return found, linear
-    last = np.zeros_like(Y)
+    last, least, stalled = np.zeros_like(Y), np.inf, 0
     for left in range(MOST, 0, -1):
         off, residual, size, read = open_of(pitch, Y)
-        if size < nearly or (size < ENOUGH and left == 1):
+        stalled = 0 if size < least else stalled + 1
+        least = min(size, least)
+        ends = left == 1 or stalled == STALLED
+        if size < nearly or (size < ENOUGH and ends):
             pitch.install(read[0], Y)
             return Y, linear
-        if not np.isfinite(size):
+        if ends or not np.isfinite(size):
             break
         at, met = pitch.numbers, pitch.met
         stages = -residual[..., None]
