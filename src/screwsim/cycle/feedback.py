@@ -40,7 +40,7 @@ from screwsim.model.trajectory import Trajectory
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
 UP_TO_OIL = OIL_TEMPERATURE + 1  # numbers of a port state: its gas, its oil per gas, the oil's temperature
-LINE_POINTS = 128  # of a pitch, around which the flow to a pulsating line is taken
+LINE_POINTS = 256  # of a pitch, around which the flow to a pulsating line is taken
 
 
 class IntoLines(NamedTuple):
