@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, PowerLoss, Reading
 from screwsim.effects.parts.usual import PUMPS
-from screwsim.fluid.orifice import pressure_loss
+from screwsim.fluid.pipe import pressure_loss
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
