@@ -17,7 +17,8 @@ from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
-from screwsim.effects.parts.gap import WindowParameters, check_window, check_within, flow_coefficient, window_path
+from screwsim.effects.parts.gap import flow_coefficient
+from screwsim.effects.parts.port_window import WindowParameters, check_window, check_within, window_path
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend

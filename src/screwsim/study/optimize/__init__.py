@@ -20,8 +20,9 @@ from screwsim.scene.given import scene_of
 from screwsim.study.each import Crew, Warm
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
-from screwsim.study.optimize.evaluate import Aim, Question, Simulated, question, simulated
+from screwsim.study.optimize.evaluate import Simulated, simulated
 from screwsim.study.optimize.points import Points
+from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
