@@ -21,7 +21,7 @@ import numpy as np
 import screwsim
 from screwsim.study.each import Crew
 from screwsim.study.optimize import question, run
-from screwsim.study.optimize.evaluate import Question
+from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.workers import cores
 

@@ -9,7 +9,7 @@ import pytest
 from screwsim.build import build_parts
 from screwsim.effects import hydromechanical, mechanical, oil_heat, oil_pump
 from screwsim.figures import called_for
-from screwsim.fluid.orifice import friction_factor
+from screwsim.fluid.pipe import friction_factor
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.simulate import simulate

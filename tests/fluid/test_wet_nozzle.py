@@ -5,7 +5,8 @@ import math
 import pytest
 
 from screwsim.fluid import nozzle
-from screwsim.fluid.gap_flow import volume_share, wet_flux, wet_share
+from screwsim.fluid.gap_flow import volume_share
+from screwsim.fluid.wet_nozzle import wet_flux, wet_share
 
 RHO, RHO_OIL = 10.0, 850.0  # [kg/m³], air at 9 bar and 315 K, oil
 

@@ -55,6 +55,19 @@ def test_heat_that_is_pushed_back_into_an_economizer_leaves_or_evaporates_liquid
     assert [f"loses {heat:.3g} W" in " ".join(one.warnings) for one in (away, kept)] == [True, False]
 
 
+def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_told():
+    """A port that draws next to nothing: its liquid cannot take all of that heat, and the balance says what is left."""
+    port = "effects.economizer={temperature: 19 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2}"
+    kept = "effects.economizer.backflow=evaporates", "numerics.error=none"
+    found = simulate(load(CONFIGS / "r134a" / "separator.yaml", [port, *kept]), trace=False)
+    p = found.performance
+    assert p.economizer_mass_flow > 0.0 > p.economizer_draw_ratio and p.economizer_capacity_gain == 0.0
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=3e-5 * p.shaft_power)
+    assert p.economizer_heat_loss > 0.005 * p.shaft_power
+    assert any("open the port later" in warning for warning in found.warnings)
+
+
 def test_an_ideal_gas_without_a_separator_gives_off_what_it_left_the_chambers_with():
     p, scene = run(RATED).performance, make(RATED)
     warmed = build_gas(scene).c_p * (p.discharge_temperature - lines(scene).T_s)

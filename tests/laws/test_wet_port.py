@@ -7,8 +7,8 @@ from scenes import OIL_VOLUME, make, run
 from screwsim.build import build_parts
 from screwsim.explain import explain
 from screwsim.fluid import nozzle
-from screwsim.fluid.gap_flow import wet_share
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.wet_nozzle import wet_share
 from screwsim.inputs.faults import SceneError
 
 CARRIED = {"oil.transport": "carried"}

@@ -73,3 +73,8 @@ def chiller(scene: Scene) -> Result:
     more = {"gas_mass_flow": capacity / 150e3, "volumetric_cooling_capacity": 2e6}
     states = {"suction_pressure": 3e5, "suction_temperature": T_e + 10.0}
     return figures_of(scene, cooling_capacity=capacity, cop=cop, shaft_power=capacity / cop, **more, **states)
+
+
+def hollow(scene: Scene) -> Result:
+    """Return an efficiency that is as high at an oil ratio of 1 as at 3, and lower between."""
+    return figures_of(scene, isothermal_efficiency=0.6 + 0.1 * (scene.oil_supply.ratio - 2.0) ** 2)

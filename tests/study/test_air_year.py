@@ -46,6 +46,12 @@ def test_a_demand_above_full_flow_is_told_and_counts_what_is_given():
     assert table.rows[-1][0] == "all" and table.rows[-1][1] == "1610"
 
 
+def test_parts_of_hours_are_shown_as_they_are_asked_for():
+    package = rated(point(FULL, 80e3), unloaded=20e3)
+    table = year_table(package, year(package, (Demand(FULL, 0.5), Demand(0.0, 10.25))))
+    assert [row[1] for row in table.rows] == ["0.5", "10.25", "10.75"]
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [

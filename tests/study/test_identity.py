@@ -20,7 +20,8 @@ from screwsim.numerics import sources
 from screwsim.results import identity, open_results
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads
-from screwsim.study.cases import Watch, run_packed, wanted_of, what_differs
+from screwsim.study.agreement import Watch, wanted_of, what_differs
+from screwsim.study.cases import run_packed
 from screwsim.study.sweep import run_sweep
 
 EFFECT = """\

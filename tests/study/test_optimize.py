@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from result_fakes import SCENE
-from seek_fakes import RPM, chiller, choosing, deadly, idle
+from seek_fakes import RPM, chiller, choosing, deadly, hollow, idle
 from study_fakes import gappy, parabola, two_tops
 
 import screwsim
@@ -67,6 +67,13 @@ def test_the_known_best_of_the_papers_machine_is_found():
     # optimum asks for a tenth of the accuracy in the end: both errors
     off = found.errors[found.front[0], 0] + row.error
     assert found.aims[found.front[0], 0] == pytest.approx(row.figure, abs=2.0 * off)
+
+
+def test_a_path_that_is_best_at_both_ends_matters():
+    """Values as good lie at both ends of the range, and none between."""
+    found = optimize(scene(), ["oil_supply.ratio=1..3"], ["isothermal_efficiency"], simulate=hollow, jobs=1)
+    reach = found.reach["oil_supply.ratio"]
+    assert reach.border and not reach.idle
 
 
 def test_a_path_that_does_nothing_lies_at_no_border():

@@ -11,7 +11,8 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.report.datasheet import write_sheet
 from screwsim.report.datasheet_pdf import FORMS, pages_of
-from screwsim.report.sheet_tables import EDGE, HIGH, LEAST, WIDE, columns_of, width_of, wrapped
+from screwsim.report.sheet_paper import EDGE, HIGH, LEAST, WIDE, width_of, wrapped
+from screwsim.report.sheet_tables import columns_of
 from screwsim.report.style import journal, new_figure
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 

@@ -46,6 +46,14 @@ class Residuals(NamedTuple):
         return max(self.mass, self.energy, self.oil_share)
 
 
+class Outflow(NamedTuple):
+    """The mean of what flows out to discharge, by its flow: gas enthalpy [J/kg], oil per gas, oil temperature [K]."""
+
+    enthalpy: float
+    oil_ratio: float
+    T_oil: float
+
+
 def streams_of(c: Composition, q: Array) -> Array:
     """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
     return q[c.first_stream :].reshape(-1, c.width)
@@ -128,8 +136,8 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     return Residuals(abs(sum(mass)) / mass_scale, open_energy, oil, oil_share, lost)
 
 
-def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
-    """Return (h, oil per gas, T_oil) of the outflow's flow-weighted mean; None when nothing flows out."""
+def outflow_of(streams: Array) -> Outflow | None:
+    """Return the mean of what flows out to discharge; None when nothing flows out."""
     mass, enthalpy, *of_oil = streams[DISCHARGE_OUT].tolist()
     if not mass < 0.0:
         return None
@@ -137,7 +145,7 @@ def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
     if of_oil:
         oil, warmth = of_oil[:2]
         ratio, T_oil = oil / mass, warmth / oil if oil < 0.0 else 0.0
-    return enthalpy / mass, ratio, T_oil
+    return Outflow(enthalpy / mass, ratio, T_oil)
 
 
 def discharge_held(streams: Array) -> float:

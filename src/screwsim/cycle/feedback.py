@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of, walls_of
+from screwsim.cycle.balances import discharge_held, outflow_of, streams_of, walls_of
 from screwsim.cycle.known import known_of, shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
@@ -39,8 +39,9 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
+AT_ENTHALPY, AT_RATIO, AT_TEMPERATURE, AT_HELD = range(len(OF_LINE))  # places of these among the unknowns
 UP_TO_OIL = OIL_TEMPERATURE + 1  # numbers of a port state: its gas, its oil per gas, the oil's temperature
-LINE_POINTS = 128  # of a pitch, around which the flow to a pulsating line is taken
+LINE_POINTS = 256  # of a pitch, around which the flow to a pulsating line is taken
 
 
 class IntoLines(NamedTuple):
@@ -79,7 +80,7 @@ def image(
     if problem.parts.suction_line:
         heat = _suction_heat(problem, life, q, turn) / problem.rate
         streams = streams_of(problem.composition, q)
-        lines.append(suction_line.image(problem, life.R, streams, float(lines[0][0]), heat))
+        lines.append(suction_line.image(problem, life.R, streams, float(lines[0][AT_ENTHALPY]), heat))
     if turn is None:
         return lines[0] if len(lines) == 1 else np.concatenate(lines)
     return np.concatenate([*lines, list(turn.made.values())])
@@ -160,7 +161,7 @@ def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
     if not problem.parts.suction_line:
         return ""
     turn = turn_of(problem, life, q) if problem.parts.made else None
-    streams, h_d = streams_of(problem.composition, q), float(_outflow(problem, life.R, q)[0])
+    streams, h_d = streams_of(problem.composition, q), float(_outflow(problem, life.R, q)[AT_ENTHALPY])
     heat = _suction_heat(problem, life, q, turn) / problem.rate
     return suction_line.left_open(problem, life.R, streams, h_d, heat)
 
@@ -189,7 +190,7 @@ def _cells(problem: Problem) -> tuple[int, ...]:
     """Return which cells of the discharge line are unknowns."""
     if problem.parts.dissolves:
         return OF_LINE if problem.composition.carried else (ENTHALPY, DISSOLVED)
-    return OF_LINE[:3] if problem.composition.carried else OF_LINE[:1]
+    return OF_LINE[:AT_HELD] if problem.composition.carried else OF_LINE[:AT_RATIO]
 
 
 def _outflow(problem: Problem, R: Array, q: Array) -> Array:
@@ -200,7 +201,7 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
     A check valve lets nothing of the line back: what flows back had flowed out, in this turn or before.
     """
     parts, streams = problem.parts, streams_of(problem.composition, q)
-    mean = discharge_enthalpy(streams)
+    mean = outflow_of(streams)
     plenum = _line(problem, R)
     if parts.held_back and mean is None:
         return plenum
@@ -209,15 +210,16 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
     all_own = back <= max(out, 0.0) or parts.held_back
     own = 1.0 if all_own else out / back  # share of what flows back that had flowed out before
     if not given:
-        plenum[0] = mean[0] if mean is not None else 0.0
+        plenum[AT_ENTHALPY] = mean.enthalpy if mean is not None else 0.0
         if mean is None or own < 1.0:
-            plenum[0] = own * plenum[0] + (1.0 - own) * problem.h_isentropic
-    if len(plenum) >= 3:
-        assert parts.oil is not None  # carried
-        present = mean is not None and mean[2] > 0.0
-        dry = 1e-9, parts.oil.temperature + problem.pressed(problem.lines.p_d)
-        plenum[1:3] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
-        plenum[3:] = discharge_held(streams)
+            plenum[AT_ENTHALPY] = own * plenum[AT_ENTHALPY] + (1.0 - own) * problem.h_isentropic
+    if problem.composition.carried:
+        assert parts.oil is not None
+        if mean is not None and mean.T_oil > 0.0:
+            plenum[AT_RATIO], plenum[AT_TEMPERATURE] = max(own * mean.oil_ratio, 1e-9), mean.T_oil
+        else:
+            plenum[AT_RATIO], plenum[AT_TEMPERATURE] = 1e-9, parts.oil.temperature + problem.pressed(problem.lines.p_d)
+        plenum[AT_HELD:] = discharge_held(streams)
     return plenum
 
 
@@ -229,18 +231,18 @@ def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
     """
     suction = problem.suction
     try:
-        port_state = problem.parts.gas.port_state_of_enthalpy(problem.lines.p_d, float(plenum[0]))
+        port_state = problem.parts.gas.port_state_of_enthalpy(problem.lines.p_d, float(plenum[AT_ENTHALPY]))
         if suction.returned > 0.0 and not problem.parts.suction_line:
-            R[R_SUCTION : R_SUCTION + OIL_RATIO] = suction.port_state(float(plenum[0]))
+            R[R_SUCTION : R_SUCTION + OIL_RATIO] = suction.port_state(float(plenum[AT_ENTHALPY]))
     except UsageError:
         port_state = None
     if port_state is not None:
         R[R_DISCHARGE : R_DISCHARGE + len(port_state)] = port_state
-    if len(plenum) >= 3:
-        R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:3]
-        R[R_DISCHARGE + DISSOLVED : R_DISCHARGE + DISSOLVED + len(plenum) - 3] = plenum[3:]
+    if problem.composition.carried:
+        R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[AT_RATIO], plenum[AT_TEMPERATURE]
+        R[R_DISCHARGE + DISSOLVED : R_DISCHARGE + DISSOLVED + len(plenum) - AT_HELD] = plenum[AT_HELD:]
         if port_state is not None:
-            R[R_DISCHARGE + DENSITY] *= problem.gas_share(port_state[DENSITY], float(plenum[1])) ** 2
+            R[R_DISCHARGE + DENSITY] *= problem.gas_share(port_state[DENSITY], float(plenum[AT_RATIO])) ** 2
 
 
 def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d: float | None = None) -> None:

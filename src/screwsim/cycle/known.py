@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
+from screwsim.cycle.balances import outflow_of, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import DISCHARGE, PowerLoss, PressureLosses, Turn
@@ -159,10 +159,10 @@ def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> 
     c = problem.composition
     if not c.carried:
         return uncarried_oil_temperature(life) if "T_oil" in c.states else None
-    mean = discharge_enthalpy(streams_of(c, q))
-    if mean is None or not mean[2] > 0.0 or mean[1] < SOME_OIL:
+    mean = outflow_of(streams_of(c, q))
+    if mean is None or not mean.T_oil > 0.0 or mean.oil_ratio < SOME_OIL:
         return None
-    return mean[2] - problem.pressed(problem.lines.p_d)
+    return mean.T_oil - problem.pressed(problem.lines.p_d)
 
 
 def uncarried_oil_temperature(life: Trajectory) -> float | None:

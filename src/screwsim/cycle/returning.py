@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.balances import streams_of
+from screwsim.cycle.feedback import AT_ENTHALPY, AT_TEMPERATURE
 from screwsim.cycle.problem import Problem
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, OF_OIL
 
@@ -34,8 +35,8 @@ class Returning(NamedTuple):
         if self.temperature == 0.0:
             return made
         line = made.copy()
-        line[0] += self.enthalpy
-        line[2] += self.temperature
+        line[AT_ENTHALPY] += self.enthalpy
+        line[AT_TEMPERATURE] += self.temperature
         return line
 
 
@@ -56,7 +57,8 @@ def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
     if not 0.0 < comes < -goes or oil * out[1] > LEAST * gas * out[0]:  # both are negative
         return NOTHING
     share = min(comes / -goes, MOST)
-    warmer = float(back[0] * (made[0] - met[0]) + back[1] * oil * (made[2] - met[2])) / comes
+    change = made - met
+    warmer = float(back[0] * change[AT_ENTHALPY] + back[1] * oil * change[AT_TEMPERATURE]) / comes
     later = share / (1.0 - share) * warmer
-    believed = abs(later) < FARTHEST * made[2] and abs(gas * later) < FARTHEST * made[0]
+    believed = abs(later) < FARTHEST * made[AT_TEMPERATURE] and abs(gas * later) < FARTHEST * made[AT_ENTHALPY]
     return Returning(share, gas * later, later) if believed else Returning(share)

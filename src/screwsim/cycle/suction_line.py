@@ -82,18 +82,19 @@ def values(problem: Problem, R: Array) -> Array:
 
 def set_values(problem: Problem, R: Array, found: Array) -> None:
     """Let the next turn suck this; what no state of the gas has, on the way, leaves the line as it is."""
+    mixture = Mixture(*found.tolist())
     try:
-        port_state = problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, float(found[0]))
-        T = problem.parts.gas.temperature(problem.suction.pressure, float(found[0]))
+        port_state = problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, mixture.enthalpy)
+        T = problem.parts.gas.temperature(problem.suction.pressure, mixture.enthalpy)
     except UsageError:
         return
     R[R_SUCTION : R_SUCTION + len(port_state)] = port_state
     if len(found) > 1:
-        ratio = max(float(found[1]), 0.0)
+        ratio = max(mixture.oil, 0.0)
         R[R_SUCTION + OIL_RATIO] = ratio
         R[R_SUCTION + OIL_TEMPERATURE] = T + problem.pressed(problem.suction.pressure)
         if len(found) > 2 and ratio > 0.0:
-            R[R_SUCTION + DISSOLVED] = max(float(found[2]), 0.0) / ratio
+            R[R_SUCTION + DISSOLVED] = max(mixture.held, 0.0) / ratio
         R[R_SUCTION + DENSITY] *= problem.gas_share(float(port_state[DENSITY]), ratio) ** 2
 
 

@@ -2,17 +2,14 @@
 
 A change δ of the states' coordinates, of all chambers alive (chamber by chamber), follows δ' = A δ + B r + F u: A are
 the derivatives of the rates by the states, B its part by the chambers ahead, r a change of these alone, u a change of
-the feedback unknowns. A, B, F are taken in the middles of a few slices and held there; over a slice z = h A goes by (1
-− z + z²/2)⁻¹, of order 2 and damped where stiff, with the sums that belong to it. That is nearly right, as Newton's
+the feedback unknowns. A, B, F are taken in the middles of a few slices and held there; over a slice z = h A goes by
+(1 − z + z²/2)⁻¹, of order 2 and damped where stiff, with the sums that belong to it. That is nearly right, as Newton's
 matrix has to be; the equations themselves stay those of the integrator. Derivatives by the states are those that it
 steps with, those by the unknowns differences of the rates.
 
-Source: docs/explanation/numerics.md, Newton's correction.
-
-What small changes along a pitch make of the feedback unknowns: differences of the image itself.
-
-It is made of whatever. It reads the quadratures, which the linearised pitch tells, and, where lines pulsate, the flow
-into them over the pitch: that changes by what the slices of the pitch give the lines, each spread over its angles.
+What the changes make of the feedback unknowns are differences of the image itself. It reads the quadratures, which the
+linearised pitch tells, and, where lines pulsate, the flow into them over the pitch: that changes by what the slices of
+the pitch give the lines, each spread over its angles.
 
 Source: docs/explanation/numerics.md, Newton's correction.
 """

@@ -2,8 +2,6 @@
 
 Temperatures of an oil's circuit and losses of a package follow from the cycle that meets them: they are numbers of the
 scene like others, and what the cycle asks of them closes one more small system.
-
-What moves with a number of a scene: the closed cycle, and the figures that are read of it.
 """
 
 from __future__ import annotations

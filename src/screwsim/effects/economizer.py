@@ -17,7 +17,8 @@ from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
-from screwsim.effects.parts.gap import WindowParameters, check_window, check_within, flow_coefficient, window_path
+from screwsim.effects.parts.gap import flow_coefficient
+from screwsim.effects.parts.port_window import WindowParameters, check_window, check_within, window_path
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -192,6 +193,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
     if parameters.backflow == EVAPORATES:
         evaporating = evaporating - drawn.brought / drawn.suction_flow
+        found[HEAT_LOSS] = max(-evaporating, 0.0) * drawn.suction_flow  # more than what is drawn takes to evaporate
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
     found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
@@ -214,9 +216,10 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
 def _of_heat(found: Mapping[str, Any]) -> Iterator[str]:
     """Yield a warning where gas that is pushed back takes heat out of the machine."""
     loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
-    if loss > GIVEN_TOO_MUCH * power:
+    if loss > GIVEN_TOO_MUCH * power > 0.0:
         what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
-        yield f"{what} of the shaft power (effects.{NAME}.backflow: {EVAPORATES} keeps it, or open the port later)"
+        remedy = f"open the port later, or write effects.{NAME}.backflow: {EVAPORATES}, which keeps what liquid takes"
+        yield f"{what} of the shaft power ({remedy})"
 
 
 def _cold_liquid(parameters: Parameters, site: Site) -> float:

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from screwsim.effects.base import Effect, Faults, OilPort
-from screwsim.effects.parts.gap import RAMP, WindowParameters, check_window, check_within, ramp, window_breakpoints
+from screwsim.effects.parts.gap import ramp
+from screwsim.effects.parts.port_window import RAMP, WindowParameters, check_window, check_within, window_breakpoints
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.fluid.settings import OilLine

@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held, streams_of
+from screwsim.cycle.balances import crossed, discharge_held, outflow_of, streams_of
 from screwsim.cycle.known import CycleFigures, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Plenum, Separator, Turn
@@ -66,8 +66,8 @@ def figures_of(
     station()
     drawn = performance.drawn(parts, streams, rate)
     found, notes = performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn)
-    mean = discharge_enthalpy(streams)
-    leaving = None if mean is None else mean[0]
+    mean = outflow_of(streams)
+    leaving = None if mean is None else mean.enthalpy
     found = {**found, **losses, **_of_machine(problem, life, q, leaving, flow)}
     found |= {"indicated_power": known.indicated_power, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
     notes |= WHY_NONE

@@ -1,6 +1,6 @@
 """`screwsim explore` from its arguments to a server that runs: the address, the token, the browser.
 
-The server of the page: the page itself, its line for settings and answers, and what it makes files of.
+The server gives the page itself, holds its line for settings and answers, and makes files of what is asked for.
 """
 
 from __future__ import annotations

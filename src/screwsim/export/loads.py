@@ -1,6 +1,6 @@
 """Loads and sound of a machine: forces on rotors and bearings, flows of both lines, spectra, surfaces.
 
-Spectra of what repeats every lobe pitch: harmonics of the lobe frequency; volume flows of both lines.
+All repeats every lobe pitch: spectra are harmonics of the lobe frequency.
 """
 
 import json

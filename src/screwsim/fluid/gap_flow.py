@@ -3,18 +3,10 @@
 Source: docs/model.md M190–M193, M250–M252, M256. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J.
 Refrigeration 36 (2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942)
 193; A. Cicchitti et al., Energia Nucleare 7 (1960) 407.
-
-Nozzle flow of gas that has to take oil along: Murdock's and Chisholm's separated flow through an orifice.
-
-Source: docs/model.md M430. J. W. Murdock, J. Basic Eng. 84 (1962) 419; D. Chisholm, Two-phase flow through sharp-edged
-orifices, J. Mech. Eng. Sci. 19 (1977) 128, the exponent 1/4; measured there with steam and water, gas and water.
 """
-
-from __future__ import annotations
 
 import math
 
-from screwsim.fluid.nozzle import choking, flow
 from screwsim.numerics.kernel import kernel
 
 LENGTH_0 = 5e-3  # [m] to which the fit refers lengths
@@ -130,45 +122,3 @@ def dragged_oil(oil_ratio, filled_from, wall_speed, tip_speed, oil_density):
     `wall_speed` is the wall's speed across the gap over that of the tips; the oil's ratio is that of the state ahead.
     """
     return 0.5 * filled_share(oil_ratio, filled_from) * oil_density * wall_speed * tip_speed
-
-
-# M430
-@kernel
-def wet_share(density, oil_ratio, chisholm_exponent, oil_density, oil_room):
-    """Return the share of a dry nozzle's flux that gas passes with its oil, from the density that a flow feels [kg/m³].
-
-    1/√(1 + C X + X²), X = x √(ρ/ρ_o), C = (ρ_o/ρ)ⁿ + (ρ/ρ_o)ⁿ. It has the room of the oil in the opening: where the
-    density that a flow feels has that already (M107), it is given back.
-    """
-    x = max(oil_ratio, 0.0)
-    beta = volume_share(density, x, oil_room)
-    ratio = oil_density * beta * beta / density
-    slip = ratio**chisholm_exponent
-    met = 1.0 + (slip + 1.0 / slip) * x / math.sqrt(ratio) + x * x / ratio
-    return 1.0 / (beta * math.sqrt(met))
-
-
-@kernel
-def wet_flux(
-    p_1,
-    rho_1,
-    exponent_1,
-    oil_ratio_1,
-    p_2,
-    rho_2,
-    exponent_2,
-    oil_ratio_2,
-    width,
-    chisholm_exponent,
-    oil_density,
-    oil_room,
-):
-    """Return the flux of gas [kg/(m² s)] from port state 2 into 1, which takes the donor's oil along (M430)."""
-    if p_2 >= p_1:
-        density, exponent = rho_2, exponent_2
-        share = wet_share(rho_2, oil_ratio_2, chisholm_exponent, oil_density, oil_room)
-    else:
-        density, exponent = rho_1, exponent_1
-        share = wet_share(rho_1, oil_ratio_1, chisholm_exponent, oil_density, oil_room)
-    choke, choked = choking(1.0 / exponent)
-    return share * flow(1.0, p_1, density, exponent, choke, choked, p_2, density, exponent, choke, choked, width)

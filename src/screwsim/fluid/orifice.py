@@ -1,20 +1,16 @@
-"""Liquid through an injection orifice: steady flow of oil through a short bore (M30); and through a smooth pipe.
+"""Injection orifice: steady flow of oil through a short bore (M30).
 
 Source: Lichtarowicz, Duggins, Markland, J. Mech. Eng. Sci. 7 (1965) 210: C_du = 0.827 − 0.0085 L/D,
 1/C_d = 1/C_du + 20/R (1 + 2.25 L/D) − 0.005 L/D / (1 + 7.5 lg²(0.00015 R)), with the hydraulic Reynolds number
 R = ρ D √(2 Δp/ρ)/μ of the loss-free velocity, fitted for 10 < R < 20 000 and 2 ≤ L/D ≤ 10. The last term is missing
 where the formula is quoted short; it changes C_d by up to 0.8, 1.9 and 3.7 % at L/D = 2, 5 and 10. Above R = 20 000
 C_d hardly changes any more (by 0.4 % at L/D = 2), so that only the lower end of that range is watched.
-
-Source: Darcy–Weisbach; laminar 64/Re (Hagen–Poiseuille) up to Re = 2000, turbulent 0.3164 Re^−0.25 (Blasius 1913, to
-Re = 1e5) from 4000 on; between, where the flow is neither, the factor goes linearly over Re (ours).
 """
 
 import math
 
 from screwsim.numerics.kernel import kernel
 
-LAMINAR, TURBULENT = 2000.0, 4000.0  # Reynolds numbers
 FITTED_SLENDERNESS = (2.0, 10.0)  # L/D
 LEAST_REYNOLDS = 10.0
 NO_FLOW = 0.827 / 0.0085  # L/D at which C_du is zero
@@ -74,24 +70,3 @@ def smooth_orifice_flow(dp, width, density, viscosity, diameter, length, number)
         return 0.0
     smooth = dp * dp / math.sqrt(dp * dp + width * width)
     return orifice_flow(smooth, density, viscosity, diameter, length, number)
-
-
-def friction_factor(Re: float) -> float:
-    """Return Darcy's friction factor of a smooth pipe at a Reynolds number > 0."""
-    if Re <= LAMINAR:
-        return 64.0 / Re
-    if Re >= TURBULENT:
-        return 0.3164 * Re**-0.25
-    share = (Re - LAMINAR) / (TURBULENT - LAMINAR)
-    return (1.0 - share) * friction_factor(LAMINAR) + share * friction_factor(TURBULENT)
-
-
-def pressure_loss(
-    volume_flow: float, density: float, viscosity: float, diameter: float, length: float, fittings: float = 0.0
-) -> float:
-    """Return (f L/D + ζ) ρ w²/2 [Pa] (M390) of a volume flow [m³/s]; `fittings` is the sum of their ζ on w²/2."""
-    if volume_flow <= 0.0:
-        return 0.0
-    w = volume_flow / (0.25 * math.pi * diameter**2)
-    f = friction_factor(density * w * diameter / viscosity)
-    return (f * length / diameter + fittings) * 0.5 * density * w**2

@@ -1,6 +1,6 @@
 """From a machine's settings to laws: kernels with their numbers, breakpoints and tables.
 
-How fast the housing slides over the gaps of screw rotors, seen from the rotors: over their tips and end faces.
+Of screw rotors also how fast the housing slides over the gaps, seen from the rotors: over their tips and end faces.
 
 Source: docs/model.md M256; kinematics of helical rotors (textbook). The tips of both rotors are helices of one lead
 angle each, the lobes' end faces lie between root and outer circle.

@@ -1,13 +1,11 @@
-"""Borders at which a step ends, for the equations change: of a phase, and where a one-way path opens or shuts.
+"""Borders at which a step ends: of a phase, where a one-way path opens or shuts, and where a port closes.
 
-Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
-
-Where a port closes: whether one step may take all that is left of it.
-
-Source: docs/explanation/numerics.md. A wide port holds p to its plenum's, and lets go only in the last degrees before
+The equations change at the first two. A wide port holds p to its plenum's, and lets go only in the last degrees before
 it closes. A step over all of that, made with the Jacobian of its start, sees the wide port at its early stages and no
 flow at its end: neither its result nor its error estimate knows what was shut in. Such a step is halved until the port
 is no longer stiff for what is left. `network.steps` asks this of each port and each state.
+
+Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
 """
 
 from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state

@@ -6,7 +6,6 @@ Angles at which a chamber is open to neither line are passed over.
 import numpy as np
 
 from screwsim.model.slots import (
-    CHAMBERS,
     E_VOLUME,
     N_FLOWS,
     P_OMEGA,
@@ -21,7 +20,7 @@ from screwsim.model.slots import (
     path_flows,
     volume_at,
 )
-from screwsim.numerics.history import locate, read
+from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
 
 
@@ -30,9 +29,9 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
     """Add to into[line, k] the flow [kg/s] around even angles of a pitch, to volume[line] the mean volume [m³] open.
 
     Lines are 0 suction, 1 discharge; both arrays are zero before. A flow is the mean over what lies nearer to its angle
-    than to others, by the change of the chamber's gas, so that a flow that jumps between two angles is missed by
-    neither. The first angle of a pitch has half of that at the pitch's start, half at its end: what a chamber changes
-    between the two (oil that is injected; all chambers together, while a state has not met a line yet) is no flow.
+    than to others, by the change of the chamber's gas along each step. Ports open and shut where steps end, so that a
+    flow that jumps between two angles is missed by neither; what a chamber changes between two steps (oil that is
+    injected; all chambers together, while a state has not met a line yet) is no flow.
     """
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
@@ -40,25 +39,25 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
     flows = np.empty(N_FLOWS)
     points = into.shape[1]
     width = P[P_PITCH] / points
-    i = 0
-    for a in range(CHAMBERS * (points + 1)):
-        k = a % (points + 1)
-        start = (a // (points + 1)) * P[P_PITCH]
-        began = start + max(k - 0.5, 0.0) * width
-        ended = start + min(k + 0.5, float(points)) * width
-        phi = 0.5 * (began + ended)
-        if not faces_line(phi, P, TAB):
-            continue
-        i = locate(began, phi, times, steps, i)
+    k = 0
+    for i in range(steps):
+        began = times[i]
         read(began, times, dense, i, y)
         gas = gas_in(volume_at(began, P, TAB), y, 0, P)
-        i = locate(ended, phi, times, steps, i)
-        read(ended, times, dense, i, y)
-        gained = gas_in(volume_at(ended, P, TAB), y, 0, P) - gas
-        i = locate(phi, phi, times, steps, i)
-        read(phi, times, dense, i, y)
-        around_chamber(phi, phi, context, E)
-        path_flows(y, E, context, flows)
-        balanced_alone(flows, P[P_OMEGA] * gained / (ended - began) - given_off(y, phi, E, own, P, TAB))
-        share = (ended - began) / width
-        add_to_lines(flows, phi, E[E_VOLUME], share, k % points, points, P, into, volume)
+        while began < times[i + 1]:
+            border = (k + 0.5) * width
+            ended = min(border, times[i + 1])
+            middle = 0.5 * (began + ended)
+            read(ended, times, dense, i, y)
+            left = gas_in(volume_at(ended, P, TAB), y, 0, P)
+            if began < ended and faces_line(middle, P, TAB):
+                read(middle, times, dense, i, y)
+                around_chamber(middle, middle, context, E)
+                path_flows(y, E, context, flows)
+                rate = P[P_OMEGA] * (left - gas) / (ended - began)
+                balanced_alone(flows, rate - given_off(y, middle, E, own, P, TAB))
+                share = (ended - began) / width
+                add_to_lines(flows, middle, E[E_VOLUME], share, k % points, points, P, into, volume)
+            began, gas = ended, left
+            if ended == border:
+                k += 1

@@ -1,12 +1,10 @@
-"""Port states along a life: what a history holds of a chamber beyond its states, for its neighbours to read.
+"""Port states along a life: what a history holds of a chamber beyond its states, and how neighbours read it.
 
-Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A port state is the row of numbers that
-`slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their port states.
+A port state is the row of numbers that `slots.PRESSURE` … name; the columns of a history beyond the states hold them.
+Neighbours ahead are read from the last turn, those behind from the turn being integrated where it has passed their
+angle already. What surrounds a chamber is written by `network.surroundings`.
 
-Neighbours of a chamber, whose port states are read from histories.
-
-Source: docs/model.md M24. Those ahead are read from the last turn, those behind from the turn being integrated where
-it has passed their angle already. What surrounds a chamber is written by `network.surroundings`.
+Source: docs/model.md M5, M6, M10, M24; errors: docs/explanation/numerics.md.
 """
 
 from screwsim.model.slots import (

@@ -1,11 +1,8 @@
 """Lives and pitches integrated by scipy's methods on our right-hand side and Jacobian: an independent check.
 
-Source: docs/explanation/numerics.md, "Independent check".
+Impacts on seat and stop are terminal events of scipy's own; what happens there is that of `model.impacts`.
 
-Impacts on seat and stop under scipy's integrators, which find them as terminal events of their own.
-
-Source: docs/reference/slider-crank.md S32, S33. What happens there is that of `model.impacts`: only the place is found
-otherwise.
+Source: docs/explanation/numerics.md, "Independent check"; docs/reference/slider-crank.md S32, S33.
 """
 
 from __future__ import annotations

@@ -1,13 +1,12 @@
-"""Frozen dataclasses whose values are written into a new object at once.
+"""Frozen dataclasses whose values are written into a new object at once; and such an object with other values.
 
 The `__init__` of a frozen dataclass sets each value by a call of `object.__setattr__`, since its own is forbidden:
 that takes three times as long. An object whose dictionary is asked for is read more slowly from then on (Python 3.11:
-23 ns for 6 ns a value), but for one of more than 30 values. So this is for what is made for every point and not read a
-hundred times: of many values, or some that are found `once`, which go into the dictionary anyway.
+23 ns for 6 ns a value), but for one of more than 30 values. So `at_once` is for what is made for every point and not
+read a hundred times: of many values, or some that are found `once`, which go into the dictionary anyway.
 
-An object of a frozen dataclass with other values: what `dataclasses.replace` does, in a fifth of its time.
-
-That asks each field of the kind what it is, every time, and calls an `__init__` that sets one value after the other.
+`changed` does what `dataclasses.replace` does, in a fifth of its time: that asks each field of the kind what it is,
+every time, and calls an `__init__` that sets one value after the other.
 """
 
 from __future__ import annotations

@@ -1,13 +1,12 @@
-"""Results that follow from objects shared by many cases: found once for each object, without looking into it.
+"""Results that follow from objects shared by many cases, and values of one object: found once, without looking into it.
 
 `functools.lru_cache` hashes its arguments, which for a section of a scene costs more than most of the results that are
-remembered. Here objects are known by their address, and are held for as long as their results are remembered. They
+`Remembered`. Here objects are known by their address, and are held for as long as their results are remembered. They
 must never change.
 
-A value of an object that is found when it is first asked for.
-
-`functools.cached_property` of Python 3.11 takes a lock for each, which costs more than most of these values; from 3.12
-on there is none. Two threads that ask at once may both find it, and find the same.
+`once` finds a value of an object when it is first asked for. `functools.cached_property` of Python 3.11 takes a lock
+for each, which costs more than most of these values; from 3.12 on there is none. Two threads that ask at once may both
+find it, and find the same.
 """
 
 from collections.abc import Callable

@@ -5,19 +5,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from screwsim.report.datasheet import WORDS
-from screwsim.report.sheet_tables import (
-    EDGE,
-    GUTTER,
-    HIGH,
-    LEAST,
-    POINT,
-    TEXT,
-    WIDE,
-    Paper,
-    tables_on,
-    width_of,
-    wrapped,
-)
+from screwsim.report.sheet_paper import EDGE, HIGH, LEAST, POINT, WIDE, Paper, width_of, wrapped
+from screwsim.report.sheet_tables import GUTTER, TEXT, tables_on
 from screwsim.report.style import GREY, journal, line_style, plain_ticks
 from screwsim.results.atomic import replacing
 

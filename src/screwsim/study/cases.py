@@ -1,14 +1,11 @@
 """What a worker does: simulate blocks of cases, each case begun from the one before it, and return them as one table.
 
-The cut depends on the grid alone, so that results depend neither on the number of workers nor on interruptions.
-
-Checks, by content, that workers run the code with which a sweep began and that the scene's files did not change.
+How cases are cut into blocks depends on the grid alone, so that results depend neither on the number of workers nor on
+interruptions.
 """
 
 import math
-import os
 import pickle
-import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,18 +13,13 @@ from functools import partial
 from itertools import tee
 from typing import Any
 
-from screwsim.inputs.faults import UsageError
-from screwsim.inputs.textfiles import stamp
 from screwsim.outputs import Result
-from screwsim.results.identity import Files, Identity, code_identity, disagreement, file_identity, files_of
-from screwsim.results.schema import named_files
 from screwsim.results.table import Table, table_of
 from screwsim.scene import cross_check, dimensions, with_values
 from screwsim.scene.types import Scene
+from screwsim.study.agreement import Wanted, refuse_to_differ
 from screwsim.study.limit import Limit, handed_on, running
 
-Wanted = Mapping[str, Any]  # of plain types: a worker of another version must be able to read it
-REMEDY = "install and put there what runs here, and start it again; the sweep resumes"
 BLOCK = 16  # cases at most in small sweeps: even work for all cores
 LONG_BLOCK = 64  # in sweeps of
 MANY = 512  # cases or more: longer chains of neighbours
@@ -201,61 +193,6 @@ def blocks_of(scene: Scene) -> Blocks:
     shape = [dimension.size for dimension in found]
     whole = LONG_BLOCK if math.prod(shape) >= MANY else BLOCK
     return Blocks(shape, SAMPLE_BLOCK if sampled else whole)
-
-
-def wanted_of(scene: Scene) -> Wanted:
-    """Return what workers must have: names of own modules, paths of files, and the identity of all code and files."""
-    own, files = list(scene.own), named_files(scene)
-    return {"own": own, "files": files, "identity": code_identity(own) | file_identity(files)}
-
-
-def what_differs(wanted: Wanted) -> str:
-    """Return in words in what this process differs from what is wanted; '' when it does not."""
-    try:
-        found = code_identity(wanted["own"])
-    except ImportError as error:
-        return f"cannot import an effect of the scene: {error}"
-    return disagreement(found | file_identity(wanted["files"]), wanted["identity"])
-
-
-def refuse_to_differ(wanted: Wanted) -> None:
-    """Raise UsageError, in one line that names this worker, unless it is as wanted."""
-    what = what_differs(wanted)
-    if what:
-        raise UsageError(f"worker {_own_name()} {what} ({REMEDY})")
-
-
-def _own_name() -> str:
-    """Return the address of a worker of dask, else the number of this process."""
-    dask = sys.modules.get("distributed")
-    if dask is not None:
-        try:
-            return dask.get_worker().address
-        except ValueError:  # this process is none
-            pass
-    return str(os.getpid())
-
-
-class Watch:
-    """Looks after the files of a scene while its sweep runs: cases of before and after a change must not mix."""
-
-    def __init__(self, files: Files, identity: Identity) -> None:
-        self._files = files
-        self._began = files_of(identity)
-        self._stamps = {name: stamp(path) for name, path in files.items()}
-
-    def look(self) -> None:
-        """Raise UsageError, in one line, when a file has another content than when the sweep began."""
-        stamps = {name: stamp(path) for name, path in self._files.items()}
-        if stamps == self._stamps:
-            return
-        what = disagreement(file_identity(self._files), self._began)
-        if what:
-            raise UsageError(
-                f"this machine {what}: it was changed while the sweep ran, and its cases must not mix (put it back "
-                "and start the sweep again, which resumes it, or begin anew with --restart)"
-            )
-        self._stamps = stamps
 
 
 def simulate_with(

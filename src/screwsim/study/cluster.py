@@ -12,7 +12,7 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import Unreadable, read_text
-from screwsim.study.cases import REMEDY, Wanted, what_differs
+from screwsim.study.agreement import REMEDY, Wanted, what_differs
 from screwsim.study.workers import LOST
 
 _PATIENCE = 60.0  # [s] for the scheduler's answer, for the first worker, and for a lost scheduler to come back

@@ -1,6 +1,6 @@
-"""Call a function for every number of a range on all cores: for studies whose answers fit into memory.
+"""Work on all cores, for studies whose answers fit into memory: a function of a range of numbers, or small batches.
 
-Workers that stay for many small batches: a study whose next questions depend on the last answers.
+The workers of `Crew` stay for many batches, of a study whose next questions depend on the last answers.
 """
 
 from __future__ import annotations

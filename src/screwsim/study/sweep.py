@@ -25,18 +25,17 @@ from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.given import scene_of
 from screwsim.scene.types import Scene
+from screwsim.study.agreement import Watch, wanted_of
 from screwsim.study.cases import (
     Block,
     Job,
     Outcome,
     SimulateMany,
-    Watch,
     blocks_of,
     packed,
     run_blocks,
     run_packed,
     simulate_with,
-    wanted_of,
 )
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, checked_limit

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from screwsim.codegen.modules import load
-from screwsim.machine.slider_crank import cylinder as law
+from screwsim.machine.slider_crank import kinematics as law
 from screwsim.machine.slider_crank.settings import SliderCrank, check_slider_crank
 from screwsim.numerics.kernel import HEADER, flatten
 

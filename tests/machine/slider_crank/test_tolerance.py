@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.slider_crank import cylinder
+from screwsim.machine.slider_crank import kinematics
 from screwsim.machine.slider_crank import tolerance as law
 
 DATA = Path(__file__).parents[3] / "validation" / "slider_crank"
@@ -33,7 +33,7 @@ DEVIATIONS = rows("deviations.csv")
 
 
 def test_right_function_is_the_slope_of_the_position():
-    found = [cylinder.slope(alpha, *NOMINAL) for alpha in ALPHA]
+    found = [kinematics.slope(alpha, *NOMINAL) for alpha in ALPHA]
     np.testing.assert_allclose(law.right(ALPHA, NOMINAL), found, atol=1e-16)
 
 

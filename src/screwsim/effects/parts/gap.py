@@ -2,10 +2,6 @@
 
 Source: screwsim. The paper gives (19) for the housing tips and refers to Amosov et al. (1977, not available) for the
 profile and end-face gaps; the forms used here for those two are ours (docs/model.md, M20–M22).
-
-The window of angles in which a chamber faces a hole in the housing, with C1 ramps at both ends.
-
-Source: ours; docs/model.md M100.
 """
 
 from collections.abc import Iterator
@@ -23,8 +19,6 @@ from screwsim.numerics.spline import features, read_curve, table_value
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
 BIRTH = 20.0 * pi / 180.0  # over which a gap opens that would be open when its trailing chamber is born
 COUNTS_720 = "has a formula that counts a life of 720 deg, which the volume's table has not"
-DEGREE = pi / 180.0
-RAMP = 10.0 * DEGREE
 
 
 def flow_coefficient(of: str, default: float) -> Any:
@@ -184,42 +178,3 @@ def check_port(name: str, facts) -> Faults:
     """Yield that the machine has no law of a port (`name`: of the effect and of the machine's section)."""
     if getattr(facts.machine, name, facts.machine) is None:
         yield Fault(f"effects.{name}", f"needs the section machine.{name} (write it, or remove the effect)")
-
-
-@dataclass(frozen=True)
-class WindowParameters:
-    """The angles of a chamber between which it faces the hole."""
-
-    opens: float = quantity("angle", "angle of the chamber at which it reaches the port", ge=0.0)
-    closes: float = quantity("angle", "angle of the chamber at which it leaves the port", gt=0.0)
-
-
-@kernel
-def window_area(phi, size, opens, closes):
-    """Return the open area [m²] of a hole of area `size` for a chamber at phi [rad] (M100)."""
-    return size * ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
-
-
-def window_breakpoints(parameters) -> tuple[float, ...]:
-    """Return the angles [rad] at which the window is not smooth."""
-    return parameters.opens, parameters.opens + RAMP, parameters.closes - RAMP, parameters.closes
-
-
-def window_path(name: str, parameters) -> FlowPath:
-    """Return the flow path of an effect's window to its own plenum, which has the effect's name."""
-    values = {"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes}
-    coefficient = parameters.flow_coefficient
-    return FlowPath(name, window_area, values, window_breakpoints(parameters), flow_coefficient=coefficient)
-
-
-def check_window(name: str, parameters) -> Iterator[Fault]:
-    """Yield what is wrong with a window whatever the machine."""
-    if parameters.closes - parameters.opens < 2.0 * RAMP:
-        yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
-
-
-def check_within(name: str, parameters, geometry) -> Iterator[Fault]:
-    """Yield a window that ends when the chamber is no more."""
-    if parameters.closes > geometry.life + 1e-9:
-        what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
-        yield Fault(f"effects.{name}.closes", what)

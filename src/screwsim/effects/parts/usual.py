@@ -1,17 +1,9 @@
-"""What scenes of a kind of machine usually name, how large effects' sizes can be, and roles the core asks for in words.
+"""What scenes of a kind of machine usually name, and how large the sizes of effects can be.
 
 An effect says which of these it is; the core asks for them without knowing who they are.
-
-Those that call for figures are declared with these (`outputs.core`).
 """
 
 from typing import NamedTuple
-
-WAY_IN = "a way between the suction line and the chambers"
-WAY_OUT = "a way between the chambers and the discharge line"
-SUCTION_BACK = "what flows back to suction comes in again"
-PUMPS = "what pumping the oil costs"
-SLIDES = "where a slide stands"
 
 
 class Usual(NamedTuple):

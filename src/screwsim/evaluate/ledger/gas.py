@@ -1,9 +1,8 @@
 """The gas in the ledger: its exergy rise; what flow paths, lines and walls destroy (M50–M57, M163, M187).
 
-The suction line in the ledger, where what flows back stays in it, and leaks beside the chambers (M273, M274).
-
-What flows back mixes to its mean state, by path; that, what leaks beside the chambers and fresh gas mix to what is
-sucked in: the entry `suction_line`. Throttling of the leak is the leak's own entry.
+Of the suction line, where what flows back stays in it (M273, M274): what flows back mixes to its mean state, by path;
+that, what leaks beside the chambers and fresh gas mix to what is sucked in: the entry `suction_line`. Throttling of the
+leak is the leak's own entry.
 """
 
 from collections.abc import Mapping, Sequence

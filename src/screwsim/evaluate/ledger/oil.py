@@ -1,8 +1,7 @@
 """The oil in the ledger: its exergy rise, its injection and supply, the heat of its droplets, the gas that it holds.
 
-The oil's circuit in the ledger: gas and oil mix in the separator, the oil goes back through its cooler (M286).
-
-Without effects.separator the ledger ends where gas and oil leave the chambers, unmixed, and the oil's supply is given.
+With effects.separator gas and oil mix there, and the oil goes back through its cooler (M286). Without effects.separator
+the ledger ends where gas and oil leave the chambers, unmixed, and the oil's supply is given.
 """
 
 from collections.abc import Sequence

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.cycle.balances import discharge_enthalpy
+from screwsim.cycle.balances import outflow_of
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
@@ -93,8 +93,8 @@ def ledger(of: Evaluation) -> Ledger:
     cycle, R = Cycle(of), of.life.R
     suction = _sucked(cycle)
     line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
-    mean = discharge_enthalpy(cycle.streams)
-    discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean[0])
+    mean = outflow_of(cycle.streams)
+    discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean.enthalpy)
     sucked, given = cycle.behind(SUCTION, suction), cycle.behind(DISCHARGE, discharge)
     station()
     moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind(DISCHARGE, line).s))

@@ -1,16 +1,13 @@
-"""Lengths of the leakage paths of a chamber over the male angle: sealing line and tip helices.
+"""Lengths of the leakage paths of a chamber over the male angle: sealing line, tip helices, end faces.
 
 φ [rad] is zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane; the section at
-z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length becomes an area with a clearance. Source:
-docs/reference/rotors.md.
+z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length and a clearance make an area.
 
-Leakage across the lobes' end faces: radial lengths of what separates two chambers, by lobe offset.
-
-At each radius a lobe's arc lies between its two flanks. A length is the radial extent over which one flank bounds one
-chamber and the other flank the other chamber; the contact points, at radii known from the chain, divide the flanks.
-Between the male tip's departure from the cusp and the new contact at S the division moves linearly (as R does).
-Source: ours (docs/reference/rotors.md). ψ is the section at the face [rad], lengths in m. A length and a clearance
-make an area.
+On an end face the lengths are radial, of what separates two chambers, by lobe offset. At each radius a lobe's arc lies
+between its two flanks. A length is the radial extent over which one flank bounds one chamber and the other flank the
+other chamber; the contact points, at radii known from the chain, divide the flanks. Between the male tip's departure
+from the cusp and the new contact at S the division moves linearly (as R does).
+Source: ours (docs/reference/rotors.md).
 """
 
 import math

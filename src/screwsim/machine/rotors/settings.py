@@ -1,8 +1,7 @@
-"""What a scene says of a rotor profile (typed, SI units).
+"""What a scene says of a rotor profile (typed, SI units), and families of rotors.
 
-Families of rotors: proportions under a name, which a diameter makes rotors of (docs/reference/rotors.md).
-
-Source: ours; the machines of configs/rotors are these at 160 mm. All lengths are shares of the male rotor's diameter.
+A family is proportions under a name, of which a diameter makes rotors (docs/reference/rotors.md): shares of the male
+rotor's diameter. Source: ours; the machines of configs/rotors are these at 160 mm.
 """
 
 import math

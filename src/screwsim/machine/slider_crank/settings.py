@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineSettings
-from screwsim.machine.slider_crank import cylinder
+from screwsim.machine.slider_crank import kinematics
 
 
 @dataclass(frozen=True)
@@ -29,17 +29,17 @@ class SliderCrank(MachineSettings):
     @property
     def top(self) -> float:
         """Crank angle of the top dead centre [rad] (S4)."""
-        return cylinder.top_angle(self.crank_radius, self.rod_length, self.offset)
+        return kinematics.top_angle(self.crank_radius, self.rod_length, self.offset)
 
     @property
     def bottom(self) -> float:
         """Crank angle of the bottom dead centre [rad] (S4)."""
-        return cylinder.bottom_angle(self.crank_radius, self.rod_length, self.offset)
+        return kinematics.bottom_angle(self.crank_radius, self.rod_length, self.offset)
 
     @property
     def stroke(self) -> float:
         """Way of the piston between its dead centres [m] (S4)."""
-        return cylinder.stroke(self.crank_radius, self.rod_length, self.offset)
+        return kinematics.stroke(self.crank_radius, self.rod_length, self.offset)
 
     @property
     def swept_volume(self) -> float:
@@ -61,7 +61,7 @@ class SliderCrank(MachineSettings):
         return self.stroke * omega / math.pi
 
     def numbers(self) -> dict[str, float]:
-        """Return the numbers behind the arguments of `cylinder.volume` and `cylinder.volume_slope`."""
+        """Return the numbers behind the arguments of `kinematics.volume` and `kinematics.volume_slope`."""
         lengths = {"crank": self.crank_radius, "rod": self.rod_length, "offset": self.offset}
         return {"V_c": self.clearance, "A_piston": self.piston_area, **lengths}
 

@@ -1,8 +1,7 @@
-"""Solving one scene in a stated way: integrator, closing, tolerances, regularisation and breakpoints, each by itself.
+"""One scene solved in a stated way: integrator, closing, tolerances, regularisation and breakpoints, each by itself.
 
-`simulate` derives all of these from the wanted accuracy. A study of that accuracy has to set them one by one.
-
-What the study tries: each case is a scene and a way of solving it.
+`simulate` derives all of these from the wanted accuracy. A study of that accuracy has to set them one by one: each of
+its cases is a scene and a way of solving it.
 """
 
 import math

@@ -1,13 +1,11 @@
-"""The likelihood of measured points over one parameter, from solutions between its bounds.
+"""The likelihood of measured points over one parameter at a time, and how probable that makes its best change.
 
 Gauss-Newton steps with slopes lead from where the parameter was to a best value; a few places between the bounds are
 solved, too, for a figure that falls and rises with the parameter (power over the oil ratio) may fit twice. Between
 solutions the residuals are interpolated (modified Akima); where the likelihood lies, further ones are made.
 
-One parameter at a time against measured points: what its best change leaves over, and how probable that makes it.
-
-With residuals r over their uncertainties, slopes j over the place u of the parameter (0 … 1 between its bounds) and C
-= 1 + M Mᵀ, where the columns of M are what one standard uncertainty of each input of the unchanged machine makes of
+With residuals r over their uncertainties, slopes j over the place u of the parameter (0 … 1 between its bounds) and
+C = 1 + M Mᵀ, where the columns of M are what one standard uncertainty of each input of the unchanged machine makes of
 the residuals, the likelihood is exp(-½ (r + j s)ᵀ C⁻¹ (r + j s)) over steps s. The evidence is its integral over the
 places, even between the bounds (MacKay 2003, chapter 28): what fits as well with less room is the more probable.
 """

@@ -111,13 +111,13 @@ def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: De
 def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
     """Return the table of a profile, its last row the whole."""
     rows = [
-        [*(f"{MINUTE * each.demand.flow:.2f}", f"{each.demand.hours:.0f}", f"{100.0 * each.loaded:.0f}"),
+        [*(f"{MINUTE * each.demand.flow:.2f}", f"{each.demand.hours:g}", f"{100.0 * each.loaded:.0f}"),
          *(f"{1e-3 * each.power:.1f}", f"{each.energy / KWH:.0f}", _specific(each.energy, each.volume))]
         for each in shares
     ]  # fmt: skip
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     mean = 1e-3 * energy / (hours * HOUR)
-    rows.append(["all", f"{hours:.0f}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume)])
+    rows.append(["all", f"{hours:g}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume)])
     note = "; ".join(_told(rated, shares))
     return Table("Energy over the profile", ("m³/min", "hours", "% on load", "mean kW", "kWh", "kWh/m³"), rows, note)
 

@@ -1,6 +1,7 @@
 """Tables of a sheet over two quantities, each a figure's: what they say of it, part load, envelope.
 
-Lines and notes of sheets of several kinds: motor, oil, limits, the highest of figures, what points warn of.
+Beside them the lines and notes that sheets of several kinds share: motor, oil, limits, the highest of figures, what
+points warn of.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

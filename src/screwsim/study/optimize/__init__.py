@@ -20,8 +20,9 @@ from screwsim.scene.given import scene_of
 from screwsim.study.each import Crew, Warm
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
-from screwsim.study.optimize.evaluate import Aim, Question, Simulated, question, simulated
+from screwsim.study.optimize.evaluate import Simulated, simulated
 from screwsim.study.optimize.points import Points
+from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
@@ -35,7 +36,8 @@ from screwsim.study.workers import cores
 __all__ = ["Aim", "Optimum", "Question", "Reach", "optimize", "question", "run", "spans_of"]
 
 BORDER = 2e-4  # of a range: at its end
-IDLE = 0.9  # of a range over which all is as good: its path does not matter
+IDLE = 0.9  # of a range over which all is as good: its path does not matter ...
+HOLE = 0.5  # ... where no such share of it is without a value as good
 
 
 @dataclass(frozen=True)
@@ -240,9 +242,9 @@ def _reach(found: Optimum, feasible: np.ndarray, column: int, best: int, top: To
     span, place = found.asked.spans[column], float(found.places[best, column])
     sign = found.asked.aims[0].sign
     worse = sign * (found.aims[:, 0] - found.aims[best, 0])
-    good = found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column]
-    low, high = float(good.min()), float(good.max())
-    if high - low > IDLE:  # what does next to nothing lies at a border by chance
+    good = np.sort(found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column])
+    low, high = float(good[0]), float(good[-1])
+    if high - low > IDLE and float(np.diff(good).max()) < HOLE:  # what does next to nothing lies at a border by chance
         return Reach(span.value(low), span.value(high), idle=True)
     border = "lower border" if place < BORDER else "upper border" if place > 1.0 - BORDER else ""
     if top is not None and not found.asked.bounds:

@@ -20,7 +20,8 @@ from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import with_values
 from screwsim.study.each import Crew, Warm
 from screwsim.study.limit import CASE_LIMIT, Limit
-from screwsim.study.optimize.evaluate import Evaluation, Question, evaluation_of, simulated
+from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
+from screwsim.study.optimize.question import Question
 from screwsim.study.optimum import Simulate
 from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress, Silent

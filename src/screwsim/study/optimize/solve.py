@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from screwsim.inputs.faults import UsageError
-from screwsim.study.optimize.evaluate import Evaluation, Question, broken
+from screwsim.study.optimize.evaluate import Evaluation, broken
+from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record, Spent
 from screwsim.study.search import COARSE, Point, Top, highest
 

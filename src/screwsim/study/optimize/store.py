@@ -19,7 +19,7 @@ from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, axis_of, digest, identity_of
 from screwsim.results.write import Draft
 from screwsim.scene import axis_label, leaf_of
-from screwsim.study.optimize.evaluate import Question
+from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.shards import Parts
 

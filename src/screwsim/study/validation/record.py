@@ -1,7 +1,4 @@
-"""What a comparison says: rows with a verdict, and panels of its figure.
-
-The table of a validation as text, and the line that sums it up.
-"""
+"""What a comparison says: rows with a verdict, panels of its figure; its table as text, the line that sums it up."""
 
 import textwrap
 from collections.abc import Mapping, Sequence

@@ -1,0 +1,56 @@
+"""The window of angles in which a chamber faces a hole in the housing, with C1 ramps at both ends.
+
+Source: ours; docs/model.md M100.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.effects.base import FlowPath
+from screwsim.effects.parts.gap import ramp
+from screwsim.inputs.declare import quantity
+from screwsim.inputs.faults import Fault
+from screwsim.numerics.kernel import kernel
+
+DEGREE = pi / 180.0
+RAMP = 10.0 * DEGREE
+
+
+@dataclass(frozen=True)
+class WindowParameters:
+    """The angles of a chamber between which it faces the hole."""
+
+    opens: float = quantity("angle", "angle of the chamber at which it reaches the port", ge=0.0)
+    closes: float = quantity("angle", "angle of the chamber at which it leaves the port", gt=0.0)
+
+
+@kernel
+def window_area(phi, size, opens, closes):
+    """Return the open area [m²] of a hole of area `size` for a chamber at phi [rad] (M100)."""
+    return size * ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
+
+
+def window_breakpoints(parameters) -> tuple[float, ...]:
+    """Return the angles [rad] at which the window is not smooth."""
+    return parameters.opens, parameters.opens + RAMP, parameters.closes - RAMP, parameters.closes
+
+
+def window_path(name: str, parameters) -> FlowPath:
+    """Return the flow path of an effect's window to its own plenum, which has the effect's name."""
+    values = {"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes}
+    coefficient = parameters.flow_coefficient
+    return FlowPath(name, window_area, values, window_breakpoints(parameters), flow_coefficient=coefficient)
+
+
+def check_window(name: str, parameters) -> Iterator[Fault]:
+    """Yield what is wrong with a window whatever the machine."""
+    if parameters.closes - parameters.opens < 2.0 * RAMP:
+        yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
+
+
+def check_within(name: str, parameters, geometry) -> Iterator[Fault]:
+    """Yield a window that ends when the chamber is no more."""
+    if parameters.closes > geometry.life + 1e-9:
+        what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
+        yield Fault(f"effects.{name}.closes", what)

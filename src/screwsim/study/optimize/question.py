@@ -1,0 +1,112 @@
+"""What an optimisation asks: paths between two values, figures to be highest or lowest, bounds, operating points."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from screwsim.inputs.arguments import ends_of, shown
+from screwsim.inputs.faults import UsageError
+from screwsim.scene import Scene
+from screwsim.scene.grid import too_many
+from screwsim.study.figures import figure_of
+from screwsim.study.goals import Bound, read_bounds
+from screwsim.study.inputs import check_continuous, usual_efficiency
+from screwsim.study.optimize.points import ONE, Points, read_points
+from screwsim.study.spans import Span, read_spans, span_of
+
+EACH = 100  # evaluations a path, without a number given
+
+
+class Aim(NamedTuple):
+    """A figure that is to be highest, or lowest."""
+
+    figure: str
+    minimum: bool = False
+
+    @property
+    def sign(self) -> float:
+        """Factor that makes of the figure what is to be lowest."""
+        return 1.0 if self.minimum else -1.0
+
+
+@dataclass(frozen=True)
+class Question:
+    """The whole question; `scene` has no sweep. Of the paths at most `evaluations` sets of values are tried."""
+
+    scene: Scene
+    spans: tuple[Span, ...]
+    aims: tuple[Aim, ...]
+    bounds: tuple[Bound, ...] = ()
+    points: Points = ONE
+    evaluations: int = EACH
+    seed: int = 1
+
+    def values(self, places: Iterable[float]) -> dict[str, float]:
+        """Return the values [SI] at places 0 … 1."""
+        return {span.path: span.value(float(place)) for span, place in zip(self.spans, places, strict=True)}
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The figures that every operating point has to have."""
+        loads = ("cooling_capacity",) if any(point.load is not None for point in self.points.points) else ()
+        named = (*(aim.figure for aim in self.aims), *(bound.figure for bound in self.bounds), *loads)
+        return tuple(dict.fromkeys(named))
+
+
+def question(
+    scene: Scene,
+    vary: Iterable[str] | Mapping[str, tuple[float, float]],
+    maximize: Iterable[str] = (),
+    minimize: Iterable[str] = (),
+    *,
+    subject_to: Iterable[str] | Sequence[Bound] = (),
+    over: str | Points | None = None,
+    evaluations: int | None = None,
+    seed: int = 1,
+) -> Question:
+    """Return what is asked; raise UsageError, in one line, of what makes no sense.
+
+    `vary` are texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the sweep, or {path: (low, high) [SI]}. Without an aim it
+    is the usual efficiency, to be highest.
+    """
+    aims = [Aim(figure_of(scene, name, "--maximize")) for name in _listed(maximize)]
+    aims += [Aim(figure_of(scene, name, "--minimize"), True) for name in _listed(minimize)]
+    named = [aim.figure for aim in aims]
+    for name in named:
+        if named.count(name) > 1:
+            raise UsageError(f"--maximize, --minimize: {name} is an aim twice (remove one)")
+    spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, _listed(vary), ranged=True)
+    bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
+    if not isinstance(over, Points | str | None):
+        raise UsageError(f"over: {shown(over)} is no text (pass one as --over takes it)")
+    points = over if isinstance(over, Points) else read_points(scene, over)
+    both = {span.path for span in spans} & {path for point in points.points for path in point.values}
+    if both:
+        raise UsageError(f"--vary {min(both)}: is set by the operating points of --over (remove it in one of the two)")
+    if any(point.load is not None for point in points.points):
+        check_continuous(scene, points.by)
+        figure_of(scene, "cooling_capacity", "--over")
+    count = EACH * len(spans) if evaluations is None else evaluations
+    what = "is no number of evaluations (write 1 or more)" if count < 1 else too_many(count)
+    if what:
+        raise UsageError(f"--evaluations {count}: {what}")
+    found = tuple(aims) or (Aim(usual_efficiency(scene)),)
+    return Question(scene, spans, found, tuple(bounds), points, count, seed)
+
+
+def _listed(given: Iterable[Any]) -> list[Any]:
+    found = [given] if isinstance(given, str | Bound) or not isinstance(given, Iterable) else list(given)
+    for each in found:
+        if not isinstance(each, str | Bound):
+            raise UsageError(f"{shown(each)} is neither an aim nor a bound (pass a text, or a list of texts)")
+    return found
+
+
+def _spans(scene: Scene, vary: Mapping[str, tuple[float, float]]) -> tuple[Span, ...]:
+    found = []
+    for path, ends in vary.items():
+        check_continuous(scene, path)
+        found.append(span_of(scene, path, *ends_of(path, ends)))
+    if not found:
+        raise UsageError("nothing varies (give one path or more with its range)")
+    return tuple(found)
