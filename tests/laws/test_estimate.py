@@ -248,3 +248,13 @@ def test_a_flow_that_is_nothing_errs_over_what_the_machine_displaces():
     some, none = ({"gas_mass_flow": flow, "volumetric_efficiency": flow / 0.2} for flow in (2e-8, 0.0))
     assert relative_errors(Figures(some), Figures(none))["gas_mass_flow"] == pytest.approx(2e-8 / 0.02)
     assert relative_errors(Figures(none), Figures(none))["gas_mass_flow"] == 0.0
+
+
+@pytest.mark.parametrize("name", ["specific_power", "cop", "cooling_capacity", "heating_cop", "economizer_flow_ratio"])
+def test_what_goes_with_the_net_flow_errs_as_that_does(name):
+    """Where little is delivered the net flow is a difference of flows that are larger: errors count over a tenth."""
+    found, better = (
+        {name: 1.0 * size, "gas_mass_flow": size, "volumetric_efficiency": 0.02 * size} for size in (1.001, 1)
+    )
+    errors = relative_errors(Figures(found), Figures(better))
+    assert errors[name] == pytest.approx(errors["gas_mass_flow"]) == pytest.approx(1e-3 * 0.02 / 0.1)

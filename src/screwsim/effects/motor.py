@@ -32,7 +32,7 @@ from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
-from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
+from screwsim.outputs import COOLED, NET_FLOW, Figure, efficiency, names_of, power_figure
 
 FIGURES = (
     Figure("motor_loss", "W", "loss of motor and inverter"),
@@ -44,6 +44,7 @@ FIGURES = (
         "electrical_cop",
         "1",
         "coefficient of performance: cooling capacity over electrical power",
+        NET_FLOW,
         needs=COOLED,
         by_flow=True,
     ),
@@ -51,6 +52,7 @@ FIGURES = (
         "electrical_heating_cop",
         "1",
         "coefficient of performance of heating: heating capacity over electrical power",
+        NET_FLOW,
         needs=COOLED,
         by_flow=True,
     ),
