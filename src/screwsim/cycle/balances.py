@@ -98,9 +98,11 @@ def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -
 
     Flows through gaps are met twice, by the chamber ahead and the one behind. Where both do not agree a port that holds
     the pressure gives or takes the difference: of both sides, the first number; of the side that lies ahead of the
-    angle at which chambers leave the suction line, the second. All chambers in one turn agree to rounding.
+    angle at which chambers leave the suction line, the second. Where the chamber ahead is open to the discharge line,
+    that does. All chambers in one turn agree to rounding.
     """
-    c, pitch, at = problem.composition, problem.parts.geometry.pitch, problem.parted or 0.0
+    c, geometry, at = problem.composition, problem.parts.geometry, problem.parted or 0.0
+    pitch, ahead_until = geometry.pitch, geometry.discharge_opens or geometry.life
     own, others, across = 0.0, 0.0, 0.0
 
     def differs(side: int, shift: float, begin: float, end: float) -> float:
@@ -116,7 +118,7 @@ def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -
         begin, end = max(0.0, opens - shift), closes - shift
         others += differs(side, shift, begin, end)
         across += differs(side, shift, begin, min(end, at))
-        own += differs(side, shift, opens, min(closes, problem.parts.geometry.life - shift))
+        own += differs(side, shift, opens, min(closes, ahead_until - shift))
     return abs(own) + abs(others), abs(across)
 
 
