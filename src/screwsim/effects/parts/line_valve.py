@@ -138,12 +138,13 @@ def lowest(curve: Array) -> float:
     spectrum, many = np.fft.rfft(curve) / len(curve), FINE * len(curve)
     at, apart = float(np.fft.irfft(spectrum, many).argmin()), 1.0
     spectrum[1:] *= 2.0
-    k = np.arange(len(spectrum))
+    k, least = np.arange(len(spectrum)), float(curve.min())
     for _ in range(REFINED):
         places = at + apart * AROUND
         values = np.real(np.exp(2j * np.pi / many * np.outer(places, k)) @ spectrum)
         at, apart = float(places[values.argmin()]), apart * float(AROUND[1] - AROUND[0])
-    return min(float(curve.min()), float(values.min()))
+        least = min(least, float(values.min()))
+    return least
 
 
 def closed(given: Array, behind: Behind, leaking: float = 0.0) -> Array:
