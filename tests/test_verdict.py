@@ -11,6 +11,7 @@ from screwsim.cycle.problem import Problem, problem_of
 from screwsim.evaluate.verdict import REMEDIES, refused
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.scene import load
+from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 
@@ -76,3 +77,11 @@ def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, w
     told = {limit: REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.WET, Limit.GLIDING, Limit.COLD)}
     assert told[Limit.WET] == f"use {wet}, or gas.two_phase: equilibrium"
     assert told[Limit.GLIDING] == f"use {wet}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"
+
+
+def test_a_machine_that_all_but_stands_is_told_so():
+    """Its areas and tolerances are in order: gas is at rest long before it turns."""
+    result = simulate(load(CONFIGS / "paper" / "point.yaml", ["operation.speed=1e-9 rpm"]), trace=False)
+    assert result.status == "failed"
+    assert "all but stands, a turn takes 6.94e+05 days" in result.message
+    assert "port areas" not in result.message

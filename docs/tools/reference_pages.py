@@ -29,6 +29,7 @@ SCENE_HEAD = """\
 Made by `docs/tools/reference_pages.py` from the declarations that read a scene; `screwsim schema` prints the same as
 JSON Schema for editors, and `screwsim explain SCENE.yaml --parameters [EFFECT]` the same beside what a scene has. Every
 quantity is written with its unit (`128 mm`, `20 degC`), of which the table shows one; a bare number for one is a fault.
+The number is read as it stands, then scaled: `0.11 MPa` and `1.1 bar` may differ in the last of their sixteen digits.
 A key with a default, or a dash in its place, may be left out; *required* is what its section must have where it is
 named. Beyond *range* a value is refused, beyond what is *usual* it is taken with a warning. M… are equations of
 [model.md](../model.md), S… of [slider-crank.md](slider-crank.md).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import effects_space
 import numpy as np
 import pytest
 from fuzz_space import changes, drawn
@@ -53,6 +54,22 @@ def test_what_is_delivered_errs_by_no_less_than_the_gas_trapped_over_the_efficie
     true = simulate(replace(asked, numerics=finer), trace=False).performance
     off = relative_errors(simulate(asked, trace=False).performance, true)
     assert worst(off)[1] <= asked.numerics.accuracy
+
+
+@pytest.mark.parametrize(
+    "structure, seed, number",
+    [("economizer and liquid", 105, 26), ("solubility over time", 107, 21)],
+    ids=["what gaps err by a plenum's port makes good", "what flashes errs by the dissolved gas that is left open"],
+)
+def test_what_is_left_open_counts_with_the_figures_that_err_by_it(structure, seed, number):
+    """Finer lives repeated what the port took for the gaps, and what flashed of gas that no balance had closed."""
+    asked = effects_space.scene_of(structure, seed, number)
+    finer = replace(asked.numerics, accuracy=asked.numerics.accuracy / 15.0, error="none", closing="coupled")
+    true = simulate(replace(asked, numerics=finer), trace=False).performance
+    found = simulate(asked, trace=False)
+    off = relative_errors(found.performance, true)
+    assert worst(off)[1] <= asked.numerics.accuracy
+    assert worst(found.error)[1] <= asked.numerics.accuracy
 
 
 @pytest.fixture(scope="module")

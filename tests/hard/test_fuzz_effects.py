@@ -1,6 +1,7 @@
 """The search over scenes of all effects: it draws every effect, and what it stored keeps its bounds."""
 
 import json
+from types import SimpleNamespace
 
 import fuzz_effects
 import pytest
@@ -64,6 +65,31 @@ def test_a_machine_with_another_cycle_says_so(number):
     assert result.status == "ok"
     assert result.numerics.rhs_evaluations > another.SLOW  # it was asked
     assert any("another cycle" in words for words in result.warnings) == (number in TWO_CYCLES)
+
+
+@pytest.mark.around
+def test_a_cycle_beside_which_turns_stood_is_told():
+    """All chambers together left a cycle behind a valve that turns had all but closed, for one 0.8 % away."""
+    result = simulate(scene_of("plenums, valves", 108, 22), trace=False)
+    assert result.status == "ok" and result.numerics.closing == "coupled"
+    (warning,) = [words for words in result.warnings if "another cycle" in words]
+    assert "from where turns of one chamber after the other stood" in warning
+
+
+@pytest.mark.parametrize(
+    ("mass", "change", "asked"),
+    [(1.01, 1e-4, True), (1.001, 1e-4, False), (1.01, 2e-3, False), (1.0, 1e-4, False)],
+    ids=["stood beside it", "near", "far from closed", "the same"],
+)
+def test_turns_stood_beside_a_cycle_that_is_farther_away_than_they_would_have_gone(mass, change, asked):
+    """Only those are gone on with: a scene whose turns led to its cycle, or nowhere, pays nothing."""
+    problem = SimpleNamespace(
+        scene=SimpleNamespace(numerics=SimpleNamespace(accuracy=3e-4)), parts=SimpleNamespace(shaft=None), pv=1.0
+    )
+    left = SimpleNamespace(change=change, seen=(mass, 2.0))
+    cycle = SimpleNamespace(left_at=left, seen=(1.0, 2.0))
+    assert another.stood_beside(problem, cycle) is (left if asked else None)
+    assert another.stood_beside(problem, SimpleNamespace(left_at=None)) is None
 
 
 LEAKS_ALONE = {  # structure, seed, number: machines that deliver nothing, and what they were off by

@@ -11,6 +11,7 @@ from screwsim.build import build_parts
 from screwsim.cycle.close import again, close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
+from screwsim.evaluate import cautions
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
@@ -248,3 +249,22 @@ def test_a_flow_that_is_nothing_errs_over_what_the_machine_displaces():
     some, none = ({"gas_mass_flow": flow, "volumetric_efficiency": flow / 0.2} for flow in (2e-8, 0.0))
     assert relative_errors(Figures(some), Figures(none))["gas_mass_flow"] == pytest.approx(2e-8 / 0.02)
     assert relative_errors(Figures(none), Figures(none))["gas_mass_flow"] == 0.0
+
+
+@pytest.mark.parametrize("name", ["specific_power", "cop", "cooling_capacity", "heating_cop", "economizer_flow_ratio"])
+def test_what_goes_with_the_net_flow_errs_as_that_does(name):
+    """Where little is delivered the net flow is a difference of flows that are larger: errors count over a tenth."""
+    found, better = (
+        {name: 1.0 * size, "gas_mass_flow": size, "volumetric_efficiency": 0.02 * size} for size in (1.001, 1)
+    )
+    errors = relative_errors(Figures(found), Figures(better))
+    assert errors[name] == pytest.approx(errors["gas_mass_flow"]) == pytest.approx(1e-3 * 0.02 / 0.1)
+
+
+@pytest.mark.parametrize(("filling", "words"), [(1e-3, "to within 0.03 of itself"), (1e-6, "not even by its size")])
+def test_a_machine_that_delivers_next_to_nothing_is_warned_of_what_is_over_its_flow(filling, words):
+    """Errors count over a tenth of the displacement: of itself a figure over less is known to less than was asked."""
+    (warning,) = cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=filling, specific_power=1e9))
+    assert words in warning and "specific_power" in warning and "oil_flow_ratio" not in warning
+    assert not [*cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=0.01, specific_power=1e7))]
+    assert not [*cautions.next_to_nothing(ACCURACY, Figures(volumetric_efficiency=-0.1, specific_power=None))]

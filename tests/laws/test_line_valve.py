@@ -6,7 +6,7 @@ from scenes import make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.effects.base import Made
-from screwsim.effects.parts.line_valve import POINTS, Behind, Valve, closed, standing, through
+from screwsim.effects.parts.line_valve import POINTS, Behind, Valve, closed, least_flow, lowest, standing, through
 from screwsim.effects.plenums import Parameters
 from screwsim.effects.plenums import build as plenum_parts
 from screwsim.explain import explain
@@ -17,6 +17,7 @@ BALANCES = ("mass", "energy", "entropy", "oil_mass")
 SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
 BEHIND = Behind(capacity=8e-8, impedance=1.3e5, frequency=1200.0, rho=45.0)
 PHASE = 2.0 * np.pi * np.arange(64) / 64
+WIDE = 2.0 * np.pi * np.arange(128) / 128
 
 
 def plenums(**changes):
@@ -39,6 +40,30 @@ def test_nothing_flows_back_and_the_mean_passes(swing, valve):
     flow, _ = through(valve, given, BEHIND)
     assert flow.min() >= 0.0
     assert flow.mean() == pytest.approx(given.mean(), rel=1e-9)
+
+
+@pytest.mark.parametrize("lag", [0.013, 0.05, 0.081])
+def test_the_least_flow_lies_between_the_angles_and_has_all_harmonics(lag):
+    """u_k = w_k/(1 + i k Ω C Z), while neither the orifice nor the seat is met; the 45th is none of 65 angles."""
+    given = 0.2 * (
+        1.0 + 0.3 * np.cos(WIDE - lag) + 0.1 * np.cos(8.0 * (WIDE - lag)) + 0.1 * np.cos(45.0 * (WIDE - lag))
+    )
+    quick = BEHIND._replace(capacity=1e-10)
+    delay = 1j * quick.frequency * quick.capacity * quick.impedance
+    phase = np.linspace(0.0, 2.0 * np.pi, 200_001)
+    waves = ((k, 0.2 * size / (1.0 + delay * k)) for k, size in ((1, 0.3), (8, 0.1), (45, 0.1)))
+    true = 0.2 + sum(np.real(np.exp(1j * k * (phase - lag)) * wave) for k, wave in waves)
+    valve = Valve(area=5e-3, pressure=3e3)
+    found = least_flow(valve, given, quick, through(valve, given, quick))
+    assert found == pytest.approx(true.min(), rel=1e-6)
+
+
+def test_the_least_flow_of_an_orifice_is_that_of_as_many_angles_as_it_takes():
+    given = 0.2 * (1.0 + 0.4 * np.cos(PHASE) + 0.2 * np.sin(5.0 * PHASE))
+    valve = Valve(area=1e-4, pressure=3e3)
+    many = through(valve, given, BEHIND, 401)
+    assert least_flow(valve, given, BEHIND, through(valve, given, BEHIND)) == pytest.approx(many.flow.min(), rel=1e-4)
+    assert lowest(many.pressure) <= many.pressure.min()
 
 
 def test_a_wide_valve_that_never_shuts_is_none():

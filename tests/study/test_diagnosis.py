@@ -12,6 +12,7 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.printing.diagnosis import print_diagnosis
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 from screwsim.study.calibration import read_fit
@@ -55,8 +56,8 @@ def by_path(found):
     return {each.path: each for each in found.hypotheses}
 
 
-def test_of_a_parameter_that_does_nothing_the_points_tell_nothing(tmp_path):
-    """Its probability is that beforehand, and its interval that of its bounds; of another they tell."""
+def test_of_a_parameter_that_does_nothing_the_points_tell_nothing(tmp_path, capsys):
+    """Its probability is that beforehand, and its interval that of its bounds; of another they tell. It has no best."""
     idle = FIT.replace("oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", "operation.ambient_temperature: IDLE")
     fit = write_fit(
         tmp_path,
@@ -64,7 +65,11 @@ def test_of_a_parameter_that_does_nothing_the_points_tell_nothing(tmp_path):
         points(),
         screwsim.loads(SCENE).with_(UNCHANGED).text,
     )
-    assert diagnose(read_fit(fit, fixed=False), simulate=plane, jobs=1).untold == ("operation.ambient_temperature",)
+    found = diagnose(read_fit(fit, fixed=False), simulate=plane, jobs=1)
+    assert found.untold == ("operation.ambient_temperature",)
+    print_diagnosis(found)
+    (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("ambient_temperature")]
+    assert "any" in row and not any(f"{found.unchanged['operation.ambient_temperature']:.4g}" == cell for cell in row)
 
 
 def test_the_evidence_is_the_mean_likelihood_between_the_bounds():

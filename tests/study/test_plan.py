@@ -13,6 +13,7 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.printing.plan import print_plan
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
 from screwsim.study.calibration.fit import Measured, Prior
@@ -141,6 +142,25 @@ def test_what_has_no_solution_is_told_and_not_chosen(tmp_path):
     found = plan(fit, candidates_of(fit, paths=[SPEEDS], levels=5), count=3, jobs=1, simulate=torn)
     assert found.status == "failed" and set(found.reasons) == {"3000 rpm", "4000 rpm", "5000 rpm"}
     assert {step.point.name for step in found.steps} == {"1000 rpm", "2000 rpm"}
+
+
+def test_points_at_which_nothing_is_delivered_are_told_and_not_weighed(tmp_path, capsys):
+    """What a machine takes that delivers nothing tells of its leaks, and tells most at the lowest speed."""
+
+    def delivers_from_2000_rpm(scene):
+        result = plane(scene)
+        flow = scene.operation.speed - 200.0
+        return replace(result, performance=Figures({**result.performance, "gas_mass_flow": flow}))
+
+    fit = fit_of(tmp_path)
+    every = candidates_of(fit, paths=[SPEEDS], levels=5)
+    found = plan(fit, every, count=3, jobs=1, simulate=delivers_from_2000_rpm)
+    assert found.status == "ok" and found.idle == ("1000 rpm",)
+    assert "1000 rpm" not in {step.point.name for step in found.steps}
+    print_plan(found)
+    assert "not weighed, as nothing is delivered there: 1000 rpm" in capsys.readouterr().out
+    none = plan(fit, every[:1], count=1, jobs=1, simulate=delivers_from_2000_rpm)
+    assert none.status == "failed" and none.message.startswith("at no candidate anything is delivered")
 
 
 @pytest.mark.parametrize(("own", "told"), [("1e300", "tells nothing"), ("1e-300", "no measurement is sure of")])

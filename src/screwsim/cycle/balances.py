@@ -101,6 +101,40 @@ def crossed(problem: Problem, life: Trajectory) -> float:
     return gained
 
 
+def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -> tuple[float, float]:
+    """Return the gas [kg] a life that a plenum's port makes good while a chamber is open to it, and what crosses of it.
+
+    Flows through gaps are met twice, by the chamber ahead and the one behind. Where both do not agree a port that holds
+    the pressure gives or takes the difference: of both sides, the first number; of the side that lies ahead of the
+    angle at which chambers leave the suction line, the second. Where the chamber ahead is open to the discharge line,
+    that does. All chambers in one turn agree to rounding.
+    """
+    c, geometry, at = problem.composition, problem.parts.geometry, problem.parted or 0.0
+    pitch, ahead_until = geometry.pitch, geometry.discharge_opens or geometry.life
+    own, others, across = 0.0, 0.0, 0.0
+
+    def differs(side: int, shift: float, begin: float, end: float) -> float:
+        """Return what the chamber behind got beyond what that ahead gave, by the angles of the one behind."""
+        if end <= begin:
+            return 0.0
+        ahead, behind = c.first_met + 2 * side, c.first_met + 2 * side + 1
+        got = life.sum_until(end, ahead) - life.sum_until(begin, ahead)
+        return got + life.sum_until(end + shift, behind) - life.sum_until(begin + shift, behind)
+
+    for side, offset in enumerate(c.offsets):
+        shift = offset * pitch
+        begin, end = max(0.0, opens - shift), closes - shift
+        others += differs(side, shift, begin, end)
+        across += differs(side, shift, begin, min(end, at))
+        own += differs(side, shift, opens, min(closes, ahead_until - shift))
+    return abs(own) + abs(others), abs(across)
+
+
+def held_left(problem: Problem, q: Array) -> float:
+    """Return what a life leaves open of the gas that its oil holds [kg]."""
+    return abs(float(sum(_columns(problem.composition, q)[OF_HELD]))) if problem.composition.dissolves else 0.0
+
+
 def _columns(c: Composition, q: Array) -> list[list[float]]:
     """Return the sums of all categories but that between chambers, by column: a few numbers, quicker as such."""
     rows = streams_of(c, q).tolist()

@@ -64,11 +64,12 @@ def dear(rtol: float) -> float:
 
 
 def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool) -> CycleSolution | None:
-    """Close by turns from a start; None when they do not and there is another way.
+    """Close by turns from a start; None when one stops and there is another way.
 
-    They may cost as much as that other way does in the median (`last` is False): the two seldom cost more than twice
-    the cheaper one. The first turns are integrated loosely: their error is that of the guess. A guess made from cycles
-    of machines nearby may be so good that the first turn closes: it is as fine as is hoped of the guess.
+    They may cost as much as that other way does in the median (`last` is False), and are left as they are then: the two
+    seldom cost more than twice the cheaper one. The first turns are integrated loosely: their error is that of the
+    guess. A guess made from cycles of machines nearby may be so good that the first turn closes: it is as fine as is
+    hoped of the guess.
     """
     turns = _Turns(problem, machinery, wanted, start)
     station()
@@ -83,10 +84,10 @@ def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, 
         if turns.closes(correction is not None):
             return turns.ended(OK)
         if machinery.evaluations_of(machinery.counts) > most:
-            return None
+            break
         turns.refine(correction)
         turns.go_on(correction)
-    return turns.ended(NOT_CLOSED) if last else None
+    return turns.ended(NOT_CLOSED)
 
 
 class _Turns:

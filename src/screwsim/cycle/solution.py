@@ -50,6 +50,7 @@ class CycleSolution:
     made: Array | None = None  # the same of what it made of the feedback unknowns
     left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
     missed: float = 1.0  # share of what corrections foretold by which the turn after them went elsewhere; 1: not known
+    left_at: CycleSolution | None = None  # where another way was left, unclosed, before this one closed the cycle
 
     @property
     def closed(self) -> bool:

@@ -8,6 +8,7 @@ Source: docs/explanation/numerics.md.
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from screwsim.cycle.solution import Array, CycleSolution, Hope, Led, Start, Want
 from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK, R_TRAPPED
 from screwsim.numerics.settings import CLOSINGS, TOGETHER, WAVEFORMS
+from screwsim.outputs.variables import NOT_CLOSED
 
 
 class Way(ABC):
@@ -35,7 +37,7 @@ class Way(ABC):
     def close(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
-        """Close the cycle from a start; None where another way, if not `last`, is due."""
+        """Close the cycle from a start; None or what is not closed where another way, if not `last`, is due."""
 
     @abstractmethod
     def again(
@@ -67,7 +69,7 @@ class Waveforms(Way):
     def close(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
-        """Relax; None once that has cost as much as all chambers together would."""
+        """Relax, until that has cost as much as all chambers together would."""
         return relax(problem, machinery, wanted, start, last)
 
     def again(
@@ -141,10 +143,12 @@ def way_of(cycle: CycleSolution) -> Way:
 def by_ways(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
     """Close the cycle by the ways that are wanted, one after the other."""
     *first, last = (WAYS[name] for name in CLOSINGS[wanted.closing].ways)
+    left = None
     for way in first:
         found = way.close(problem, machinery, wanted, start, last=False)
-        if found is not None:
+        if found is not None and found.status != NOT_CLOSED:
             return found
+        left = found or left
     found = last.close(problem, machinery, wanted, start, last=True)
     assert found is not None
-    return found
+    return found if left is None else replace(found, left_at=left)

@@ -24,7 +24,18 @@ from screwsim.effects.base import Effect, Faults, Given, LosesPressure, Pressure
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
-from screwsim.outputs import AFTERCOOLED, CHANGED, CONDENSED, HUMID, Figure, efficiency, names_of, over, power_figure
+from screwsim.outputs import (
+    AFTERCOOLED,
+    CHANGED,
+    CONDENSED,
+    HUMID,
+    NET_FLOW,
+    Figure,
+    efficiency,
+    names_of,
+    over,
+    power_figure,
+)
 
 NAME = "air_package"
 SEPARATED = ("effects.separator",)
@@ -40,9 +51,16 @@ NO_POWER = "the package's input power is not positive"
 
 FREE_AIR = "free_air_delivered"
 _always = (
-    Figure(FREE_AIR, "m3 s-1", "flow at the package's outlet, by volume at its inlet", by_flow=True, shown="m3 min-1"),
+    Figure(
+        FREE_AIR,
+        "m3 s-1",
+        "flow at the package's outlet, by volume at its inlet",
+        NET_FLOW,
+        by_flow=True,
+        shown="m3 min-1",
+    ),
     power_figure("package_input_power", "electrical power of motor, inverter and fan"),
-    Figure("package_specific_power", "W s m-3", "input power over free air delivered", by_flow=True),
+    Figure("package_specific_power", "W s m-3", "input power over free air delivered", NET_FLOW, by_flow=True),
     efficiency("package_isentropic_efficiency", "isentropic power of ISO 1217 over input power", by_flow=True),
     Figure("package_discharge_pressure", "Pa", "pressure at the package's outlet"),
     Figure("package_pressure_loss", "Pa", "what the package loses behind the machine", over("discharge_pressure")),

@@ -39,15 +39,17 @@ DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
 GIVEN_TOO_MUCH = 0.005  # share of the shaft power
 PER_FOLD = 8.0  # [K] by which the temperature is about wrong where the port draws e times what there is
 APART = 0.5  # [K] at least, from both lines and from the liquid that is cooled
-OF_VAPOUR = Scale(1.0)  # a draw errs over the vapour that the liquid makes, at least
+# a draw errs over the vapour that the liquid makes, at least
+OF_VAPOUR = Scale(1.0, times="filling")
+_over_each_other = partial(Figure, by_flow=True, by_port=True)  # flows, which err as both do
 FIGURES = (
     Figure("economizer_temperature", "K", "saturation temperature in the economizer"),
     Figure("economizer_pressure", "Pa", "pressure in the economizer"),
-    Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer", BESIDE),
-    Figure("economizer_flow_ratio", "1", "economizer flow over net suction flow", BESIDE_RATIO),
-    Figure(DRAW, "1", "vapour that its port draws over that which the liquid makes", OF_VAPOUR, needs=COOLED),
-    Figure(
-        GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, needs=COOLED
+    Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer", BESIDE, by_port=True),
+    _over_each_other("economizer_flow_ratio", "1", "economizer flow over net suction flow", BESIDE_RATIO),
+    _over_each_other(DRAW, "1", "vapour that its port draws over that which the liquid makes", OF_VAPOUR, COOLED),
+    _over_each_other(
+        GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, COOLED
     ),
     power_figure(HEAT_LOSS, "heat of gas pushed back that leaves the machine in the economizer"),
 )

@@ -39,8 +39,8 @@ SHUT, FIRST_OPENING = 1e-4, 0.2  # of the valve
 LATENT = 200.0  # [K] by which as much liquid as gas would about cool the gas
 WARMS = 2.0  # heat capacity of oil over that of gas, about
 FIGURES = (
-    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", BESIDE),
-    Figure(RATIO, "1", "injected liquid over net suction flow", BESIDE_RATIO),
+    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", BESIDE, by_port=True),
+    Figure(RATIO, "1", "injected liquid over net suction flow", BESIDE_RATIO, by_flow=True, by_port=True),
     Figure(
         "liquid_injection_opening",
         "1",

@@ -32,7 +32,7 @@ from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
-from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
+from screwsim.outputs import COOLED, NET_FLOW, Figure, efficiency, names_of, power_figure
 
 FIGURES = (
     Figure("motor_loss", "W", "loss of motor and inverter"),
@@ -44,6 +44,7 @@ FIGURES = (
         "electrical_cop",
         "1",
         "coefficient of performance: cooling capacity over electrical power",
+        NET_FLOW,
         needs=COOLED,
         by_flow=True,
     ),
@@ -51,11 +52,15 @@ FIGURES = (
         "electrical_heating_cop",
         "1",
         "coefficient of performance of heating: heating capacity over electrical power",
+        NET_FLOW,
         needs=COOLED,
         by_flow=True,
     ),
 )
 NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"
+BESIDE_CLASS = (
+    "is given beside efficiency_class (remove one of the two; over a base write {1}: null, with --set {0}.{1}=null)"
+)
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
 SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
@@ -257,9 +262,9 @@ def _of_class(parameters: Parameters) -> Faults:
     if parameters.poles not in (None, *known.POLES):
         yield Fault(f"{path}.poles", f"{parameters.poles}: known are motors of 2, 4 and 6 (or write efficiency)")
     elif not isinstance(parameters.efficiency, Derived):
-        yield Fault(f"{path}.efficiency", "is given beside efficiency_class (remove one of the two)")
+        yield Fault(f"{path}.efficiency", BESIDE_CLASS.format(path, "efficiency"))
     if parameters.efficiency_file is not None:
-        yield Fault(f"{path}.efficiency_file", "is given beside efficiency_class (remove one of the two)")
+        yield Fault(f"{path}.efficiency_file", BESIDE_CLASS.format(path, "efficiency_file"))
     if not known.SMALLEST <= parameters.rated_power <= known.LARGEST:
         what = f"{1e-3 * parameters.rated_power:.4g} kW: classes are known from 0.75 kW to 1000 kW"
         yield Fault(f"{path}.efficiency_class", f"{what} (write efficiency)")

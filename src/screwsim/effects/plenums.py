@@ -13,7 +13,7 @@ sound speed, so many harmonics as stated; a check valve is tight and has no mass
 Parameters: volume, line area, loss coefficient and check valve of suction and discharge, harmonics.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from math import hypot, pi
@@ -119,15 +119,15 @@ def offset(line: LineFlow, area: float | None, loss: float) -> float:
 
 
 class Mean(NamedTuple):
-    """What a turn makes of a plenum with a check valve: offset, amplitudes, least flow [kg/s], whether it stays shut.
+    """What a turn makes of a plenum with a check valve: offset, amplitudes, whether it stays shut, its least flow.
 
     The amplitudes a_k − i b_k are over the line's pressure, as the offset is; the flow counts along the valve.
     """
 
     offset: float
     amplitudes: Array
-    least: float
     shut: bool
+    least: Callable[[], float]
 
 
 def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
@@ -191,15 +191,15 @@ class Behind:
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
         behind = line_valve.Behind(capacity, impedance, frequency, line.rho)
-        mean, least = max(float(flow.mean()), 0.0), 0.0
+        mean, least = max(float(flow.mean()), 0.0), partial(float, 0.0)
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
         pressure = line_valve.closed(given, behind)
         level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
         if mean > 0.0 and self.area is None:
-            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), mean
+            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), partial(float, mean)
         elif mean > 0.0:
             passed = line_valve.through(valve, given, behind)
-            pressure, least = passed.pressure, float(passed.flow.min())
+            pressure, least = passed.pressure, partial(line_valve.least_flow, valve, given, behind, passed)
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
         across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # where a turn may open the valve it is let
@@ -210,7 +210,7 @@ class Behind:
             pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         along = self.along * (stands if shut else level / p)
-        return Mean(along, self.along * spectrum / p, 0.0 if shut else least, shut)
+        return Mean(along, self.along * spectrum / p, shut, partial(float, 0.0) if shut else least)
 
     def _far(self, turn: Turn) -> float:
         """Return the mean pressure [Pa] beyond the machine's other port."""
@@ -261,15 +261,16 @@ class Behind:
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, swing and harmonics of the pressure [Pa]."""
         p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
+        lowest, highest = line_valve.lowest(pressure), -line_valve.lowest(-pressure)
         pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, len(WHICH) + 1)]
         found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
         found[f"{self.to}_plenum_pressure"] = p * (1.0 + turn.made[f"{self.to}_offset"])
         if self.to == DISCHARGE:
             line = turn.line(self.to)
-            wave = 0.0 if self.area is None else self.area / line.sound * p * float((pressure - pressure.mean()).min())
             mean = self._found(turn)[0]
-            found["discharge_line_least_flow"] = float(np.mean(line.flow)) + wave if mean is None else mean.least
-        return {**found, f"{self.to}_pulsation_peak_to_peak": p * float(np.ptp(pressure))}
+            wave = 0.0 if self.area is None else self.area / line.sound * p * (lowest - float(pressure.mean()))
+            found["discharge_line_least_flow"] = float(np.mean(line.flow)) + wave if mean is None else mean.least()
+        return {**found, f"{self.to}_pulsation_peak_to_peak": p * (highest - lowest)}
 
 
 def _nothing(site: Site) -> float:

@@ -47,12 +47,14 @@ FIGURES = (
         "kg s-1",
         "refrigerant that flashes out of the injected oil, less what it takes up",
         Scale(BROUGHT, ("dissolved_gas_ratio", "oil_mass_flow"), where=OVER_TIME),
+        by_held=True,
     ),
     Figure(
         "flash_flow_ratio",
         "1",
         "refrigerant that flashes out of the oil, over net suction flow",
         Scale(BROUGHT, ("dissolved_gas_ratio", "oil_flow_ratio"), where=OVER_TIME),
+        by_held=True,
     ),
 )
 POINTS = 25  # of the table over pressure

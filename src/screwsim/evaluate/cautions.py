@@ -11,7 +11,7 @@ from screwsim.effects.parts.roles import SUCTION_BACK
 from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
-from screwsim.figures.errors import worst
+from screwsim.figures.errors import LEAST_FILLING, worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
 from screwsim.model.compose import LINES
@@ -23,6 +23,8 @@ from screwsim.scene.types import Found
 
 CONTRADICTS = 1.0  # [K] by which a stated temperature of the separator may differ from that of its balance
 OPEN_TO_SUCTION = math.radians(1.0)  # earlier than the end of suction, that deserves a word
+HARDLY_KNOWN = 0.01  # of themselves, to which figures over the net flow are known, that deserves a word
+OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
 LOST = 0.02  # of the shaft power, that goes with what flows back to suction and deserves a word
 
 
@@ -60,10 +62,26 @@ def warnings(of: Evaluation) -> Iterator[str]:
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
         )
+    yield from next_to_nothing(problem.scene.numerics.accuracy, found)
     if flow is not None and flow < 0.0 and of.problem.suction.changed and sucks:
         yield (
             "gas flows back to the suction line, which no throttle, filter or bypass before the machine lets: their "
             "pressures and shares are those of gas that is sucked (smaller leaks, a higher speed, or leave them out)"
+        )
+
+
+def next_to_nothing(accuracy: float, found: Figures) -> Iterator[str]:
+    """Yield that what is over the net gas flow is hardly known, where that is next to nothing (M41)."""
+    filling = found.get("volumetric_efficiency") or 0.0
+    if filling <= 0.0:
+        return
+    known = accuracy * LEAST_FILLING / filling
+    if known > HARDLY_KNOWN:
+        which = ", ".join(name for name in OVER_FLOW if found.get(name) is not None)
+        within = f"to within {known:.1g} of itself" if known < 1.0 else "not even by its size"
+        yield (
+            f"the machine delivers {filling:.2g} of its displacement: what is over that flow ({which}) is known "
+            f"{within}, at the accuracy of {accuracy:g} that is asked (a tighter numerics.accuracy)"
         )
 
 

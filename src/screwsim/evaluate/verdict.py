@@ -13,6 +13,7 @@ from screwsim.effects.base import OilRoom, Separator, Stops
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.machine.kinds import find_machine
+from screwsim.machine.settings import TURN
 from screwsim.model.impacts import MOST_IMPACTS
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, S_RHO, S_T, S_X_OIL
@@ -34,6 +35,7 @@ REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equat
 
 HOT = 1000.0  # [K] beyond what a machine stands
 PHASES = 120  # of a pitch at which a plenum's pressure is looked at
+STANDING = 86_400.0  # [s] of a turn, in which a machine that comes to no end all but stands
 RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
@@ -130,6 +132,12 @@ def _restless(problem: Problem, cycle: CycleSolution) -> str:
 
 def failure(problem: Problem, cycle: CycleSolution) -> str:
     """Return where and why an integration stopped, and what to do."""
+    turn = TURN / problem.parts.omega
+    if turn > STANDING:
+        return (
+            f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: the machine all but stands, a turn takes "
+            f"{turn / STANDING:.3g} days, and its gas is at rest long before (a higher operation.speed)"
+        )
     states = zip(problem.composition.states, cycle.y, strict=False)
     y = ", ".join(f"{name} = {value:.6g}" for name, value in states)
     lock = _hydraulic_lock(problem, cycle)

@@ -48,7 +48,7 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
 def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
     """Return what a relative error of a flow, `lost`, makes of the figures that are declared to err as it does.
 
-    `by` names what they declare: `by_flow` or `by_oil` (`outputs.Figure`).
+    `by` names what they declare: `by_flow`, `by_oil` … (`outputs.Figure`).
     """
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})

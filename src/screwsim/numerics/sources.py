@@ -84,7 +84,7 @@ def of_module(name: str) -> Mapping[str, str]:
 def _own_texts(name: str) -> dict[str, str]:
     top = name.partition(".")[0]
     found: dict[str, str] = {}
-    if top != __package__.partition(".")[0]:  # of which `of_package` tells
+    if top != "screwsim":  # of which `of_package` tells
         _add(name, top, found)
     return found
 

@@ -25,6 +25,7 @@ from screwsim.outputs.declared import (
     EFFICIENCY,
     ITSELF,
     LEAST_OIL,
+    NET_FLOW,
     POWER,
     TIMES,
     Figure,

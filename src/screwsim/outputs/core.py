@@ -2,7 +2,17 @@
 
 from functools import partial
 
-from screwsim.outputs.declared import DIFFERENCE, LEAST_OIL, POWER, Figure, Scale, efficiency, over, power_figure
+from screwsim.outputs.declared import (
+    DIFFERENCE,
+    LEAST_OIL,
+    NET_FLOW,
+    POWER,
+    Figure,
+    Scale,
+    efficiency,
+    over,
+    power_figure,
+)
 
 UNASKED = Scale(unasked=True)
 
@@ -69,7 +79,7 @@ _CORE = (
     ),
     efficiency("isentropic_efficiency", "isentropic efficiency of the shaft power", by_flow=True),
     efficiency("volumetric_efficiency", "volumetric efficiency", by_flow=True),
-    Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", Scale(times="filling"), by_flow=True),
+    Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", NET_FLOW, by_flow=True),
     _oiled("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(LEAST_OIL, ("gas_mass_flow",)), by_oil=True),
     _oiled(
         "oil_ratio",
@@ -111,22 +121,28 @@ _CORE = (
         "chamber volume where suction closes over that where the discharge port opens (profiles: as stated)",
         needs=("machine.kind: twin_screw",),
     ),
-    Figure("specific_power", "W s m-3", "shaft power over the volume flow of suction gas", by_flow=True),
+    Figure("specific_power", "W s m-3", "shaft power over the volume flow of suction gas", NET_FLOW, by_flow=True),
     _cooled(
         "cooling_capacity",
         "W",
         "cooling capacity: net gas flow times the real fluid's refrigerating effect",
+        NET_FLOW,
         by_flow=True,
     ),
-    _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
+    _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", NET_FLOW, by_flow=True),
     _cooled(
         "heating_capacity",
         "W",
         "heating capacity: heat that the gas gives off in the condenser or gas cooler, without the oil cooler's",
+        NET_FLOW,
         by_flow=True,
     ),
     _cooled(
-        "heating_cop", "1", "coefficient of performance of heating: heating capacity over shaft power", by_flow=True
+        "heating_cop",
+        "1",
+        "coefficient of performance of heating: heating capacity over shaft power",
+        NET_FLOW,
+        by_flow=True,
     ),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
     _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
@@ -151,7 +167,7 @@ _CORE = (
         "water_flow",
         "kg s-1",
         "water that the net gas flow brings",
-        Scale(times="filling"),
+        NET_FLOW,
         by_flow=True,
         shown="kg h-1",
     ),

@@ -56,7 +56,8 @@ class Figure:
 
     `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
     declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does,
-    `by_oil`: as the flow of injected oil.
+    `by_oil`: as the flow of injected oil, `by_port`: as that through the port of its effect's plenum, `by_held`: as
+    what the oil's dissolved gas is left open by, over what flashes.
     `shown` is the unit in which people write it (`engineering.SCALES`), where that is not the one of its SI unit.
     """
 
@@ -67,14 +68,17 @@ class Figure:
     needs: tuple[str, ...] = ()
     by_flow: bool = False
     by_oil: bool = False
+    by_port: bool = False
+    by_held: bool = False
     shown: str = ""
 
 
 POWER = Scale(least=1.0, of=("shaft_power",), alone=True, times="ideal")
 EFFICIENCY = Scale(least=0.1)
+NET_FLOW = Scale(times="filling")  # of the net gas flow, and what is in proportion to it or over it
 # of what enters beside the suction: what a step errs by is of all that flows
 BESIDE = Scale(0.1, ("gas_mass_flow",))
-BESIDE_RATIO = Scale(0.1)
+BESIDE_RATIO = Scale(0.1, times="filling")
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
 

@@ -12,6 +12,7 @@ from screwsim.study.calibration.hypotheses import CHANCE, LEVEL, LIKELY, NONE, C
 from screwsim.study.inputs import unit_of_change
 
 NOTHING = "nothing changed"
+ANY = "any"  # value of a parameter of which the points tell next to nothing fits as well
 TOLD = 0.01  # probability from which on a hypothesis is told in words, ...
 MOST_TOLD = 4  # ... and how many at most
 
@@ -77,10 +78,15 @@ def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
         low, high = (f"{per * by:+.2g}" for by in (change.low, change.high))
         probability, misfit = ("", "") if number else beside
         sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", f"{per * change.value:.4g}", unit]
+        if change.path in found.untold:
+            sizes = [ANY, f"{low} … {high}", "", unit]
         yield [name + mark, probability, *sizes, misfit]
 
 
 def _by(found: Diagnosis, change: Change) -> str:
+    """Return by how much a parameter has changed; of one of which the points tell nothing, that any value will do."""
+    if change.path in found.untold:
+        return f"{ANY} amount"
     per, unit = unit_of_change(found.fit.scene, change.path, change.value)
     return f"{per * change.change:+.3g} {unit}".strip()
 
@@ -120,7 +126,7 @@ def _told(found: Diagnosis) -> Iterator[str]:
         count = "1 pair of changes was" if len(two) == 1 else f"{len(two)} pairs of changes were"
         yield f"{count} weighed{shown}; two changes at once are beforehand {found.odds:g} times as probable as one"
     for each in found.hypotheses:
-        if each.also and each.probability > LIKELY:
+        if each.also and each.probability > LIKELY and each.path not in found.untold:
             per, unit = unit_of_change(found.fit.scene, each.path, each.changes[0].value)
             values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in each.also)
             yield f"{each.path} = {values} fits nearly as well as the best of its values"

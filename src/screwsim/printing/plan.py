@@ -42,6 +42,7 @@ def plan_document(found: Plan) -> dict[str, Any]:
             for each in found.steps
         ],
         "without_solution": dict(found.reasons),
+        "nothing_delivered": list(found.idle),
         "solutions": found.solutions,
         "failed_solutions": found.failed,
     }
@@ -83,6 +84,8 @@ def _told(found: Plan) -> Iterator[str]:
     if found.even:
         names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))
         yield f"known beforehand by their bounds alone: {', '.join(names[path] for path in found.even)}"
+    if found.idle:
+        yield f"not weighed, as nothing is delivered there: {'; '.join(found.idle)}"
     if found.inputs:
         yield f"not known exactly, and not asked for: {', '.join(found.inputs)}"
 

@@ -50,7 +50,8 @@ _LONGEST_UNIT = 40
 
 _DEGREE = (math.pi / 180.0, 1.0)  # as in math.radians, so that angles written in code compare equal
 
-# SI unit -> {unit: (multiplier, divisor)}; one of the two is 1, so that reading rounds once only.
+# SI unit -> {unit: (multiplier, divisor)}; one of the two is 1, so that reading rounds once beside
+# `float`: the same quantity in two units may differ in its last bit (0.11 MPa, 1.1 bar).
 _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "m": {"m": (1, 1), "cm": (1, 1e2), "mm": (1, 1e3), "um": (1, 1e6)},
     "m^2": {"m^2": (1, 1), "cm^2": (1, 1e4), "mm^2": (1, 1e6)},

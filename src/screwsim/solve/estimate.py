@@ -8,18 +8,17 @@ all that follow would go; or the cycle closed again, finer (docs/model.md M41). 
 
 from dataclasses import replace
 
-from screwsim.cycle.balances import left_late, mass_in, met_across, residuals
 from screwsim.cycle.solution import CycleSolution, Led, Wanted
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import flow_errors, relative_errors
 from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
-from screwsim.model.trajectory import Array
 from screwsim.numerics.estimates import AGAIN, ERRORS, LIVES, TOGETHER
 from screwsim.outputs import Figures
 from screwsim.solve.finer import NARROWER, NOTHING, Asked, Estimate, Finer
 from screwsim.solve.finer_lives import chambers_together, changes, closed_again, finer_lives, repeated
+from screwsim.solve.left_open import left_open
 
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # the error over what that turn shows of it, where it is the regularisation's root
 LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
@@ -56,8 +55,9 @@ def estimated_errors(
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
     if asked.hidden and asked.filling > 0.0:
         lost_flow["by_flow"] = BY_CHANCE * (errors.get("trapped_mass") or 0.0) / asked.filling
-    for by, lost in [*lost_flow.items(), *_left_open(of, cycle.q).items()]:
-        for name, size in flow_errors(found, lost, by).items():
+    lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
+    for each in (*lost_now, *left_open(of, cycle)):
+        for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     return errors, finer.led or finer.cycle
 
@@ -74,22 +74,6 @@ def _finer(asked: Asked) -> Finer:
             return finer
         found = finer if finer.figures else found
     return found._replace(led=None)
-
-
-def _left_open(of: Evaluation, q: Array) -> dict[str, float]:
-    """Return what a life leaves open of gas and carried oil, over the flows whose figures err by that.
-
-    What gaps between chambers that are open to the suction line err by, the line makes good. Neither the net flow nor
-    the injected oil knows of it, where it is taken beyond; oil is injected before a slide's slot has closed.
-    """
-    problem, lost = of.problem, {}
-    flow, oil = of.figures["gas_mass_flow"], of.figures.get("oil_mass_flow")
-    if flow and not met_across(problem):
-        lost["by_flow"] = abs(mass_in(problem.composition, q) * problem.rate / flow)
-    if oil and problem.composition.carried and left_late(problem):
-        left = of.left or residuals(problem, of.life.R, q)
-        lost["by_oil"] = left.oil_left * problem.rate / abs(oil)
-    return lost
 
 
 def _shown(of: Evaluation, finer: Finer) -> Figures:

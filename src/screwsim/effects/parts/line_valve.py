@@ -10,6 +10,7 @@ is one solution.
 Flows and pressures here count along the valve: on the suction side both are those of M184 with the other sign.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,6 +21,11 @@ from screwsim.machine.drive.collocation import differentiation, resampled
 
 Array = np.ndarray
 POINTS = 65  # of a pitch; odd, so that no harmonic is its own alias
+MOST_POINTS = 300  # of a pitch, above which no more are taken
+RESOLVED = 1e-5  # of the mean flow: a change of the least flow below which its angles are enough
+FINE = 8  # times the angles of a curve, among which its lowest value is looked for first
+AROUND = np.linspace(-1.0, 1.0, 9)  # places about the lowest one at which a curve is read again ...
+REFINED = 3  # ... so many times
 MOST_STEPS = 60
 CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
@@ -59,13 +65,14 @@ class Passed(NamedTuple):
     pressure: Array
 
 
-def through(valve: Valve, given: Array, behind: Behind) -> Passed:
+def through(valve: Valve, given: Array, behind: Behind, points: int = POINTS, start: Array | None = None) -> Passed:
     """Return what a valve lets pass of the flow `given` [kg/s] to its plenum over a pitch; its mean is positive (M221).
 
-    capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0.
+    capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0. At so many even angles (odd);
+    sought from a `start` of the flow.
     """
-    w, mean = resampled(np.asarray(given), POINTS), float(np.mean(given))
-    D = behind.capacity * behind.frequency * differentiation(2.0 * np.pi, POINTS)
+    w, mean = resampled(np.asarray(given), points), float(np.mean(given))
+    D = behind.capacity * behind.frequency * differentiation(2.0 * np.pi, points)
     beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure where it is shut
     largest = float(np.max(np.abs(w)))
 
@@ -77,14 +84,14 @@ def through(valve: Valve, given: Array, behind: Behind) -> Passed:
         left = D @ p + u - w
         return left, p, slope, float(max(left.max(), -left.min()))
 
-    z = np.full(POINTS, mean)
+    z = np.full(points, mean) if start is None else start
     left, p, slope, size = residual(z)
     for _ in range(MOST_STEPS):
         if size <= CONVERGED * largest:
             break
         shut = z <= 0.0
         slopes = D * np.where(shut, beyond, slope + behind.impedance)
-        slopes.flat[:: POINTS + 1] += ~shut
+        slopes.flat[:: points + 1] += ~shut
         change, share = np.linalg.solve(slopes, -left), 1.0
         while True:
             trial = residual(z + share * change)
@@ -93,6 +100,51 @@ def through(valve: Valve, given: Array, behind: Behind) -> Passed:
             share *= 0.5
         z, (left, p, slope, size) = z + share * change, trial
     return Passed(np.maximum(z, 0.0), p - behind.impedance * mean)
+
+
+def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> float:
+    """Return the least flow [kg/s] over a pitch of what `passed` is a first solution of (M221).
+
+    The pressure follows the flow, which it holds back, so that its curve is known better than that of the flow: the
+    least flow is that of its lowest value, between the angles, too. With all harmonics of the flow `given`, and with as
+    many more as change it.
+    """
+    found, points = float(passed.flow.min()), max(POINTS, len(given) | 1)
+    if found <= 0.0:
+        return 0.0
+    while True:
+        passed = through(valve, given, behind, points, resampled(passed.flow, points))
+        before, found = (
+            found,
+            _flow_at(valve, lowest(passed.pressure) + behind.impedance * float(np.mean(given)), behind),
+        )
+        straight = bool(np.all(valve.drop(passed.flow, behind.rho)[1] == 0.0))
+        if straight or abs(found - before) <= RESOLVED * float(np.mean(given)) or points > MOST_POINTS:
+            return max(found, 0.0)
+        points = 2 * points - 1
+
+
+def _flow_at(valve: Valve, above: float, behind: Behind) -> float:
+    """Return the flow [kg/s] that an open valve and its line hold back by so much [Pa]."""
+    held = (above - valve.pressure) / behind.impedance
+    if valve.area is None or held**2 <= 2.0 * behind.rho * valve.area**2 * valve.pressure:
+        return held
+    orifice = 1.0 / (2.0 * behind.rho * valve.area**2)
+    return (math.sqrt(behind.impedance**2 + 4.0 * orifice * above) - behind.impedance) / (2.0 * orifice)
+
+
+def lowest(curve: Array) -> float:
+    """Return the lowest value of a periodic curve of which these are values at even angles, between them, too."""
+    spectrum, many = np.fft.rfft(curve) / len(curve), FINE * len(curve)
+    at, apart = float(np.fft.irfft(spectrum, many).argmin()), 1.0
+    spectrum[1:] *= 2.0
+    k, least = np.arange(len(spectrum)), float(curve.min())
+    for _ in range(REFINED):
+        places = at + apart * AROUND
+        values = np.real(np.exp(2j * np.pi / many * np.outer(places, k)) @ spectrum)
+        at, apart = float(places[values.argmin()]), apart * float(AROUND[1] - AROUND[0])
+        least = min(least, float(values.min()))
+    return least
 
 
 def closed(given: Array, behind: Behind, leaking: float = 0.0) -> Array:

@@ -42,6 +42,7 @@ from screwsim.study.workers import DIED
 EVEN = 12.0  # one over the variance of what lies at any place 0 … 1 as probably
 COUNT, LEVELS = 3, 4  # points that are chosen; values of a range
 MOST = 2000  # candidates
+NONE_DELIVERS = "at no candidate anything is delivered (candidates at a higher speed, or a lower pressure ratio)"
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,7 @@ class Plan:
     reasons: Mapping[str, str] = field(default_factory=dict)
     solutions: int = 0
     failed: int = 0
+    idle: tuple[str, ...] = ()
 
 
 class Told(NamedTuple):
@@ -86,6 +88,7 @@ class Told(NamedTuple):
     why: str
     solutions: int = 0
     failed: int = 0
+    idle: bool = False  # is nothing delivered there?
     odd: str = ""  # what is wrong with an uncertainty that the point states
 
 
@@ -161,9 +164,10 @@ def plan(
     size = len(fit.parameters)
     pieces = [one.rows.T @ one.rows for one in found]
     known += sum((piece for piece, one in zip(pieces, found[: len(there)], strict=False) if not one.why), 0.0 * known)
-    good = [i for i in range(len(there), len(points)) if not found[i].why]
+    solved = [i for i in range(len(there), len(points)) if not found[i].why]
+    good = [i for i in solved if not found[i].idle]
     if not good:
-        why = f"no candidate has a solution: {next(iter(reasons.values()))}"
+        why = f"no candidate has a solution: {next(iter(reasons.values()))}" if not solved else NONE_DELIVERS
         return Plan(fit, "failed", why, values, len(candidates), reasons=reasons, solutions=counts[0], failed=counts[1])
     picked = [good[i] for i in chosen(known, [pieces[i] for i in good], size, count)]
     scales = np.array([one.slope(values[one.path]) for one in fit.parameters])
@@ -177,7 +181,8 @@ def plan(
         information = more
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
     names = tuple(" + ".join(group) for group in groups)
-    rest = (len(candidates), before, tuple(steps), even, names, reasons, *counts)
+    idle = tuple(points[i].name for i in solved if found[i].idle)
+    rest = (len(candidates), before, tuple(steps), even, names, reasons, *counts, idle)
     return Plan(fit, "failed" if reasons else "ok", message, values, *rest)
 
 
@@ -222,7 +227,13 @@ def told(
     slopes = asked.point_slopes(point, places, result.performance)
     inputs = [by_tolerance(with_values(fit.machine(values), point.values), point, group) for group in groups]
     rows = np.column_stack([slopes, *inputs]) if inputs else slopes
-    return Told(rows, measured, "", asked.solutions, asked.failed)
+    return Told(rows, measured, "", asked.solutions, asked.failed, _idle(result.performance))
+
+
+def _idle(figures: Figures) -> bool:
+    """Tell whether nothing is delivered: what a machine without flow takes tells of its leaks, and nobody rates it."""
+    flow = figures.get("gas_mass_flow")
+    return flow is not None and flow <= 0.0
 
 
 def _as_measured(point: Point, figures: Figures, usual: Mapping[str, Typical]) -> dict[str, Measured]:

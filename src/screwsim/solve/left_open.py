@@ -1,0 +1,63 @@
+"""What a closed life leaves open, as errors of the figures that err by it: gas, oil, what oil holds, flows met twice.
+
+Source: docs/model.md M41; docs/explanation/numerics.md.
+"""
+
+from collections.abc import Iterator
+
+from screwsim.cycle.balances import (
+    held_left,
+    left_late,
+    made_good,
+    mass_in,
+    met_across,
+    residuals,
+    streams_of,
+)
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.ways import way_of
+from screwsim.effects.base import FlowPath
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.figures.errors import flow_errors
+from screwsim.model.slots import OF_GAS
+from screwsim.outputs import Figures, names_of
+
+FLASHES = 0.25  # of dissolved gas that is left open, what flashes errs by: at most 0.2 of it where that was measured
+
+
+def left_open(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
+    """Yield the errors of figures by what a life leaves open of gas, carried oil and what that holds dissolved.
+
+    What gaps between chambers that are open to the suction line err by, the line makes good. Neither the net flow nor
+    the injected oil knows of it, where it is taken beyond; oil is injected before a slide's slot has closed.
+    """
+    problem, found, q = of.problem, of.figures, cycle.q
+    flow, oil = found["gas_mass_flow"], found.get("oil_mass_flow")
+    if flow and not met_across(problem):
+        yield flow_errors(found, abs(mass_in(problem.composition, q) * problem.rate / flow))
+    if oil and problem.composition.carried and left_late(problem):
+        left = of.left or residuals(problem, of.life.R, q)
+        yield flow_errors(found, left.oil_left * problem.rate / abs(oil), "by_oil")
+    held, flashes = held_left(problem, q) * problem.rate, found.get("flash_mass_flow")
+    if held and flashes:
+        yield flow_errors(found, FLASHES * held / abs(flashes), "by_held")
+    if met_across(problem) and not way_of(cycle).whole:
+        yield from _at_ports(of, cycle)
+
+
+def _at_ports(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
+    """Yield what flows through gaps err by that a plenum's port makes good, as a line does."""
+    problem, found = of.problem, of.figures
+    parts, rate, streams = problem.parts, problem.rate, streams_of(problem.composition, cycle.q)
+    for name, path in parts.all(FlowPath):
+        if path.to not in parts.plenums or not path.breakpoints:
+            continue
+        by_port, across = made_good(problem, cycle.trajectory, min(path.breakpoints), max(path.breakpoints))
+        i, flow, about = 2 * parts.number(path.to), found["gas_mass_flow"], problem.scene.effects[name].effect.figures
+        drawn = abs(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]))
+        own = set(names_of(about))
+        if drawn:
+            errors = flow_errors(found, by_port / drawn, "by_port")
+            yield Figures({each: size for each, size in errors.items() if each in own})
+        if flow:
+            yield flow_errors(found, across * rate / abs(flow))
