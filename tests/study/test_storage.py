@@ -80,7 +80,7 @@ def test_parts_left_beside_the_one_that_joins_them_are_not_taken_twice(tmp_path)
 
 
 def test_parts_that_another_process_took_are_told_with_the_remedy(long, tmp_path):
-    """Without locks two sweeps may write one file, and any folder may be moved: no fault of the program, nothing lost."""
+    """Without locks two sweeps may write one file, and any folder may be moved: nothing is lost."""
     _, table = long
     parts = Parts(tmp_path / "out.h5", {})
     parts.open(restart=False)
