@@ -140,8 +140,8 @@ def posterior(
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to begin with: {found.message}")
     low, high = _region(found)
-    solutions = failed = 0
-    for tried in range(WIDENED + 1):
+    solutions = failed = widened = 0
+    while True:
         emulator = emulate(found.fit, low, high, simulate, jobs, progress)
         if emulator is None:
             why = "too few solutions have all figures near the best fit (narrow the bounds)"
@@ -150,10 +150,10 @@ def posterior(
         problem = _problem(found.fit, emulator)
         chain = _sampled(emcee, problem, found, most_steps)
         cut = _cut(problem.parted(chain.flat)[0], low, high)
-        if tried == WIDENED or not cut.any():
-            break
+        if widened == WIDENED or not cut.any():
+            return _judged(problem, chain, simulate, cut, (solutions, failed))
         low, high = _wider(low, high, cut)
-    return _judged(problem, chain, simulate, cut, (solutions, failed))
+        widened += 1
 
 
 def _region(found: Calibration) -> tuple[Array, Array]:
