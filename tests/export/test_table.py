@@ -1,6 +1,8 @@
 """Maps: as fine as is asked for, their errors those of points they were not made from, open cycles flagged."""
 
 import math
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +67,35 @@ def test_points_without_a_closed_cycle_are_outside():
     assert table.not_ok > 0
 
 
+def test_points_that_do_not_close_among_nodes_that_do_are_told():
+    def holed(scene) -> Result:
+        p = scene.operation.discharge.pressure
+        return Result("failed", "a hole") if 6e5 < p < 7.5e5 else curve(scene)
+
+    table = made(0.5, simulate=holed)
+    assert table.not_ok == made(0.5).not_ok  # those of the corner: the hole lies between the nodes
+    told = re.search(r"\(at (\d+) more no cycle closed, though it did at all nodes around\)", table.error_in_words)
+    assert told is not None
+    assert int(told[1]) + table.checked <= 32
+    assert "no cycle closed" not in made(0.5).error_in_words
+
+
+def test_variables_of_a_map_have_names_of_their_own(tmp_path):
+    inputs = read_inputs(POINT, [PRESSURE])
+    with pytest.raises(UsageError, match=r"figure discharge_pressure is the name of an input.*\(name other figures"):
+        tabulate(POINT, inputs, read_outputs(POINT, ["discharge_pressure"]), 0.01, jobs=1, simulate=curve)
+    twice = [*inputs, replace(inputs[0], path="operation.other")]
+    with pytest.raises(UsageError, match=r"are both called discharge_pressure outside \(vary one of them\)"):
+        tabulate(POINT, twice, read_outputs(POINT), 0.01, jobs=1, simulate=curve)
+
+
+def test_a_sweep_of_one_value_is_no_map(tmp_path):
+    scene = POINT.with_({"sweep.operation.speed": ["2000 rpm"]})
+    run_sweep(scene, tmp_path / "x.h5", jobs=1, simulate=curve)
+    with pytest.raises(UsageError, match=r"varies nothing: each axis has one value \(export a sweep over more\)"):
+        table_of(open_results(tmp_path / "x.h5"))
+
+
 def test_what_is_not_met_within_the_cases_is_said():
     table = made(1e-7, most=30)
     assert not table.met and table.error > 1e-7 and math.prod(map(len, table.grid.nodes)) <= 30
@@ -105,6 +136,7 @@ def test_a_file_of_a_sweep_is_a_map(tmp_path):
         ("operation.speed", "is not PATH=LOW..HIGH"),
         ("operation.speed=3000 rpm..2000 rpm", "the range is empty"),
         ("gas.fluid=a..b", "gas.fluid: is a fluid, not a continuous quantity|gas.fluid: 'a'"),
+        ("machine.male_lobes=3..5", "machine.male_lobes: is a whole number, not a continuous quantity"),
         ("operation.sped=1 rpm..2 rpm", "did you mean"),
         ("operation.speed=1..2", "has no unit|rpm"),
     ],

@@ -18,6 +18,7 @@ from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import loads
+from screwsim.scene.operation import QUALITY, SUPERHEAT
 from screwsim.study.performance_map import NAMES, polynomial
 from screwsim.study.sweep import run_sweep
 
@@ -69,6 +70,44 @@ def test_normalised_curves_are_one_at_the_rated_point(found):
     ratio = one.evaluate("shaft_power", S, D) / one.evaluate("cooling_capacity", S, D)
     over = one.evaluate("shaft_power", *at) / one.evaluate("cooling_capacity", *at)
     assert bicubic([*eir, 0, 0, 0, 0], S, D) == pytest.approx(float(ratio / over), abs=0.02)
+
+
+def test_what_normalised_curves_are_off_by_is_told(found):
+    one = found.maps[0]
+    at = rated(one)
+    S, D = (x.ravel() for x in np.meshgrid(np.linspace(-10.0, 5.0, 11), np.linspace(35.0, 50.0, 11)))
+    of = {name: np.asarray(one.evaluate(name, S, D)) for name in ("cooling_capacity", "shaft_power")}
+    over = {name: float(one.evaluate(name, *at)) for name in of}
+    true = {
+        "CAPFT": of["cooling_capacity"] / over["cooling_capacity"],
+        "EIRFT": of["shaft_power"] / of["cooling_capacity"] * over["cooling_capacity"] / over["shaft_power"],
+    }
+    said = energyplus.notes(found)[-1]
+    for word, (coefficients, error) in energyplus.normalised(one, at).items():
+        off = np.abs(bicubic([*coefficients, 0, 0, 0, 0], S, D) / true[word] - 1.0)
+        assert error == pytest.approx(off.max(), rel=1e-6) and f"{100 * error:.2g} %" in said
+    assert max(fit.largest for fit in one.fits.values()) < error  # a quadratic is no cubic
+
+
+def test_a_map_has_the_superheat_that_its_own_axis_gives_it(found):
+    maps = tuple(replace(found.maps[0], values={SUPERHEAT: value}) for value in (5.0, 15.0))
+    swept = replace(found, maps=maps, conditions={}, axes={SUPERHEAT: "K"})
+    compressors = energyplus.energyplus_objects(swept, "screw")["Refrigeration:Compressor"]
+    assert [each["rated_superheat"] for each in compressors.values()] == [5.0, 15.0]
+    assert [swept.superheat(one) for one in maps] == [5.0, 15.0]
+    within = replace(swept, maps=found.maps, within=frozenset({SUPERHEAT}))
+    with pytest.raises(UsageError, match=r"operation\.superheat varies together with a temperature.*own\)"):
+        energyplus.energyplus_objects(within, "screw")
+    with pytest.raises(UsageError, match=r"is of wet gas.*\(export en12900\)"):
+        energyplus.energyplus_objects(replace(found, conditions={QUALITY: 0.95}), "screw")
+
+
+def test_a_title_of_many_lines_stays_in_its_comment(swept_map):
+    titled = replace(swept_map, attributes={**swept_map.attributes, "title": "one, two\nCurve:Bicubic;\n"})
+    assert csv_table(table_of(titled)).splitlines()[1].startswith("evaporating_temperature [K]")
+    for text in (en12900_csv(polynomials(titled, FIGURES)), "\n".join(energyplus.notes(polynomials(titled, FIGURES)))):
+        assert all(line[:1] in "#!" or "," in line for line in text.splitlines()[:3])
+        assert "one, two Curve:Bicubic;" in text.splitlines()[0]
 
 
 def test_the_power_is_that_of_the_motor_where_there_is_one():
@@ -140,8 +179,17 @@ def test_modelica_has_the_nodes_and_the_polynomials(swept_map):
     assert own == pytest.approx(table([[S + 273.15, D + 273.15]])[0][0][power], rel=error) and error < 0.01
 
 
+def test_modelicas_own_interpolation_is_in_the_error_of_its_tables(table):
+    """Akima's slopes at five nodes are another law than a spline's: what lies between both is told on top."""
+    more = modelica.akima_differences(table)
+    assert np.all(more > 0.0) and np.all(more < 0.01)
+    said = float(re.search(r"error ([0-9.e-]+), of the map \(", modelica.package(table, "Screw"))[1])
+    assert said == pytest.approx(max(np.array(table.errors) + more), rel=0.05) and said > table.error
+
+
 def test_modelica_takes_two_inputs(table):
     assert modelica.identifier("2-stage") == "Map_2_stage" and modelica.identifier("screw") == "Screw"
+    assert modelica.identifier("modelica") == "Map_modelica"  # the library's own name
     with pytest.raises(UsageError, match=r"has 1 inputs \(speed\)"):
         modelica.package(replace(table, inputs=table.inputs[:1]), "Screw")
 

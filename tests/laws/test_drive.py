@@ -330,6 +330,15 @@ def test_a_start_that_fails_says_why(changes, words):
     assert all(np.isfinite(values).all() for values in found.traces.values())
 
 
+def test_a_start_that_stops_within_its_first_pitch_tells_no_energies():
+    """What is told is of whole pitches: where there is none, no work was done is not the answer."""
+    f = start_up(make({**DRIVEN, "effects.drive.motor": {**KLOSS, "breakdown_slip": 0.01}}), CREEP).figures
+    assert f.turns < 0.25 and f.time > 0.0
+    assert all(
+        f[name] is None for name in ("motor_work", "gas_work", "loss_work", "coupling_work", "stored", "residue")
+    )
+
+
 def test_a_start_that_takes_too_long_says_how_far_it_came():
     found = start_up(make(DRIVEN), CREEP, longest=0.05)
     assert found.status == "failed"

@@ -177,6 +177,12 @@ EVAPORATING = "the evaporating temperature 275.15 K (2 degC)"
             "operation.superheat: '5 degC' is a temperature, not a difference (write kelvin, e.g. '10 K')",
         ),
         (
+            ["gas.fluid=R407C", "gas.two_phase=equilibrium", "gas.model=real"],
+            "--set gas.two_phase=equilibrium: gas.two_phase: R407C is a mixture described as if it were pure: its two "
+            "phases differ in composition; use two_phase: refuse, or a pure fluid, or the blend itself (such as "
+            "R410A.mix)",
+        ),
+        (
             [
                 "gas.fluid=R407C",
                 "machine.mode=expander",

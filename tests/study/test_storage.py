@@ -79,6 +79,26 @@ def test_parts_left_beside_the_one_that_joins_them_are_not_taken_twice(tmp_path)
     parts.close()
 
 
+def test_parts_that_another_process_took_are_told_with_the_remedy(long, tmp_path):
+    """Without locks two sweeps may write one file, and any folder may be moved: nothing is lost."""
+    _, table = long
+    parts = Parts(tmp_path / "out.h5", {})
+    parts.open(restart=False)
+    try:
+        parts.write(0, table.rows(slice(0, 200)))
+        with pytest.raises(
+            UsageError, match=r"out\.h5\.parts: cases from 200 on are gone: it was moved.*run this once more"
+        ):
+            parts.all(len(table))
+        parts.folder.rename(tmp_path / "elsewhere")
+        with pytest.raises(UsageError, match=r"out\.h5\.parts: is gone: .*another sweep of the same file removed it"):
+            parts.write(200, table.rows(slice(200, 400)))
+        with pytest.raises(UsageError, match="cases from 0 on are gone"):
+            parts.all(len(table))
+    finally:
+        parts.close()
+
+
 def test_parts_that_are_no_whole_blocks_are_computed_again(reference, tmp_path, monkeypatch):
     output = tmp_path / "out.h5"
     monkeypatch.setattr("screwsim.study.sweep.blocks_of", shorter_blocks)

@@ -41,6 +41,13 @@ def mean_curves():
     return float(row["volumetric_efficiency"]), float(row["isentropic_efficiency"])
 
 
+@pytest.mark.parametrize(("fluid", "followed"), [("R134a", True), ("R407C", False), ("R454B", False)])
+def test_two_phases_are_followed_of_pure_fluids_alone(fluid, followed):
+    """On cooled oil gas may condense; two phases of a mixture differ in composition, and such a scene was refused."""
+    scene = scene_of("refrigeration", fluid=fluid, condition="25/70 degC, 20 K", displacement="600 m^3/h")
+    assert scene.gas.equilibrium == followed
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("flow", [100, 374, 1500, 3000])
 def test_refrigeration_machines_of_every_size_lie_about_the_mean_curves(flow):

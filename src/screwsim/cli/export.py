@@ -197,7 +197,10 @@ def tespy(
     keep_other_documents(output, "for", "fluid", "maps")
     with swept(source, over or (), overrides or (), without or (), jobs, _progress(), _told) as results:
         document = tespy_document(results)
-        rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
+    rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
+    if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
+        why = "heat that comes to the gas, as from a motor, is none to TESPy: its discharge temperature is too low"
+        typer.echo(f"export: {why} (dissipation_ratio_range says by which share of the power)", err=True)
     return _finished(document, FIGURES, rows, [_written_json(output, document)], as_json)
 
 
@@ -214,7 +217,7 @@ def energyplus(
     """Write curves for EnergyPlus: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
-    from screwsim.export.polynomials import document
+    from screwsim.export.polynomials import document, rated
 
     made_for.keep_other_objects(output)
 
@@ -227,7 +230,14 @@ def energyplus(
         file = _written(output, made_for.idf(objects, made_for.notes(found)))
     else:
         file = _written_json(output, made_for.epjson(objects))
-    return _finished({**document(found), "objects": objects}, list(found.units), _rows(found), [file], as_json)
+    curves = [made_for.normalised(one, rated(one)) for one in found.maps]
+    rows = [
+        (at, [*errors, *(error for _, error in each.values())])
+        for (at, errors), each in zip(_rows(found), curves, strict=True)
+    ]
+    errors = [{word: error for word, (_, error) in each.items()} for each in curves]
+    said = {**document(found), "objects": objects, "largest_errors_of_normalised": errors}
+    return _finished(said, [*found.units, *curves[0]], rows, [file], as_json)
 
 
 @app.command()

@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.export.polynomials import Polynomials, by_terms, limits, quadratic, rated
 from screwsim.results.kept import keep_other_documents, keep_without
-from screwsim.scene.operation import SUBCOOLING, SUPERHEAT
+from screwsim.scene.operation import SUBCOOLING
 
 CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # that of the motor where there is one
 BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms
@@ -37,14 +37,14 @@ def energyplus_objects(found: Polynomials, name: str) -> Objects:
             curve = values | ends | units
             objects["Curve:Bicubic"][f"{own} {word}"] = curve
         at = rated(one)
-        for word, coefficients in normalised(one, at).items():
+        for word, (coefficients, _) in normalised(one, at).items():
             values = dict(zip(_KEYS[:6], coefficients, strict=True))
             objects["Curve:Biquadratic"][f"{own} {word}"] = values | ends | units
         objects["Refrigeration:Compressor"][own] = {
             "refrigeration_compressor_power_curve_name": f"{own} power",
             "refrigeration_compressor_capacity_curve_name": f"{own} capacity",
-            "rated_superheat": found.conditions.get(SUPERHEAT, 0.0),
-            "rated_subcooling": found.conditions.get(SUBCOOLING, 0.0),
+            "rated_superheat": found.superheat(one),
+            "rated_subcooling": found.condition(one, SUBCOOLING),
         }
     return objects
 
@@ -62,11 +62,13 @@ def power_of(figures: Container[str]) -> str:
     return next(name for name in POWERS if name in figures or name == POWERS[-1])
 
 
-def normalised(one: Any, at: tuple[float, float]) -> dict[str, tuple[float, ...]]:
-    """Return the coefficients of capacity, and of power over capacity, over those at a point."""
-    capacity, _ = quadratic(one, CAPACITY, at)
-    ratio, _ = quadratic(_Ratio(one), "power_over_capacity", at)  # type: ignore[arg-type]
-    return {"CAPFT": capacity, "EIRFT": ratio}
+def normalised(one: Any, at: tuple[float, float]) -> dict[str, tuple[tuple[float, ...], float]]:
+    """Return coefficients of capacity, and of power over capacity, over those at a point; largest errors of both.
+
+    The errors are relative, against the cubics.
+    """
+    ratio = quadratic(_Ratio(one), "power_over_capacity", at)  # type: ignore[arg-type]
+    return {"CAPFT": quadratic(one, CAPACITY, at), "EIRFT": ratio}
 
 
 class _Ratio:
@@ -128,5 +130,6 @@ def notes(found: Polynomials) -> list[str]:
         errors = ", ".join(f"{figure.replace('_', ' ')} {100 * fit.largest:.2g} %" for figure, fit in one.fits.items())
         over = "/".join(f"{T:g}" for T in rated(one))
         lines.append(f"{found.name(one) or 'map'}: largest errors of the cubics: {errors}")
-        lines.append(f"CAPFT, EIRFT: capacity, power per capacity over those at {over} deg C")
+        off = " and ".join(f"{100 * error:.2g} %" for _, error in normalised(one, rated(one)).values())
+        lines.append(f"CAPFT, EIRFT: capacity, power per capacity over those at {over} deg C; off by {off} at most")
     return lines

@@ -92,6 +92,8 @@ def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
                 "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
                 "--over 'operation.speed=1500 rpm..4500 rpm', and once more for each other path)"
             )
+        for path in axes:
+            check_continuous(scene, path)
         return tuple(_input(scene, path, low, high) for path, (low, high) in axes.items())
     found = [_read(scene, text) for text in over]
     for name in {each.name for each in found}:
@@ -112,6 +114,7 @@ def _read(scene: Scene, text: str) -> Input:
             f"--over {text}: is not PATH=LOW..HIGH (write e.g. --over 'operation.speed=1500 rpm..4500 rpm')"
         )
     path = path.strip()
+    check_continuous(scene, path)
     low, high = (read_text(scene, path, end) for end in (first, last))
     if not low < high:
         raise UsageError(f"--over {text}: the range is empty (LOW must be below HIGH)")
@@ -119,7 +122,6 @@ def _read(scene: Scene, text: str) -> Input:
 
 
 def _input(scene: Scene, path: str, low: float, high: float) -> Input:
-    check_continuous(scene, path)
     from screwsim.scene import value_at
 
     leaf, (_, units) = leaf_of(scene, path), axis_label(path, scene)
@@ -134,6 +136,25 @@ def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...
     here = called_for(scene, build_parts(scene))
     names = [figure_of(scene, text) for text in figures] or [name for name in FIGURES if name in here]
     return tuple(output_of(name, here) for name in dict.fromkeys(names))
+
+
+def check_names(inputs: Sequence[Input], outputs: Sequence[Output]) -> None:
+    """Raise UsageError where two variables of a map have one name outside: readers could not tell them apart."""
+    paths: dict[str, str] = {}
+    for one in inputs:
+        if one.name in paths:
+            what = f"{paths[one.name]} and {one.path} are both called {one.name} outside"
+            raise UsageError(f"no map: {what} (vary one of them)")
+        paths[one.name] = one.path
+    for each in outputs:
+        if each.name in paths:
+            what = f"is the name of an input of this map, {paths[each.name]}"
+            raise UsageError(f"no map: figure {each.name} {what} (name other figures with --figure)")
+
+
+def one_line(text: str) -> str:
+    """Return a title as it can stand in a comment: in one line."""
+    return " ".join(text.split())
 
 
 def output_of(name: str, about: Mapping[str, object] | None = None) -> Output:

@@ -1,16 +1,18 @@
 """A map of two inputs as a Modelica package: blocks with the standard library's tables, functions of polynomials."""
 
+import math
 import re
 
 import numpy as np
 
+from screwsim.export.hermite import Array, Grid, evaluate
 from screwsim.export.inputs import Input, Output, plain
 from screwsim.export.table import Table, scales
 from screwsim.inputs.faults import UsageError
 from screwsim.study.performance_map import TERMS
 
 WRITTEN = "written by screwsim; error "  # in the first line of a package
-FINE = 25  # points along an axis to which polynomials are fitted
+FINE = 25  # points along an axis to which polynomials are fitted, and at which errors are looked for
 _TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
 
 
@@ -20,7 +22,7 @@ def package(table: Table, name: str) -> str:
         inputs = ", ".join(one.name for one in table.inputs)
         what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
         raise UsageError(f"the map {what} (name two with --over; fmu takes any number)")
-    words = _quoted(f"{table.title or name}: {WRITTEN}{table.error_in_words}")
+    words = _quoted(f"{table.title or name}: {WRITTEN}{_error_in_words(table)}")
     return "\n".join(
         (
             f"package {name} {words}",
@@ -40,8 +42,48 @@ def package(table: Table, name: str) -> str:
 def identifier(stem: str) -> str:
     """Return a name that Modelica allows, with a capital."""
     name = re.sub(r"\W", "_", stem, flags=re.ASCII)
-    name = name if name[:1].isalpha() else f"Map_{name}"
+    name = name if name[:1].isalpha() and name.capitalize() != "Modelica" else f"Map_{name}"
     return name[:1].upper() + name[1:]
+
+
+def _error_in_words(table: Table) -> str:
+    """Return the error of the tables as Modelica interpolates them: that of the map, and what lies between both."""
+    if not math.isfinite(table.error):
+        return table.error_in_words
+    off = max(own + more for own, more in zip(table.errors, akima_differences(table), strict=True))
+    return f"{off:.2g}, of the map ({table.how}) and of Akima's interpolation against it"
+
+
+def akima_differences(table: Table) -> Array:
+    """Return by how much Akima's interpolation (1974) of the nodes is off from the map, relative to each output.
+
+    That is what CombiTable2Ds makes of them with continuous derivatives; the map's own is on a spline.
+    """
+    nodes = tuple(one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True))
+    values = table.grid.data[0, 0]
+    along = [_akima_slopes(x, values, axis) for axis, x in enumerate(nodes)]
+    mixed = _akima_slopes(nodes[0], along[1], 0)
+    akima = Grid(nodes, np.array([[values, along[1]], [along[0], mixed]]), table.grid.sound)
+    x = _mesh(table)
+    ours, inside = table(x)
+    if not inside.any():
+        return np.zeros(len(table.outputs))
+    size = scales(table.outputs, np.where(inside[:, None], ours, np.nan))
+    return np.max(np.abs(evaluate(akima, x)[0] - ours)[inside] / size[inside], axis=0)
+
+
+def _akima_slopes(x: Array, values: Array, axis: int) -> Array:
+    from scipy.interpolate import Akima1DInterpolator
+
+    if len(x) == 2:
+        return np.repeat(np.diff(values, axis=axis) / (x[1] - x[0]), 2, axis=axis)
+    return Akima1DInterpolator(x, values, axis=axis).derivative()(x)
+
+
+def _mesh(table: Table) -> Array:
+    """Return points spread over both inputs' ranges (n, inputs)."""
+    mesh = np.meshgrid(*(np.linspace(one.low, one.high, FINE) for one in table.inputs), indexing="ij")
+    return np.column_stack([each.ravel() for each in mesh])
 
 
 def _quoted(text: str) -> str:
@@ -89,8 +131,7 @@ def _matrix(nodes: list[np.ndarray], values: np.ndarray) -> str:
 def cubic(table: Table, number: int) -> tuple[np.ndarray, list[tuple[float, float]], float]:
     """Return the coefficients of an output over scaled inputs, (middle, half) of each, and the error inside."""
     ends = [(one.low, one.high) for one in table.inputs]
-    mesh = np.meshgrid(*(np.linspace(low, high, FINE) for low, high in ends), indexing="ij")
-    x = np.column_stack([each.ravel() for each in mesh])
+    x = _mesh(table)
     values, inside = table(x)
     if inside.sum() < len(TERMS):
         raise UsageError("too few cycles closed for polynomials (choose other ranges)")

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.export.inputs import Input, read_inputs, spread
+from screwsim.export.inputs import Input, one_line, read_inputs, spread
 from screwsim.export.source import is_results
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, scene_text
-from screwsim.scene.operation import CONDENSING, EVAPORATING
+from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUPERHEAT
 from screwsim.study.performance_map import FORMULA, TERMS, Fit, PerformanceMap, conditions, performance_maps
 from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
@@ -37,11 +37,28 @@ class Polynomials:
     conditions: dict[str, float]
     axes: dict[str, str]  # SI units of the other axes
     condensing: str = "bubble"  # of which point the condensing temperature is: of a blend "dew" (M316)
+    within: frozenset[str] = frozenset()  # paths that vary together with a temperature, and so within a map
 
     def name(self, one: PerformanceMap) -> str:
         """Return what tells a map from the others, as part of a name: 'speed_308.923'."""
         parts = (f"{path.rpartition('.')[2]}_{value:.6g}" for path, value in one.values.items())
         return "_".join(parts)
+
+    def condition(self, one: PerformanceMap, path: str) -> float:
+        """Return what a map was made at [SI], its own where the sweep varies it; 0 of what the scene does not state.
+
+        Raise UsageError of what varies within the map: there is no one value.
+        """
+        if path in self.within:
+            what = f"{path} varies together with a temperature, and what is written takes one value of it"
+            raise UsageError(f"{what} (vary it on an axis of its own)")
+        return float(one.values.get(path, self.conditions.get(path, 0.0)))
+
+    def superheat(self, one: PerformanceMap) -> float:
+        """Return the superheat [K] of the suction gas in a map; raise UsageError where that is wet."""
+        if QUALITY in self.conditions or QUALITY in one.values or QUALITY in self.within:
+            raise UsageError(f"{QUALITY} is of wet gas, and what is written takes a superheat (export en12900)")
+        return self.condition(one, SUPERHEAT)
 
 
 @contextmanager
@@ -93,7 +110,14 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     units = {name: results.figure(name).units for name in maps[0].fits}
     fluid, blend = fluid_of(results)
     point = "dew" if blend else "bubble"
-    return Polynomials(str(results.attributes["title"]), fluid, maps, units, conditions(results), axes, point)
+    title = one_line(results.attributes["title"])
+    return Polynomials(title, fluid, maps, units, conditions(results), axes, point, _within(results))
+
+
+def _within(results: Results) -> frozenset[str]:
+    varied = results.varied
+    own = {varied[path][0] for path in (EVAPORATING, CONDENSING)}
+    return frozenset(path for path, (axis, _) in varied.items() if axis in own) - {EVAPORATING, CONDENSING}
 
 
 def fluid_of(results: Results) -> tuple[str, bool]:
@@ -122,7 +146,7 @@ def rated(one: PerformanceMap) -> tuple[float, float]:
 def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tuple[tuple[float, ...], float]:
     """Return c0 + c1 S + c2 S² + c3 D + c4 D² + c5 S D of a figure over its value at a point, and the largest error.
 
-    It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is against that.
+    It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is relative to that.
     """
     (s0, s1), (d0, d1) = limits(one)
     S, D = (x.ravel() for x in np.meshgrid(np.linspace(s0, s1, 11), np.linspace(d0, d1, 11)))
@@ -131,7 +155,7 @@ def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tupl
     wanted = np.asarray(one.evaluate(figure, S, D)) / float(one.evaluate(figure, *at))
     matrix = np.column_stack([np.ones_like(S), S, S**2, D, D**2, S * D])
     found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
-    return tuple(map(float, found)), float(np.max(np.abs(matrix @ found - wanted)))
+    return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
 
 
 def by_terms(fit: Fit, order: Sequence[tuple[int, int]]) -> list[float]:

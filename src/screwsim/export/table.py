@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.hermite import Array, Grid, evaluate, grid_of
-from screwsim.export.inputs import Input, Output, input_name, output_of, spread
+from screwsim.export.inputs import Input, Output, check_names, input_name, one_line, output_of, spread
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_text
@@ -104,6 +104,7 @@ def tabulate(
 
     Raise UsageError where nothing closes; a table that stays coarser for `most` says so (`Table.met`).
     """
+    check_names(inputs, outputs)
     solve = _Solver(scene, outputs, jobs, progress, simulate)
     nodes = [spread(one, 5 if len(inputs) <= FEW_INPUTS else 3) for one in inputs]
     points = _drawn(inputs)
@@ -115,7 +116,7 @@ def tabulate(
             why = solve.why or "choose other ranges"
             raise UsageError(f"no map: of {sound.size} points 0 closed ({why})")
         table = _table(scene, inputs, outputs, nodes, values, sound, wanted)
-        errors, checked = _errors(table, points, at_points, sound_points)
+        errors, checked, open_ = _errors(table, points, at_points, sound_points)
         if checked and max(errors) <= SAFE * wanted:
             break
         axis = _coarsest(nodes, values, sound, outputs)
@@ -129,6 +130,7 @@ def tabulate(
         why = f"no point drawn lies among closed ones: {int(sound.sum())} of {sound.size} nodes closed ({solve.why})"
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} points drawn inside and simulated for it"
+    how += f" (at {open_} more no cycle closed, though it did at all nodes around)" if open_ else ""
     return replace(table, errors=tuple(errors), checked=checked, how=how, cases=solve.cases)
 
 
@@ -139,6 +141,8 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
             f"{results.path}: holds no grid (a map needs a sweep over one axis or more, none of them joined)"
         )
     axes = [axis for axis in results.axis_list if len(axis.values) > 1]
+    if not axes:
+        raise UsageError(f"{results.path}: varies nothing: each axis has one value (export a sweep over more)")
     if any(axis.values.dtype.kind != "f" for axis in axes):
         raise UsageError(f"{results.path}: has an axis of words (export a sweep of one of them)")
     inputs, orders = [], []
@@ -151,6 +155,7 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
             Input(axis.path, input_name(axis.path), axis.units, axis.long_name, low, high, float(values[0]), log)
         )
     outputs = [output_of(name, {name: results.figure(name)}) for name in figures or _usual(results)]
+    check_names(inputs, outputs)
     shape = tuple(len(axis.values) for axis in axes)
     columns = [np.asarray(results.performance[each.name]).reshape(shape)[np.ix_(*orders)] for each in outputs]
     values = np.stack(columns, axis=-1)
@@ -165,7 +170,7 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> Table:
     errors, checked = _left_out(nodes, values, sound, outputs)
     how = f"largest at {checked} nodes left out in turn, every second one of an axis: of a table twice as coarse"
     how = how if checked else "not known, as no axis has five values"
-    title, yaml = str(results.attributes["title"]), results.scene_yaml
+    title, yaml = one_line(results.attributes["title"]), results.scene_yaml
     return replace(table, title=title, scene_yaml=yaml, errors=errors, checked=checked, how=how, cases=sound.size)
 
 
@@ -185,7 +190,8 @@ def _table(
     wanted: float | None,
 ) -> Table:
     grid = grid_of(nodes, values, sound)
-    title, text = ("", "") if scene is None else (scene.title, scene_text(replace(scene, sweep={}, joints=())))
+    title = "" if scene is None else one_line(scene.title)
+    text = "" if scene is None else scene_text(replace(scene, sweep={}, joints=()))
     not_ok = int((~sound).sum())
     return Table(title, tuple(inputs), tuple(outputs), grid, (math.inf,), 0, "", 0, not_ok, wanted, text)
 
@@ -202,14 +208,15 @@ def _drawn(inputs: Sequence[Input]) -> Array:
     return np.column_stack(columns)
 
 
-def _errors(table: Table, points: Array, values: Array, sound: Array) -> tuple[list[float], int]:
-    """Return the largest error of each output at points that closed and lie inside, and how many these are."""
+def _errors(table: Table, points: Array, values: Array, sound: Array) -> tuple[list[float], int, int]:
+    """Return the largest error of each output at points that closed and lie inside, how many closed, and did not."""
     found, inside = table(points)
     there = inside & sound
+    not_closed = int((inside & ~sound).sum())
     if not there.any():
-        return [math.inf], 0
+        return [math.inf], 0, not_closed
     relative = np.abs(found - values)[there] / scales(table.outputs, np.where(sound[:, None], values, np.nan))[there]
-    return [float(each) for each in relative.max(axis=0)], int(there.sum())
+    return [float(each) for each in relative.max(axis=0)], int(there.sum()), not_closed
 
 
 def _left_out(

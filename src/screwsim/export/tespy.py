@@ -4,7 +4,6 @@ TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, both our definitio
 as heat, so that only the discharge temperature depends on that: it is the mean over the map, and its spread is stated.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,13 +11,14 @@ import numpy as np
 from screwsim.export.polynomials import Polynomials, document, polynomials
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
-from screwsim.scene.operation import EVAPORATING, SUBCOOLING, SUPERHEAT
+from screwsim.scene.operation import EVAPORATING, SUBCOOLING
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
-SPEED = "operation.speed"
 SEPARATOR = "separator_temperature"
+SAME = 1e-6  # share up to which the values of one map are one value
 _NEEDED = (
     "displacement",
+    "displacement_flow",
     "gas_mass_flow",
     "shaft_power",
     "discharge_temperature",
@@ -49,14 +49,16 @@ def tespy_document(results: Results) -> dict[str, Any]:
 def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
     one = found.maps[number]
     cases = _cases(results, one.values)
-    frequency = _speed(results, one.values) / (2.0 * math.pi)
-    shares = dissipated(results, found, cases)
+    displaced, swept = (results.performance[name].ravel()[cases] for name in ("displacement_flow", "displacement"))
+    frequency = _one(displaced / swept, results, "operation.speed")
+    superheat = found.superheat(one)
+    shares = dissipated(results, found.fluid, superheat, cases)
     eta_s, eta_v = (one.fits[name] for name in FIGURES)
     reference = {
-        "T_sh": found.conditions.get(SUPERHEAT, 0.0),
-        "T_sc": found.conditions.get(SUBCOOLING, 0.0),
+        "T_sh": superheat,
+        "T_sc": found.condition(one, SUBCOOLING),
         "frequency_poly": frequency,
-        "swept_volume": float(np.nanmean(results.performance["displacement"].ravel()[cases])),
+        "swept_volume": _one(swept, results, "displacement"),
     }
     return {
         "at": {path: float(value) for path, value in one.values.items()},
@@ -75,10 +77,13 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
     }
 
 
-def _speed(results: Results, values: Any) -> float:
-    if SPEED in values:
-        return float(values[SPEED])
-    return float(results.inputs["operation_speed"])
+def _one(values: np.ndarray, results: Results, name: str) -> float:
+    """Return the value that all cases of a map have; raise UsageError where they differ."""
+    value = float(np.mean(values))
+    if np.ptp(values) > SAME * value:
+        what = f"{name} varies together with a temperature, and TESPy's compressor has one"
+        raise UsageError(f"{results.path}: {what} (vary it on an axis of its own)")
+    return value
 
 
 def _cases(results: Results, values: Any) -> np.ndarray:
@@ -94,8 +99,8 @@ def leaving(results: Results) -> str:
     return SEPARATOR if SEPARATOR in results.figures else "discharge_temperature"
 
 
-def dissipated(results: Results, found: Polynomials, cases: np.ndarray) -> np.ndarray:
-    """Return the share of the shaft power that does not leave with the gas, at cases.
+def dissipated(results: Results, fluid: str, superheat: float, cases: np.ndarray) -> np.ndarray:
+    """Return the share of the shaft power that does not leave with the gas, at cases of a superheat [K].
 
     It is below 0 where other heat does, as that of a motor in the suction gas.
     """
@@ -104,14 +109,13 @@ def dissipated(results: Results, found: Polynomials, cases: np.ndarray) -> np.nd
     figures = {name: results.performance[name].ravel()[cases] for name in _NEEDED}
     leaves = results.performance[leaving(results)].ravel()[cases]
     evaporating = results.along(EVAPORATING).ravel()[cases]
-    superheat = found.conditions.get(SUPERHEAT, 0.0)
     shares = []
     for i in range(len(cases)):
         p1, p2 = figures["suction_pressure"][i], figures["discharge_pressure"][i]
         if superheat > 0.0:
-            h1 = PropsSI("H", "P", p1, "T", evaporating[i] + superheat, found.fluid)
+            h1 = PropsSI("H", "P", p1, "T", evaporating[i] + superheat, fluid)
         else:
-            h1 = PropsSI("H", "P", p1, "Q", 1, found.fluid)
-        h2 = PropsSI("H", "P", p2, "T", leaves[i], found.fluid)
+            h1 = PropsSI("H", "P", p1, "Q", 1, fluid)
+        h2 = PropsSI("H", "P", p2, "T", leaves[i], fluid)
         shares.append(1.0 - figures["gas_mass_flow"][i] * (h2 - h1) / figures["shaft_power"][i])
     return np.array(shares)

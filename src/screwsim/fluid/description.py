@@ -151,6 +151,18 @@ def _ask_blend(fluid: str, made: Composition) -> dict[str, Any]:
     }
 
 
+PSEUDO_PURE = (
+    "{} is a mixture described as if it were pure: its two phases differ in composition; use two_phase: refuse, or a "
+    "pure fluid, or the blend itself (such as R410A.mix)"
+)
+
+
+def is_mixture(fluid: str) -> bool:
+    """Tell whether a fluid that is known is a blend, or a mixture described as if it were pure."""
+    known = describe(fluid)
+    return known.blend or known.pseudo_pure
+
+
 @lru_cache(maxsize=64)
 def describe(fluid: str) -> Description:
     """Return the description of a fluid by any of CoolProp's names, or of a blend. Raises UsageError for others."""

@@ -6,6 +6,7 @@ from screwsim.fluid.blend_border import blend_border
 from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.composition import ENDING, is_blend, predefined
 from screwsim.fluid.constants import ask
+from screwsim.fluid.description import PSEUDO_PURE, describe
 from screwsim.inputs.faults import UsageError
 
 
@@ -56,7 +57,10 @@ def blend(name: str) -> str | None:
 
 
 def why_no_dome(fluid: str) -> str | None:
-    """Return why two phases in equilibrium of a blend are not known, in one line; None where they are."""
+    """Return why two phases in equilibrium of a fluid that is known are not, in one line; None where they are."""
+    if not is_blend(fluid):
+        known = describe(fluid)
+        return PSEUDO_PURE.format(known.name) if known.pseudo_pure else None
     try:
         dome(fluid)
     except UsageError as error:

@@ -17,7 +17,7 @@ import numpy as np
 
 from screwsim.fluid.blend_flash import dome
 from screwsim.fluid.blend_wet import blend_wet
-from screwsim.fluid.description import Description, describe
+from screwsim.fluid.description import PSEUDO_PURE, Description, describe
 from screwsim.fluid.dome import margin_kernel
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.oils import ZERO_CELSIUS
@@ -52,10 +52,7 @@ class RealGas:
 
     def __post_init__(self) -> None:
         if self.equilibrium and self.known.pseudo_pure:
-            raise UsageError(
-                f"gas.two_phase: {self.known.name} is a mixture described as if it were pure: its two phases differ in "
-                "composition; use two_phase: refuse, or a pure fluid, or the blend itself (such as R410A.mix)"
-            )
+            raise UsageError(f"gas.two_phase: {PSEUDO_PURE.format(self.known.name)}")
 
     @property
     def equilibrium(self) -> bool:

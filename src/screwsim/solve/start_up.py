@@ -262,6 +262,13 @@ class Run:
         highest = int(np.argmax(np.abs(traces["coupling_torque"])))
         steady = float(np.mean(self.steady.coupling_torque))
         residual = motor - damped - gas - losses - stored
+        energies = {
+            "motor_work": motor,
+            "gas_work": gas,
+            "loss_work": losses,
+            "coupling_work": damped,
+            "stored": stored,
+        }
         return Figures(
             time=float(m.time[-1]),
             turns=float(traces["angle"][-1]) / (2.0 * math.pi),
@@ -274,11 +281,7 @@ class Run:
             peak_over_steady=float(abs(traces["coupling_torque"][highest])) / abs(steady) if steady else None,
             twist_peak=float(np.max(np.abs(traces["twist"]))),
             motor_torque_peak=float(np.max(np.abs(traces["motor_torque"]))),
-            motor_work=motor,
-            gas_work=gas,
-            loss_work=losses,
-            coupling_work=damped,
-            stored=stored,
+            **(energies if whole else dict.fromkeys(energies)),  # none is known of a pitch in which the rotors stop
             residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )

@@ -14,7 +14,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
-from screwsim.scene.operation import CONDENSING, EVAPORATING, SUBCOOLING, SUPERHEAT
+from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUBCOOLING, SUPERHEAT, SUPERHEAT_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.figures import figure_named
 
@@ -26,7 +26,7 @@ NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
 FIGURES = ("shaft_power", "gas_mass_flow", "cooling_capacity")
 VALUES = 4  # distinct temperatures that a cubic needs
 WORST_CONDITION = 1e6  # of the fit in centred and scaled temperatures; a full grid has about 10
-_CONDITIONS = (SUPERHEAT, SUBCOOLING, "operation.suction.superheat", "oil_supply.temperature", "oil_supply.ratio")
+_CONDITIONS = (SUPERHEAT, SUBCOOLING, QUALITY, SUPERHEAT_S, "oil_supply.temperature", "oil_supply.ratio")
 
 
 @dataclass(frozen=True)

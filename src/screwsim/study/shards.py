@@ -110,7 +110,12 @@ class Parts:
     def write(self, start: int, table: Table) -> None:
         """Store the results of the cases from `start` on."""
         path = self._path(range(start, start + len(table)))
-        write_part(path, table)
+        try:
+            write_part(path, table)
+        except UsageError:
+            if self.folder.is_dir():
+                raise
+            raise self._taken("is gone") from None
         self._room -= table.size
         if self._room >= 0:
             self._at_hand[path] = table
@@ -118,6 +123,11 @@ class Parts:
         if self._small >= MOST_SMALL:
             self._join_neighbours()
             self._small = 0
+
+    def _taken(self, what: str) -> UsageError:
+        """Return the error of what this process has written and no longer finds."""
+        who = f"it was moved, or another {self.study} of the same file removed it, on a disk that has no locks"
+        return UsageError(f"{self.folder}: {what}: {who} (run this once more: it goes on from what is there)")
 
     def _join_neighbours(self) -> None:
         """Join small parts that follow one another; a crash leaves both, and the larger one is taken."""
@@ -152,8 +162,9 @@ class Parts:
         return found
 
     def _files(self) -> Iterator[tuple[Path, range]]:
-        """Yield the parts by first case, the longest first."""
-        names = (_NAME.fullmatch(file.name) for file in self.folder.iterdir())
+        """Yield the parts by first case, the longest first; none where the folder is gone."""
+        there = self.folder.iterdir() if self.folder.is_dir() else ()
+        names = (_NAME.fullmatch(file.name) for file in there)
         spans = [range(int(name[1]), int(name[2])) for name in names if name]
         for cases in sorted(spans, key=lambda cases: (cases.start, -cases.stop)):
             yield self._path(cases), cases
@@ -179,7 +190,7 @@ class Parts:
                 paths.append(path)
                 stop = cases.stop
         if stop != total:
-            raise RuntimeError(f"{self.folder}: cases from {stop} on are missing")
+            raise self._taken(f"cases from {stop} on are gone")
         return StoredTables(paths, total, self._at_hand)
 
 

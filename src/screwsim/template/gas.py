@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from screwsim.effects.oil_drag import end_drag, tip_drag
 from screwsim.fluid import constants
-from screwsim.fluid.composition import is_blend
+from screwsim.fluid.description import is_mixture
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
@@ -208,7 +208,7 @@ def booster(asked: Asked) -> str:
         **_motor(sizes.motor_for(gas_flow * taken)),
         "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
-        "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not is_blend(fluid) else "",
+        "two_phase": ", two_phase: equilibrium" if _condenses(fluid, duty) and not is_mixture(fluid) else "",
         "oil": oil,
         "oil_ratio": f"{max(math.ceil(2.0 * least) / 2.0, ratio):g}",
     }

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from screwsim.build import build_parts
 from screwsim.fluid import constants
-from screwsim.fluid.composition import is_blend
+from screwsim.fluid.description import is_mixture
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting
@@ -101,7 +101,7 @@ def _scene(asked: Asked, plant: Plant) -> str:
         "flow": sizes.flow_text(flow),
         "speed": sizes.rpm(speed),
         "two_phase": ", two_phase: equilibrium"
-        if cooled and not is_blend(fluid)
+        if cooled and not is_mixture(fluid)
         else "",  # on cooled oil gas may condense
         "oil": oil,
         "oil_ratio": f"{ratio:g}",

@@ -20,13 +20,16 @@ from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
 
-REGION = 5.0  # standard errors of the fit to each side, in which the posterior is looked for; widened where it is cut
-CUT = 0.02  # share of the samples in the outer twentieth of the region at one side, from which on it is cut
+REGION = 5.0  # standard errors of the fit to each side, in which the posterior is looked for; widened where it is cut,
+WIDENED = 3  # times at most
+LEAST = 0.02  # of the bounds, likewise: polynomials of a smaller region would follow the errors of the solutions
+CUT = 0.003  # share of the samples in the outer twentieth of the region at one side, from which on it is cut
 WALKERS, STEPS, MOST_STEPS = 6, 2000, 16000  # walkers a dimension; steps of a stretch, and in all
 LONG = 50.0  # autocorrelation times that a chain has to have (emcee's advice)
 SETTLED = 1.01  # split-R̂ below which chains have settled (Vehtari et al. 2021)
 CHECKED = 8  # draws that are solved, to see what the polynomials are off
 TOLERABLE = 0.5  # of a figure's uncertainty: further off, the posterior is that of the polynomials and not of the model
+SHIFT = 0.5  # likewise of the logarithm's error over the posterior: no parameter's mean is off by more of its deviation
 UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on the points do not tell it
 
 
@@ -76,12 +79,15 @@ class _Problem:
         """Return the logarithms of the posterior of states (n, size)."""
         places, widths = self.parted(at)
         inside = np.all((places >= self.emulator.low) & (places <= self.emulator.high), axis=-1)
-        ours = self.emulator(places)
-        variance = self.uncertainty**2 + self.emulator.off**2 + widths[:, self.which] ** 2
-        left = np.where(self.fitted, (ours - self.value) ** 2 / variance + np.log(variance), 0.0)
-        ratio = np.exp(np.clip(at[:, places.shape[-1] :], -30.0, 30.0))
-        wide = np.sum(np.log(ratio) - np.log1p(ratio**2), axis=-1)  # half-Cauchy, over the logarithm
-        return np.where(inside, -0.5 * left.sum(axis=-1) + wide + self._prior(places), -np.inf)
+        left = self.misfit(self.emulator(places), widths, self.emulator.off)
+        ratio = at[:, places.shape[-1] :]
+        wide = -np.sum(np.logaddexp(ratio, -ratio), axis=-1)  # half-Cauchy, over the logarithm: falls to both sides
+        return np.where(inside, -0.5 * left + wide + self._prior(places), -np.inf)
+
+    def misfit(self, figures: Array, widths: Array, off: Array) -> Array:
+        """Return -2 log of the probability of the fitted measurements by figures (n, keys) that are off by so much."""
+        variance = self.uncertainty**2 + off**2 + widths[:, self.which] ** 2
+        return np.where(self.fitted, (figures - self.value) ** 2 / variance + np.log(variance), 0.0).sum(axis=-1)
 
     def _prior(self, places: Array) -> Array:
         """Return the logarithm of the parameters' priors, densities in the value itself, as densities over the place.
@@ -134,8 +140,8 @@ def posterior(
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to begin with: {found.message}")
     low, high = _region(found)
-    solutions = failed = 0
-    for widened in (False, True):
+    solutions = failed = widened = 0
+    while True:
         emulator = emulate(found.fit, low, high, simulate, jobs, progress)
         if emulator is None:
             why = "too few solutions have all figures near the best fit (narrow the bounds)"
@@ -144,22 +150,26 @@ def posterior(
         problem = _problem(found.fit, emulator)
         chain = _sampled(emcee, problem, found, most_steps)
         cut = _cut(problem.parted(chain.flat)[0], low, high)
-        if widened or not cut.any():
-            break
+        if widened == WIDENED or not cut.any():
+            return _judged(problem, chain, simulate, cut, (solutions, failed))
         low, high = _wider(low, high, cut)
-    return _judged(problem, chain, simulate, solutions, failed)
+        widened += 1
 
 
 def _region(found: Calibration) -> tuple[Array, Array]:
     """Return the places between which the posterior is looked for: some standard errors about the best fit."""
-    low, high = [], []
-    for i, parameter in enumerate(found.fit.parameters):
-        value = found.values[parameter.path]
-        place, error = parameter.place(value), None if found.certainty is None else found.certainty.errors[i]
-        reach = 1.0 if error is None else REGION * found.scale * error / max(parameter.slope(value), 1e-300)
-        low.append(max(0.0, place - max(reach, 0.02)))
-        high.append(min(1.0, place + max(reach, 0.02)))
-    return np.array(low), np.array(high)
+    reach = np.maximum(REGION * _errors(found), LEAST)
+    places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
+    return np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
+
+
+def _errors(found: Calibration) -> Array:
+    """Return the standard errors of the best fit's places; of those that are not known a share of the bounds."""
+    if found.certainty is None:
+        return np.full(len(found.fit.parameters), 1.0 / REGION)
+    pairs = zip(found.fit.parameters, found.certainty.errors, strict=True)
+    slopes = [(max(each.slope(found.values[each.path]), 1e-300), error) for each, error in pairs]
+    return np.array([1.0 / REGION if error is None else found.scale * error / slope for slope, error in slopes])
 
 
 def _cut(places: Array, low: Array, high: Array) -> np.ndarray:
@@ -205,14 +215,18 @@ def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _C
     places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
     width = problem.emulator.high - problem.emulator.low
     walkers = WALKERS * problem.size
-    start = places + 0.05 * width * generator.standard_normal((walkers, len(places)))
+    spread = np.minimum(0.05 * width, _errors(found))
+    start = places + spread * generator.standard_normal((walkers, len(places)))
     margin = 0.01 * width
     start = np.clip(start, problem.emulator.low + margin, problem.emulator.high - margin)
-    start += 1e-4 * width * generator.random(start.shape)  # no two alike where a bound has caught them
+    start += np.minimum(1e-4 * width, spread) * generator.random(
+        start.shape
+    )  # no two alike where a bound has caught them
     states = np.hstack([problem.begun(start), 0.3 * generator.standard_normal((walkers, len(problem.figures))) - 0.5])
-    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DEMove(gamma0=1.0), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, problem.size, problem, vectorize=True, moves=moves)
     sampler.random_state = np.random.RandomState(found.fit.seed).get_state()
+    # not DESnookerMove: in emcee 3.1.6 its acceptance is not that of its steps, and intervals come out too narrow
     while True:
         states = sampler.run_mcmc(states, min(STEPS, most), skip_initial_state_check=True)
         done = sampler.iteration
@@ -232,21 +246,28 @@ def split_r_hat(chains: Array) -> Array:
     return np.sqrt(((half - 1) / half * within + between / half) / np.maximum(within, 1e-300))
 
 
-def _judged(problem: _Problem, chain: _Chain, simulate: Simulate | None, solutions: int, failed: int) -> Posterior:
+def _judged(
+    problem: _Problem, chain: _Chain, simulate: Simulate | None, cut: np.ndarray, made: tuple[int, int]
+) -> Posterior:
     fit, generator = problem.fit, np.random.default_rng(problem.fit.seed)
     flat = chain.flat
     draws = flat[generator.choice(len(flat), size=min(4000, len(flat)), replace=False)]
     places, widths = problem.parted(draws)
     samples = np.array([[p.value(float(u)) for p, u in zip(fit.parameters, row, strict=True)] for row in places])
-    off, bad = _check(problem, places, simulate)
+    off, shift, bad = _check(problem, draws, simulate)
     parameters = tuple(_of_parameter(fit, i, samples[:, i]) for i in range(samples.shape[1]))
     discrepancies = tuple(_spread(name, widths[:, i]) for i, name in enumerate(problem.figures))
     settled = chain.r_hat < SETTLED and chain.steps >= LONG * chain.autocorrelation
     told = []
     if not settled:
         told.append(f"chains have not settled after {chain.steps} steps (R-hat {chain.r_hat:.3f})")
+    for i in np.flatnonzero(cut.any(axis=0)):
+        told.append(f"{fit.parameters[i].path} reaches beyond the region that is looked at (more points, or a prior)")
     if off is not None and off > TOLERABLE:
         told.append(f"the polynomials are off by up to {off:.2g} uncertainties (narrow the bounds)")
+    elif shift is not None and shift > SHIFT:
+        what = f"the polynomials may shift what is told by up to {shift:.2g} standard deviations"
+        told.append(f"{what} (narrow the bounds)")
     rest: dict[str, Any] = {
         "samples": samples,
         "widths": widths,
@@ -255,8 +276,8 @@ def _judged(problem: _Problem, chain: _Chain, simulate: Simulate | None, solutio
         "steps": chain.steps,
         "effective": chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
         "off": off,
-        "solutions": solutions + CHECKED * len(fit.points),
-        "failed": failed + bad,
+        "solutions": made[0] + CHECKED * len(fit.points),
+        "failed": made[1] + bad,
         "region": (problem.emulator.low, problem.emulator.high),
     }
     predicted = tuple(_predictions(problem, places, widths, generator))
@@ -264,13 +285,23 @@ def _judged(problem: _Problem, chain: _Chain, simulate: Simulate | None, solutio
     return Posterior(fit, status, "; ".join(told), parameters, discrepancies, predicted, **rest)
 
 
-def _check(problem: _Problem, places: Array, simulate: Simulate | None) -> tuple[float | None, int]:
-    """Return the largest error of the polynomials at some draws, over the uncertainties, and how many failed."""
-    some = places[:CHECKED]
+def _check(problem: _Problem, draws: Array, simulate: Simulate | None) -> tuple[float | None, float | None, int]:
+    """Return the largest error of the polynomials at some draws, over the uncertainties, and how many failed.
+
+    Between them the standard deviation of what the polynomials add to the logarithm of the posterior: the mean of no
+    quantity is shifted by more of its own.
+    """
+    some, widths = problem.parted(draws[:CHECKED])
     rows = [figures_at(problem.fit, some, simulate, number) for number in range(len(some))]
-    off = [np.abs(problem.emulator(at) - row.figures) / problem.uncertainty for at, row in zip(some, rows, strict=True)]
-    known = [float(np.max(each)) for each in off if np.isfinite(each).all()]
-    return (max(known) if known else None), len(off) - len(known)
+    known = np.array([bool(np.isfinite(row.figures).all()) for row in rows])
+    if not known.any():
+        return None, None, len(rows)
+    true = np.array([row.figures for row, good in zip(rows, known, strict=True) if good])
+    ours = problem.emulator(some[known])
+    errors = np.zeros_like(problem.emulator.off), problem.emulator.off
+    exact, by_them = (problem.misfit(x, widths[known], off) for x, off in zip((true, ours), errors, strict=True))
+    shift = float(np.std(0.5 * (exact - by_them), ddof=1)) if known.sum() > 1 else None
+    return float(np.max(np.abs(ours - true) / problem.uncertainty)), shift, int(np.sum(~known))
 
 
 def _of_parameter(fit: Fit, number: int, values: Array) -> Spread:
