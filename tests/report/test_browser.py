@@ -285,7 +285,7 @@ def test_a_case_that_warns_says_of_what(window, pages):
 
 def test_a_column_is_as_wide_as_its_table(window, pages):
     """The longest name beside the longest unit fits at a desk, and the curves beside the table keep their place."""
-    longest = ("mixture discharge temperature", "335.00", "kW/(m³/min)", "4.3e-06")
+    longest = ("evaporating bubble temperature of a blend", "0.0043812", "K (-10.73 °C)", "4.3e-06")
     fill = "([i, text]) => { document.querySelector('#figures tbody tr').cells[i].textContent = text; }"
     box = "document.querySelector('#figures').parentElement"
     with Seen(window, pages["sweep with cycles"][1]) as seen:
