@@ -142,6 +142,10 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
             "Error: No such command 'small.yaml': the command comes first (write screwsim run small.yaml)",
         ),
         (("out.h5",), "Error: No such command 'out.h5': the command comes first (write screwsim report out.h5)"),
+        (
+            ("export", "out.h5"),
+            "Error: No such command 'out.h5': the command comes first (write screwsim export fmu out.h5)",
+        ),
     ],
 )
 def test_mistaken_arguments_are_told_with_what_was_meant(folder, command, arguments, told):
