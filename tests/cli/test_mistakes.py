@@ -230,3 +230,10 @@ def test_a_figure_that_is_none_is_told_with_those_that_the_file_has(folder, comm
     answer = command("map", "rated.h5", "--figure", "power")
     told = "--figure power: is not known (use one of gas_mass_flow, shaft_power)\n"
     assert (answer.code, answer.err) == (2, told)
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("export", "-h")])
+def test_the_list_of_commands_says_whole_what_each_does(command, arguments):
+    listed = command(*arguments).out.partition("Commands:")[2]
+    assert listed and "..." not in listed
+    assert max(map(len, listed.splitlines())) <= 80
