@@ -14,7 +14,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.results.write import save
-from screwsim.scene.given import yaml_text
+from screwsim.scene.mapped import yaml_text
 from screwsim.study.progress import Line, Silent, for_program
 from screwsim.study.sweep import run_sweep
 
@@ -57,6 +57,7 @@ def test_path_text_dict_and_scene_are_one_scene(tmp_path):
     scene = screwsim.load(path)
     for given in (path, str(path), yaml_text(GIVEN), json.dumps(GIVEN), GIVEN, scene):
         assert screwsim.scene.scene_of(given).text == scene.text
+    assert screwsim.load(GIVEN, ["operation.speed=1000 rpm"]).text == scene.with_(operation__speed="1000 rpm").text
 
 
 def test_numbers_of_numpy_are_numbers():

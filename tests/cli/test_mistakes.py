@@ -142,6 +142,10 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
             "Error: No such command 'small.yaml': the command comes first (write screwsim run small.yaml)",
         ),
         (("out.h5",), "Error: No such command 'out.h5': the command comes first (write screwsim report out.h5)"),
+        (
+            ("export", "out.h5"),
+            "Error: No such command 'out.h5': the command comes first (write screwsim export fmu out.h5)",
+        ),
     ],
 )
 def test_mistaken_arguments_are_told_with_what_was_meant(folder, command, arguments, told):
@@ -226,3 +230,10 @@ def test_a_figure_that_is_none_is_told_with_those_that_the_file_has(folder, comm
     answer = command("map", "rated.h5", "--figure", "power")
     told = "--figure power: is not known (use one of gas_mass_flow, shaft_power)\n"
     assert (answer.code, answer.err) == (2, told)
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("export", "-h")])
+def test_the_list_of_commands_says_whole_what_each_does(command, arguments):
+    listed = command(*arguments).out.partition("Commands:")[2]
+    assert listed and "..." not in listed
+    assert max(map(len, listed.splitlines())) <= 80

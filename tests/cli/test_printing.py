@@ -8,7 +8,7 @@ import pytest
 from screwsim.figures import known
 from screwsim.figures.engineering import SCALES, scale
 from screwsim.outputs import Figures, Result
-from screwsim.printing import engineering, plain, print_result
+from screwsim.printing import _numerics, engineering, plain, print_result
 from screwsim.printing.stages import print_stages
 from screwsim.printing.tables import plain_table
 from screwsim.study.stages import ChainResult
@@ -122,3 +122,13 @@ def test_a_name_that_leaves_its_row_no_room_stands_above_it():
 def test_what_fits_stays_in_one_line():
     lines = plain_table(["", "head"], [("a" * 60, "1"), ("b", "2")], 1)
     assert [len(line.split()) for line in lines] == [1, 2, 2]
+
+
+def test_no_temperature_is_minus_nothing():
+    """273.15 K less a rounding is 0.00 °C, and what lies below keeps its sign."""
+    assert engineering("evaporating_temperature", 273.15 - 1e-9) == ("273.15", "K (0.00 °C)")
+    assert engineering("evaporating_temperature", 273.14) == ("273.14", "K (-0.01 °C)")
+
+
+def test_one_of_a_count_is_said_as_one():
+    assert _numerics({"turns": 1.0, "steps": 2}) == "numerics: 1 turn, 2 steps"

@@ -34,5 +34,5 @@ def test_the_next_of_its_kind_is_told_how_long_the_last_one_took(capsys):
             begins()
             begins()
     told = [line for line in capsys.readouterr().err.splitlines() if "compiling" in line]
-    expected = ["a moment) ...", "the last one took 0 s here) ...", "a moment) ..."]
+    expected = ["a moment) ...", "the last one took 0.1 s here) ...", "a moment) ..."]
     assert [line.partition("(")[2] for line in told] == expected

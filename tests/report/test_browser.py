@@ -283,6 +283,18 @@ def test_a_case_that_warns_says_of_what(window, pages):
         assert colours[0] != colours[1]
 
 
+def test_a_column_is_as_wide_as_its_table(window, pages):
+    """The longest name beside the longest unit fits at a desk, and the curves beside the table keep their place."""
+    longest = ("evaporating bubble temperature of a blend", "0.0043812", "K (-10.73 °C)", "4.3e-06")
+    fill = "([i, text]) => { document.querySelector('#figures tbody tr').cells[i].textContent = text; }"
+    box = "document.querySelector('#figures').parentElement"
+    with Seen(window, pages["sweep with cycles"][1]) as seen:
+        for cell in enumerate(longest):
+            seen.page.evaluate(fill, cell)
+        assert seen.page.evaluate(f"{box}.scrollWidth <= {box}.clientWidth + 1")
+        assert seen.page.evaluate("document.getElementById('flows').clientWidth") > 400
+
+
 def test_a_table_that_is_cut_says_so(window, pages):
     cut = "e.scrollWidth > e.clientWidth + 1, e.nextElementSibling.checkVisibility()"
     script = f"Array.from(document.querySelectorAll('.scroll'), (e) => [{cut}])"

@@ -85,17 +85,29 @@ def test_the_closing_line_of_a_sweep_tells_how_many_and_which(tmp_path, capsys):
     document = sweep_document(whole, run_sweep(whole, tmp_path / "out.h5", jobs=1, simulate=warning))
     assert document["warned"] == 21 and [kind["cases"] for kind in document["warnings"]] == [20, 3]
     assert document["warnings"][0]["values"]["oil_supply.ratio"] == 0.0
-    print_sweep(document)
+    print_sweep(document, whole)
     out = " ".join(capsys.readouterr().out.split())
     each = ("24 ok (17 of them with warnings)", "3 not closed (2 of them with warnings)", "3 failed (2 of them with")
     assert f"30 cases: {', '.join(each)}" in out
-    assert "warning in 20 cases, first at operation.speed = 209.44, oil_supply.ratio = 0: the estimated" in out
-    assert "warning in 3 cases, first at operation.speed = 104.72, oil_supply.ratio = 0: R134a is all liquid" in out
+    assert "warning in 20 cases, first at operation.speed = 2000 rpm, oil_supply.ratio = 0: the estimated" in out
+    assert "warning in 3 cases, first at operation.speed = 1000 rpm, oil_supply.ratio = 0: R134a is all liquid" in out
 
 
 def test_kinds_beyond_the_first_are_counted(tmp_path, capsys):
     whole = scene(SCENE + GRID)
-    print_sweep(sweep_document(whole, run_sweep(whole, tmp_path / "out.h5", jobs=1, simulate=many_kinds)))
+    print_sweep(sweep_document(whole, run_sweep(whole, tmp_path / "out.h5", jobs=1, simulate=many_kinds)), whole)
     out = capsys.readouterr().out
     assert out.count("warning in 3 cases") == MOST_WARNINGS
     assert f"… and {10 - MOST_WARNINGS} other kinds of warnings, in the file" in out
+
+
+def alike(case: Scene) -> Result:
+    return Result("failed", message="no machine" if case.operation.speed < 110.0 else "no oil")
+
+
+def test_failures_with_the_same_words_are_told_once_at_a_place_with_its_unit(tmp_path, capsys):
+    whole = scene(SCENE + GRID)
+    print_sweep(sweep_document(whole, run_sweep(whole, tmp_path / "out.h5", jobs=1, simulate=alike)), whole)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "failed at operation.speed = 1000 rpm, oil_supply.ratio = 0 and 9 more: no machine" in out
+    assert out.count("no machine") == out.count("no oil") == 1

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, plane, product, torn, write_fit
 
+from screwsim.printing.calibration import print_calibration
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, fitted_text, read_fit
 
@@ -175,3 +176,17 @@ def test_a_path_that_follows_is_changed_too(tmp_path):
     fit = read_fit(write_fit(tmp_path, text))
     machine = fit.machine(fit.first_start()).machine.discharge_port
     assert machine.phi_C - machine.opens == pytest.approx(np.radians(40.0))
+
+
+@pytest.mark.parametrize(("spread", "doubted"), [(0.11, False), (0.5, True)])
+def test_a_fit_is_doubted_where_chance_hardly_makes_such_residuals(spread, doubted, tmp_path, capsys):
+    """Three residuals of a line in two unknowns leave one degree of freedom."""
+    rows = [
+        f"{name},fit,{1000 * n},{1.0 + 2.0 * n + off},0.1"
+        for name, n, off in zip("abc", (1, 2, 3), (0, 2 * spread, 0), strict=True)
+    ]
+    points = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n" + "\n".join(rows) + "\n"
+    print_calibration(calibrate(read_fit(write_fit(tmp_path, points=points)), jobs=1, simulate=plane))
+    out = " ".join(capsys.readouterr().out.split())
+    assert "the residuals exceed the stated uncertainties, which chance makes in" in out
+    assert ("model or uncertainties do not fit the data" in out) == doubted

@@ -8,11 +8,13 @@ import pytest
 from result_fakes import SCENE
 from study_fakes import deadly, gappy, parabola, raising, rough, two_tops
 
+from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import loads, with_values
+from screwsim.scene import case, loads, with_values
 from screwsim.simulate import simulate
 from screwsim.study.optimum import optimum, question
 from screwsim.study.search import Point, highest
+from screwsim.template import asked_of, new_scene
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEEDS = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n"
@@ -98,6 +100,15 @@ def test_the_efficiency_that_is_asked_for_by_itself_is_one_that_the_gas_has(mode
     assert question(real).figure == figure
     assert question(real, figure="shaft_power").figure == "shaft_power"
     assert question(scene("sweep:\n  gas.model: [ideal, real]\n")).figure == "isentropic_efficiency"
+
+
+def test_a_border_of_the_range_that_is_no_machine_is_no_end_of_the_question():
+    """Which figures there are is asked of the scene itself, where a slide is too narrow for the first of its axis."""
+    slide = new_scene("refrigeration", asked_of("R134a", None, None, None, None, None, slide=True))
+    whole = loads(slide + "\nsweep:\n  machine.built_in_volume_ratio: [2.2, 3.5]\n")
+    with pytest.raises(UsageError, match="male_span"):
+        build_parts(case(whole, 0))
+    assert question(whole, "machine.built_in_volume_ratio", "shaft_power").low == 2.2
 
 
 def test_failed_solutions_leave_a_partial_result():

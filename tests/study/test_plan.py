@@ -17,7 +17,7 @@ from screwsim.printing.plan import print_plan
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
 from screwsim.study.calibration.fit import Measured, Prior
-from screwsim.study.calibration.plan import candidates_of, plan, typical
+from screwsim.study.calibration.plan import candidates_of, plan, point_name, typical
 from screwsim.study.calibration.profile import whitener
 
 ROOT = Path(__file__).parents[2]
@@ -253,3 +253,13 @@ def test_the_package_plans_as_the_command_does(tmp_path, monkeypatch):
     assert [each.name for each in points] == ["1000 rpm", "5000 rpm"] and how["count"] == 1
     with pytest.raises(UsageError, match="pass its path"):
         screwsim.plan(fit, ranges={"operation.speed": ("1000 rpm", "5000 rpm")}, data="x.csv")
+
+
+def test_temperatures_of_a_point_are_those_that_people_state():
+    scene = screwsim.load(ROOT / "configs" / "r134a" / "compact.yaml")
+    values = {
+        "operation.evaporating_temperature": 263.15,
+        "operation.condensing_temperature": 318.4,
+        "operation.speed": 100.0,
+    }
+    assert point_name(scene, values) == "-10 °C, 45.25 °C, 954.93 rpm"

@@ -69,7 +69,7 @@ def test_tables_have_a_column_of_the_standard_uncertainty(swept):
 
 def test_a_sweep_says_how_sure_it_is_before_it_counts_its_cases(swept, capsys):
     scene, summary, results = swept
-    print_sweep(sweep_document(scene, summary))
+    print_sweep(sweep_document(scene, summary), scene)
     words = " ".join(capsys.readouterr().out.split())
     largest = 200.0 * results.uncertainty["isothermal_efficiency"].max()
     assert f"{largest:.2g} points" in words

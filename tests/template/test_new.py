@@ -251,6 +251,10 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["air", "--motor", "0 kW"], "--motor 0 kW: is not above nothing"),
         (["air", "--flow", "7 m^3/min", "--displacement", "500 m^3/h"], "--flow: is given beside --displacement"),
         (["air", "--flow", "7 m^3/min", "--diameter", "180 mm"], "--flow: is given beside --diameter"),
+        (["refrigeration", "--capacity", "3 kW", "--diameter", "180 mm"], "--capacity: is given beside --diameter"),
+        (["air", "--capacity", "300 kW"], "--capacity: is of refrigeration and heat_pump"),
+        (["booster", "--motor", "75 kW"], "--motor: is of refrigeration, heat_pump and air (remove it"),
+        (["chiller"], "chiller: is no kind of new scene; did you mean 'refrigeration'?"),
         (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given beside --condition"),
         (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the surroundings' 1 bar"),
         (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
@@ -267,7 +271,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),
         (["booster", "--slide"], "--slide: is of refrigeration and heat_pump, which it unloads"),
         (["heat_pump", "--variable-speed"], "--variable-speed: is of air, whose sheet it is of"),
-        (["booster", "--motor", "45 kW"], "--motor: is of an air package's sheet (write screwsim new air"),
+        (["booster", "--flow", "7 m^3/min"], "--flow: is of an air package's sheet (write screwsim new air"),
         (["refrigeration", "-o", "x.json"], "-o x.json: a scene is written, which ends in .yaml (write -o x.yaml)"),
         (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: ends as a fit or a plant of two stages does"),
     ],
@@ -334,6 +338,21 @@ def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys)
     assert "(207 % of a motor of 22 kW)" in lines[0] or "(206 % of a motor of 22 kW)" in lines[0]
     assert lines[1].startswith("the motor gets more than sheets have it carry")
     assert lines[-1].startswith("warning: the motor's load is")
+
+
+@pytest.mark.parametrize(
+    ("stated", "figure", "wanted", "told"),
+    [
+        ({"capacity": "300 kW"}, "cooling_capacity", 300e3, "# Made for 300 kW of cooling: its size"),
+        ({"motor": "55 kW"}, "shaft_power", 55e3, "# Made for 55 kW at the shaft, its motor's full load: its size"),
+    ],
+)
+def test_a_refrigeration_machine_is_sized_by_what_it_cools_or_by_its_motor(stated, figure, wanted, told):
+    found = sized("refrigeration", asked_of(*[None] * 6, **stated))
+    assert found.result.performance[figure] == pytest.approx(wanted, rel=NEAR)
+    assert told in found.text
+    rated = screwsim.loads(found.text).effects["motor"].parameters.rated_power
+    assert rated == pytest.approx(wanted if "motor" in stated else 90e3)
 
 
 @pytest.mark.slow

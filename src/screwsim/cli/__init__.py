@@ -17,6 +17,7 @@ import typer
 
 from screwsim.cli import files, measured, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
+from screwsim.cli.declare import summary
 from screwsim.cli.export import app as export_app
 from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
@@ -60,7 +61,9 @@ _SEEK = (seek.find, seek.optimize)
 _MEASURED = (measured.diagnose, measured.plan, studies.tolerance, studies.startup)
 for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
-app.add_typer(export_app, name="export")
+app.add_typer(export_app, name="export", short_help=str(export_app.info.help).rstrip("."))
+for _registered in (*app.registered_commands, *export_app.registered_commands):
+    _registered.short_help = summary(_registered.callback)
 
 
 @cache

@@ -1,5 +1,7 @@
 """How a command declares its options and arguments."""
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,3 +26,8 @@ def switch(name: str, says: str) -> Any:
 def argument(value: str, says: str) -> Any:
     """Return an argument: what stands for it, and what it is."""
     return typer.Argument(metavar=value, help=says, show_default=False)
+
+
+def summary(command: Callable[..., Any] | None) -> str:
+    """Return the first sentence about a command, which the list of commands shows whole: click would cut it."""
+    return re.split(r"(?<=[.;])\s", " ".join((command.__doc__ or "").split()), maxsplit=1)[0].rstrip(".;")

@@ -32,7 +32,8 @@ def _command(name: str, commands: list[str]) -> str:
     if near is not None:
         return f"No such command '{name}': did you mean '{near}'?"
     if re.search(r"\.(ya?ml|h5)$", name):
-        verb = "report" if name.endswith("h5") else "run"
+        usual = "report" if name.endswith("h5") else "run"
+        verb = usual if usual in commands else f"export {commands[0]}"
         return f"No such command '{name}': the command comes first (write screwsim {verb} {shlex.quote(name)})"
     return f"No such command '{name}' (there are: {', '.join(commands)})"
 

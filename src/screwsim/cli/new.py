@@ -27,7 +27,13 @@ def new(
             "Both lines, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' (inlet).",
         ),
     ] = None,
-    motor: Annotated[Text, option("POWER", "Rated power of an air package's motor, as its sheet states it.")] = None,
+    motor: Annotated[
+        Text, option("POWER", "Rated power of the motor; without another size one is sought that loads it in full.")
+    ] = None,
+    capacity: Annotated[
+        Text,
+        option("POWER", "What a refrigeration machine cools, a heat pump heats, e.g. '300 kW': its size is sought."),
+    ] = None,
     flow: Annotated[
         Text, option("FLOW", "Free air that a package delivers, e.g. '7.5 m^3/min': its size is sought.")
     ] = None,
@@ -53,7 +59,7 @@ def new(
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
-    sheet = {"--motor": motor, "--flow": flow, "--pressure": pressure}
+    sheet = {"--motor": motor, "--capacity": capacity, "--flow": flow, "--pressure": pressure}
     chosen = {"--economizer": economizer, "--slide": slide, "--variable-speed": variable_speed}
     stated = [name for name, value in sheet.items() if value is not None]
     kind_of(kind, [*stated, *(name for name, is_so in chosen.items() if is_so)])
@@ -68,6 +74,7 @@ def new(
         motor=motor,
         free_air=flow,
         pressure=pressure,
+        capacity=capacity,
         economizer=economizer,
         slide=slide,
         variable=variable_speed,

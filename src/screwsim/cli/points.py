@@ -192,7 +192,7 @@ def sweep(
     where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch, "gpu": gpu}
     summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
     document = sweep_document(scene, summary)
-    (print_json if as_json else print_sweep)(document)
+    print_json(document) if as_json else print_sweep(document, scene)
     return OK if summary.ok == summary.cases else NOT_ALL_OK
 
 

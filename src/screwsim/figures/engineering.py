@@ -37,7 +37,7 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
     """Return a performance figure [SI] as number and unit for people: kW, bar, %, K with °C."""
     about = declared(figure) if isinstance(figure, str) else figure
     if about.units == "K":
-        return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:.2f} °C)"
+        return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:z.2f} °C)"
     factor, unit = figure_unit(about, value)
     return digits(factor * value), unit
 

@@ -36,7 +36,9 @@ class _Wait:
         """Say that something is compiled, once."""
         if self._began is None:
             last = _times().get(self._kind)
-            expected = self._usual if last is None else f"the last one took {last:.0f} s here"
+            expected = (
+                self._usual if last is None else f"the last one took {max(last, 0.1):.{1 if last < 10 else 0}f} s here"
+            )
             tell(f"compiling {self._what}{_whole.get()}, once ({expected}) ...")
             self._began = time.perf_counter()
 

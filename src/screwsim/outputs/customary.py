@@ -37,12 +37,12 @@ def scale(units: str, size: float) -> tuple[float, str]:
 
 def engineering_temperature(T: float) -> str:
     """Return a temperature [K] with its degrees Celsius."""
-    return f"{T:.2f} K ({T - ZERO_CELSIUS:.2f} °C)"
+    return f"{T:.2f} K ({T - ZERO_CELSIUS:z.2f} °C)"
 
 
 def celsius(T: float) -> str:
     """Return a temperature [K] in degrees Celsius as a scene states it."""
-    return f"{T - ZERO_CELSIUS:.1f} degC"
+    return f"{T - ZERO_CELSIUS:z.1f} degC"
 
 
 def quantity(units: str, value: float) -> str:

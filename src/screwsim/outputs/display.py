@@ -123,7 +123,7 @@ def customary(figure: Shown) -> str:
     if figure.percent:
         return f"{digits(100.0 * figure.value)} %"
     if figure.units == "K":
-        return f"{figure.value - ZERO_CELSIUS:.2f} °C"
+        return f"{figure.value - ZERO_CELSIUS:z.2f} °C"
     factor, unit = scale(figure.shown or figure.units, abs(figure.value))
     return "" if unit in (figure.units, si_unit(figure.units)) else f"{digits(factor * figure.value)} {unit}"
 

@@ -16,6 +16,7 @@ from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
+from screwsim.study.inputs import shown_condition
 from screwsim.study.sweep import SweepSummary
 
 if TYPE_CHECKING:
@@ -225,7 +226,8 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
     words = [f"{numerics[name]}" for name in ("integrator", "closing") if name in numerics]
     words += [f"rtol {numerics['rtol']:.1e}"] if "rtol" in numerics else []
     counts = {"turns": "turns", "steps": "steps", "rhs_evaluations": "RHS evaluations", "jacobians": "Jacobians"}
-    words += [f"{round(numerics[name], 2):.12g} {text}" for name, text in counts.items() if name in numerics]
+    numbers = {text: round(numerics[name], 2) for name, text in counts.items() if name in numerics}
+    words += [f"{number:.12g} {text if number != 1 else text.removesuffix('s')}" for text, number in numbers.items()]
     words += [f"{1e3 * numerics['wall_time']:.1f} ms"] if "wall_time" in numerics else []
     return f"numerics: {', '.join(words)}"
 
@@ -272,18 +274,29 @@ def _counts(document: Mapping[str, Any]) -> str:
     return ", ".join(told)
 
 
-def print_sweep(document: Mapping[str, Any]) -> None:
-    """Print how a sweep ended: the file, the first failures, the kinds of warnings, last the numbers of cases."""
+def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
+    """Print how a sweep ended: the file, the first failures, the kinds of warnings, last the numbers of cases.
+
+    Failures with the same words stand in one entry, at the first of their cases; `scene` is the one that was swept.
+    """
+
+    def where(values: Mapping[str, Any]) -> str:
+        return ", ".join(f"{path} = {shown_condition(scene, path, value)}" for path, value in values.items())
+
     counts = f"{document['cases']} cases: {_counts(document)}"
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
     say(document["path"])
+    alike: dict[tuple[str, str], list[str]] = {}
     for failure in document["failures"]:
-        say(wrapped(printable(f"{failure['status']} at {_where(failure['values'])}: {failure['message']}")))
+        alike.setdefault((failure["status"], failure["message"]), []).append(where(failure["values"]))
+    for (status, message), (place, *others) in alike.items():
+        others_too = f" and {len(others)} more" if others else ""
+        say(wrapped(printable(f"{status} at {place}{others_too}: {message}")))
     more = document["cases"] - document["ok"] - len(document["failures"])
     if more:
         say(f"… and {more} more, in the file")
     for kind in document["warnings"][:MOST_WARNINGS]:
-        first = f"first at {_where(kind['values'])}" if kind["cases"] > 1 else f"at {_where(kind['values'])}"
+        first = f"first at {where(kind['values'])}" if kind["cases"] > 1 else f"at {where(kind['values'])}"
         cases = "1 case" if kind["cases"] == 1 else f"{kind['cases']} cases"
         say(wrapped(printable(f"warning in {cases}, {first}: {kind['warning']}")))
     more = len(document["warnings"]) - MOST_WARNINGS
@@ -292,14 +305,6 @@ def print_sweep(document: Mapping[str, Any]) -> None:
     if "uncertainty" in document:
         say(wrapped(printable(f"uncertain by the inputs alone: {ranges_text(document['uncertainty'])}")))
     say(f"{counts}, {document['seconds']:.1f} s")
-
-
-def _where(values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{path} = {_value(value)}" for path, value in values.items())
-
-
-def _value(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def accuracy_drawing(study: Study) -> Drawing:

@@ -17,6 +17,7 @@ from screwsim.results.kept import keep_in, keep_other_documents
 from screwsim.results.warned import kinds_of
 from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE, Parameter, Prior
+from screwsim.study.calibration.hypotheses import CHANCE, by_chance
 from screwsim.study.calibration.judge import CORRELATED, WEAK
 from screwsim.study.calibration.scene import BEGINS, fitted_text
 from screwsim.study.calibration.solve import Calibration, Compared
@@ -210,9 +211,11 @@ def _quality(found: Calibration) -> Iterator[str]:
     per = f", {found.chi_squared / found.freedom:.3g} a degree of freedom" if found.freedom > 0 else ""
     yield f"chi squared {found.chi_squared:.4g} with {found.freedom} degrees of freedom{per}"
     if found.scale > 1.0:
+        chance = by_chance(found.chi_squared, found.freedom)
+        doubt = "; model or uncertainties do not fit the data" if chance < CHANCE else ""
         yield (
-            f"the residuals exceed the stated uncertainties: standard errors are those times {found.scale:.3g}; "
-            "model or uncertainties do not fit the data"
+            f"the residuals exceed the stated uncertainties, which chance makes in {chance:.1g} of all cases{doubt}; "
+            f"standard errors are those times {found.scale:.3g}"
         )
     ends = f"{len(found.as_good)} of {len(found.starts)} starts"
     yield f"as good: the {ends} that end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"

@@ -9,7 +9,8 @@ from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.screen import say
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import CHANCE, LEVEL, LIKELY, NONE, Change, Hypothesis
-from screwsim.study.inputs import unit_of_change
+from screwsim.study.calibration.judge import BORDER
+from screwsim.study.inputs import shown_value, unit_of_change
 
 NOTHING = "nothing changed"
 ANY = "any"  # value of a parameter of which the points tell next to nothing fits as well
@@ -113,6 +114,12 @@ def _told(found: Diagnosis) -> Iterator[str]:
     first, *rest = [f"{change.path} has changed by {_by(found, change)}" for change in best.changes] or [NOTHING]
     what = " and ".join([first, *(text.replace(" has changed", "") for text in rest)])
     yield f"most probable: {what} ({_probability(best.probability)})"
+    for change in best.changes:
+        parameter = next(each for each in found.fit.parameters if each.path == change.path)
+        for end, bound in (("lower", parameter.low), ("upper", parameter.high)):
+            if abs(change.value - bound) <= BORDER * (parameter.high - parameter.low):
+                at = shown_value(found.fit.scene, change.path, bound, 4)
+                yield f"warning: {change.path} is at its {end} bound, {at}: it may have changed by more"
     others = [each for each in found.hypotheses[1:] if each.probability > TOLD]
     if others:
         yield f"then {'; '.join(_short(found, each) for each in others[:MOST_TOLD])}"

@@ -12,7 +12,7 @@ from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, writ
 from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.calibration.data import UNCERTAINTY, units_of
-from screwsim.study.calibration.plan import Plan
+from screwsim.study.calibration.plan import Plan, point_name
 from screwsim.study.columns import first_line
 from screwsim.study.inputs import in_customary, unit_of_change
 
@@ -80,6 +80,9 @@ def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list
 
 
 def _told(found: Plan) -> Iterator[str]:
+    first = found.steps[0].point
+    if first.name == point_name(found.fit.scene, first.values):
+        yield f"points: {', '.join(first.values)}"
     yield "gain: by how much the logarithm of the volume that the parameters may fill becomes less"
     if found.even:
         names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))

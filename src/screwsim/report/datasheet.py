@@ -69,7 +69,10 @@ def _beside(name: str, parts: Sequence[str], count: int) -> str:
 def _table(table: Any) -> str:
     kinds = ["" if i < table.left else ' class="n"' for i in range(len(table.heads))]
     named = table.heads if sum(map(len, table.heads)) < LONG else [head.replace("\xa0", " ") for head in table.heads]
-    heads = "".join(f'<th scope="col"{kind}>{escape(head)}</th>' for kind, head in zip(kinds, named, strict=True))
+    heads = "".join(
+        f'<th scope="col"{kind}>{escape(head.replace("/ (", "/("))}</th>'
+        for kind, head in zip(kinds, named, strict=True)
+    )
     rows = (
         "".join(f"<td{kind}>{escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) for row in table.rows
     )

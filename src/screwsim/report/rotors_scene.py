@@ -1,6 +1,7 @@
 """What `screwsim rotors` says and writes of a scene: coefficients, figures, page, tables that `law: table` reads."""
 
 import math
+import textwrap
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from screwsim.results.kept import keep_other_beginnings
 from screwsim.scene import scene_text
 from screwsim.scene.types import Scene
 
+WIDE = 79  # of a line of the table, for a terminal
 DEG = 180.0 / math.pi
 RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles the table gives beside the scene's
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
@@ -94,7 +96,8 @@ def table_text(scene: Scene) -> str:
     lines += [f"measured points: {faired}", ""] if faired else []
     for name, (value, unit, meaning) in found.items():
         factor, shown = _SHOWN[unit]
-        lines.append(f"{name.replace('_', ' '):<26}{factor * value:>11.5g} {shown:<4} {meaning}")
+        line = f"{name.replace('_', ' '):<26}{factor * value:>11.5g} {shown:<4} {meaning}"
+        lines.append(textwrap.fill(line, WIDE, subsequent_indent=" " * 43))
     return "\n".join(lines)
 
 

@@ -1,12 +1,12 @@
 """A scene as a program is given it: a path, a dict, YAML text, or a scene; and the same scene with other values."""
 
-import json
 import os
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.load import load, loads
+from screwsim.scene.mapped import flow
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text
 
@@ -21,11 +21,9 @@ def scene_of(given: Any) -> Scene:
     """
     if isinstance(given, Scene):
         return given
-    if isinstance(given, Mapping):
-        return loads(yaml_text(given), "<dict>")
     if isinstance(given, str) and _is_text(given):
         return loads(given)
-    if isinstance(given, str | os.PathLike):
+    if isinstance(given, str | os.PathLike | Mapping):
         return load(given)
     raise UsageError(f"{type(given).__name__} is no scene (pass {_TAKES})")
 
@@ -34,39 +32,6 @@ def _is_text(given: str) -> bool:
     if "\n" in given:
         return True
     return (": " in given or given.lstrip().startswith("{")) and not os.path.exists(given)
-
-
-def yaml_text(given: Mapping[str, Any]) -> str:
-    """Return a dict as YAML, a key a line, so that faults tell where; raise UsageError of what no file could hold."""
-    lines: list[str] = []
-    _write(given, "", "", lines)
-    return "\n".join(lines) + "\n"
-
-
-def _write(given: Mapping[str, Any], indent: str, path: str, lines: list[str]) -> None:
-    for name, value in given.items():
-        below = f"{path}.{name}" if path else str(name)
-        if isinstance(value, Mapping) and value:
-            lines.append(f"{indent}{json.dumps(str(name))}:")
-            _write(value, indent + "  ", below, lines)
-        else:
-            lines.append(f"{indent}{json.dumps(str(name))}: {flow(value, below)}")
-
-
-def flow(value: Any, path: str) -> str:
-    """Return a value as YAML in one line; raise UsageError where it is of a kind that no file can hold."""
-    try:
-        return json.dumps(value, default=_plain, ensure_ascii=False, allow_nan=False)
-    except (TypeError, ValueError):
-        what = f"{str(value)[:40]} ({type(value).__name__}) cannot be written into a scene"
-        raise UsageError(f"{path}: {what} (pass a number, a text such as '3000 rpm', a list or a dict)") from None
-
-
-def _plain(value: Any) -> Any:
-    """Return a number or array of numpy, a path, a tuple's like as JSON knows it; raise TypeError of anything else."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    return os.fspath(value)
 
 
 def changed(scene: Scene, values: Mapping[str, Any], without: Iterable[str] = ()) -> Scene:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from screwsim.effects import catalogue
-from screwsim.inputs.arguments import FILE, TEXT, listed, takes
+from screwsim.inputs.arguments import FILE, TEXT, Kind, listed, takes
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.near import nearest
@@ -17,6 +18,7 @@ from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
+from screwsim.scene.mapped import DICT, yaml_text
 from screwsim.scene.model_errors import BLOCK, read_model_error
 from screwsim.scene.sections import find_kind, read_effects, read_section
 from screwsim.scene.stated import settled
@@ -31,17 +33,23 @@ from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_l
 OVERRIDE = 1_000_000  # rank of the first override: after all files
 SET = "--set "  # stands before an override where it is told of
 MOST_BASES = 32  # one above the other
+FILE_OR_DICT = Kind(lambda given: isinstance(given, Mapping) or FILE.holds(given), "no path of a file, and no dict")
 
 
-@takes(path=FILE, stage=TEXT)
+@takes(path=FILE_OR_DICT, stage=TEXT)
 def load(
-    path: str | os.PathLike[str], overrides: Iterable[str] = (), without: Iterable[str] = (), stage: str = ""
+    path: str | os.PathLike[str] | Mapping[str, Any],
+    overrides: Iterable[str] = (),
+    without: Iterable[str] = (),
+    stage: str = "",
 ) -> Scene:
-    """Return the scene of a YAML file, changed by `PATH=VALUE` overrides and without the named effects.
+    """Return the scene of a YAML file or a dict, changed by `PATH=VALUE` overrides and without the named effects.
 
     `stage` is put before the path of an override in messages, as the user wrote it ('first.'). Raises `SceneError` with
     one line for each fault, and `UsageError` for an override or an effect's name that makes no sense.
     """
+    if isinstance(path, Mapping):
+        return loads(yaml_text(path), DICT, overrides=overrides, without=without)
     name = shipped(path)
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))

@@ -1,6 +1,7 @@
 """Figures as a person names them: in any case or by symbols (docs/reference/nomenclature.md); else those there are."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 
 from screwsim.build import build_parts
 from screwsim.figures import called_for, known, needs_of
@@ -54,6 +55,10 @@ def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:
 
 
 def figures_of(scene: Scene) -> tuple[str, ...]:
-    """Return the figures that a scene calls for, or the first of its cases."""
-    cases = (scene, case(scene, 0)) if scene.sweep else (scene,)
-    return tuple(dict.fromkeys(name for one in cases for name in called_for(one, build_parts(one))))
+    """Return the figures that a scene calls for, or the first of its cases; a border of a sweep may be no machine."""
+    found = dict.fromkeys(called_for(scene, build_parts(scene)))
+    if scene.sweep:
+        with suppress(UsageError):
+            first = case(scene, 0)
+            found |= dict.fromkeys(called_for(first, build_parts(first)))
+    return tuple(found)

@@ -9,7 +9,7 @@ from screwsim.outputs import shown_of
 from screwsim.outputs.customary import raised
 from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
-from screwsim.scene.units import NUMBER, customary_unit, to_customary
+from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
 
 STEPS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}  # kinds without a range of values
 
@@ -71,6 +71,14 @@ def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
     """Return a value [SI] of a path with its customary unit."""
     number, unit = in_customary(scene, path, value)
     return f"{number:.{digits}g} {raised(unit)}".strip() if isinstance(number, float) else str(number)
+
+
+def shown_condition(scene: Scene, path: str, value: Any) -> str:
+    """Return a value [SI] of a path as people state an operating point: temperatures in °C."""
+    kind = leaf_of(scene, path).dimension
+    if kind is not None and kind.name == "temperature":
+        return f"{value - ZERO_CELSIUS:z.2f}".rstrip("0").rstrip(".") + " °C"
+    return shown_value(scene, path, value)
 
 
 def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:

@@ -13,12 +13,14 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
-from screwsim.template import Asked, new_scene
-from screwsim.template.gas import INVERTER, first_flow
+from screwsim.template import Asked, kind_of, new_scene
+from screwsim.template.gas import INVERTER
 from screwsim.template.sizes import rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
+COOLS, HEATS = "cooling_capacity", "heating_capacity"
 NEAR, TRIES = 1e-3, 8  # of what is stated, within which it is met, and how many sizes are tried
+FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are round, so that sizes jump: what is met by how much after so many tries
 FAST = (
     40.0  # [m/s] of the tips, above which films of oil cost a package points of efficiency (docs/how-to/new-machine.md)
 )
@@ -34,23 +36,27 @@ class Sized(NamedTuple):
 
 
 def sized(kind: str, asked: Asked) -> Sized:
-    """Return a new machine that delivers the flow that is stated, or where none is, loads the motor in full.
+    """Return a new machine that delivers the flow or has the capacity that is stated, or else loads the motor in full.
 
     Raise UsageError, in one line, where no size does.
     """
-    figure, wanted = (DELIVERED, asked.free_air) if asked.free_air is not None else (TAKEN, asked.motor)
-    assert wanted is not None
-    option = "--flow" if figure == DELIVERED else "--motor"
-    flow = first_flow(asked)
-    for _ in range(TRIES):
-        text = _text(kind, replace(asked, flow=flow), option)
+    about = kind_of(kind)
+    goals = (
+        ("--flow", DELIVERED, asked.free_air),
+        ("--capacity", about.cools, asked.capacity),
+        ("--motor", TAKEN, asked.motor),
+    )
+    option, figure, wanted = next((*names, wanted) for *names, wanted in goals if wanted is not None)
+    flow = about.first(asked)
+    for count in range(TRIES):
+        text = _text(kind, replace(asked, flow=flow, sought=option), option)
         scene = loads(text)
         result = simulate(scene, trace=False)
         value = result.performance.get(figure)
         if result.status != "ok" or not value or value <= 0.0:
             why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
             raise UsageError(f"{option}: the machine of the size that is tried does not run: {why}")
-        if abs(value / wanted - 1.0) <= NEAR:
+        if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
             return Sized(text, scene, result)
         flow *= wanted / value
     raise UsageError(
@@ -74,18 +80,14 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
     every = (active.parameters for active in scene.effects.values())
     rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
     load = p.shaft_power / rated
-    over = 1e-5 * (p.package_discharge_pressure - scene.operation.suction.pressure)
-    does = [
-        f"delivers {shown_figure(DELIVERED, p[DELIVERED])} at {over:.4g} bar over its inlet",
-        f"takes {shown_figure(TAKEN, p.shaft_power)}",
-    ]
-    does[1] += f" at the shaft ({100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW)"
-    does.append(f"{shown_figure('package_input_power', p.package_input_power)} with motor and fan")
-    does.append(shown_figure("package_specific_power", p.package_specific_power))
-    yield f"computed: {', '.join(does)}"
+    package = DELIVERED in p
+    gives, takes = _of_package(found) if package else _of_plant(found)
+    shaft = f"takes {shown_figure(TAKEN, p.shaft_power)} at the shaft"
+    yield f"computed: {gives}, {shaft} ({100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW), {takes}"
     if asked.motor is not None and not LIGHT <= load <= HEAVY:
         word = "more" if load > HEAVY else "less"
-        yield f"the motor gets {word} than sheets have it carry (check --flow, --motor and --pressure, or --speed)"
+        check = "--flow, --motor and --pressure" if package else "--capacity, --motor and --condition"
+        yield f"the motor gets {word} than sheets have it carry (check {check}, or --speed)"
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
     if tips > FAST:
         yield f"tips run at {tips:.0f} m/s, where films of oil take much (a lower --speed, larger rotors)"
@@ -94,7 +96,29 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
     assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]
     rotors = 1e3 * scene.machine.rotor_diameter
     assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings by that size"]
-    assumed += ["4 kg of oil per kg of air", "losses of a typical package, a fan of 4 % of the motor"]
-    assumed += [f"an inverter that loses {100.0 * INVERTER:g} % of it"] if asked.variable else []
+    if package:
+        assumed += ["4 kg of oil per kg of air", "losses of a typical package, a fan of 4 % of the motor"]
+        assumed += [f"an inverter that loses {100.0 * INVERTER:g} % of it"] if asked.variable else []
+    else:
+        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses that were fitted to machines like it"]
     yield f"assumed: {', '.join(assumed)}"
     yield from (f"warning: {each}" for each in found.result.warnings)
+
+
+def _of_package(found: Sized) -> tuple[str, str]:
+    """Return what an air package gives, and what it takes in all, in words."""
+    p = found.result.performance
+    over = 1e-5 * (p.package_discharge_pressure - found.scene.operation.suction.pressure)
+    takes = f"{shown_figure('package_input_power', p.package_input_power)} with motor and fan"
+    gives = f"delivers {shown_figure(DELIVERED, p[DELIVERED])} at {over:.4g} bar over its inlet"
+    return gives, f"{takes}, {shown_figure('package_specific_power', p.package_specific_power)}"
+
+
+def _of_plant(found: Sized) -> tuple[str, str]:
+    """Return what a machine of a refrigeration plant or heat pump gives, and what it takes in all, in words."""
+    p = found.result.performance
+    both = [f"{word} {shown_figure(name, p[name])}" for word, name in (("cools", COOLS), ("heats", HEATS))]
+    takes = f"{shown_figure('electrical_power', p.electrical_power)} with its motor"
+    return " and ".join(
+        both
+    ), f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"

@@ -3,7 +3,7 @@
 Sizes scale from machines that the program knows (`template.sizes`); every number of the text says where it is from.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 from screwsim.inputs.faults import SceneError, UsageError
@@ -12,9 +12,11 @@ from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
 from screwsim.template.asked import Asked, asked_of
 
-SHEET, SPEEDS = ("--motor", "--flow", "--pressure"), ("--variable-speed",)
+MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
 WHOSE = {  # what is said of an option where the kind does not take it
+    **dict.fromkeys(MOTOR, "is of {takers} (remove it; a motor of {name} is written by its size)"),
+    **dict.fromkeys(CAPACITY, "is of {takers} (remove it; {name} has --displacement)"),
     **dict.fromkeys(SHEET, "is of an air package's sheet (write screwsim new {takers}; {name} has --displacement)"),
     **dict.fromkeys(SPEEDS, "is of {takers}, whose sheet it is of (remove it)"),
     **dict.fromkeys(SLIDE, "is of {takers}, which it unloads (remove it)"),
@@ -22,17 +24,31 @@ WHOSE = {  # what is said of an option where the kind does not take it
 }
 
 
+OTHER_WORDS = {
+    "chiller": "refrigeration",
+    "cooling": "refrigeration",
+    "heating": "heat_pump",
+    "piston": "reciprocating",
+}
+
+
 class Kind(NamedTuple):
-    """A kind of new scene: what writes it, and the options that it takes beside those of all kinds."""
+    """A kind of new scene: what writes it, and the options that it takes beside those of all kinds.
+
+    `cools` is the figure of what it is for, which `--capacity` states; `first` is the displacement [m³/s] of the first
+    size that is tried where one is sought.
+    """
 
     written: Callable[[Asked], str]
     takes: tuple[str, ...] = ()
+    cools: str = ""
+    first: Callable[[Asked], float] = refrigeration.first_flow
 
 
 KINDS = {
-    "refrigeration": Kind(refrigeration.cooling, LIQUID + SLIDE),
-    "heat_pump": Kind(refrigeration.heating, LIQUID + SLIDE),
-    "air": Kind(gas.air, SHEET + SPEEDS),
+    "refrigeration": Kind(refrigeration.cooling, MOTOR + CAPACITY + LIQUID + SLIDE, "cooling_capacity"),
+    "heat_pump": Kind(refrigeration.heating, MOTOR + CAPACITY + LIQUID + SLIDE, "heating_capacity"),
+    "air": Kind(gas.air, MOTOR + SHEET + SPEEDS, first=gas.first_flow),
     "booster": Kind(gas.booster),
     "expander": Kind(gas.expander),
     "reciprocating": Kind(reciprocating.reciprocating),
@@ -40,16 +56,21 @@ KINDS = {
 __all__ = ["KINDS", "Asked", "asked_of", "kind_of", "new_scene"]
 
 
+def listed(names: Sequence[str]) -> str:
+    """Return names as a sentence has them: a, b and c."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+
+
 def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
     """Return a kind by its name; raise UsageError where there is none, or for an option that it does not take."""
     if name not in KINDS:
-        near = nearest(name, KINDS)
+        near = OTHER_WORDS.get(name.lower()) or nearest(name, KINDS)
         hint = f"; did you mean '{near}'?" if near else ""
         raise UsageError(f"{name}: is no kind of new scene{hint} (there are: {', '.join(KINDS)})")
     for option in options:
         takers = [each for each, kind in KINDS.items() if option in kind.takes]
         if name not in takers:
-            raise UsageError(f"{option}: {WHOSE[option].format(takers=' and '.join(takers), name=name)}")
+            raise UsageError(f"{option}: {WHOSE[option].format(takers=listed(takers), name=name)}")
     return KINDS[name]
 
 

@@ -40,16 +40,19 @@ class Asked:
     oil: str | None = None
     condition: str | None = None
     diameter: float | None = None  # of the male rotor, from which the flow follows
-    motor: float | None = None  # rated power of an air package's, [W]
+    motor: float | None = None  # its rated power, [W]
     free_air: float | None = None  # that an air package delivers, [m^3/s]: its size is to be sought
+    capacity: float | None = None  # cooling of a refrigeration machine, heating of a heat pump, [W]: likewise
     economizer: bool = False
     slide: bool = False  # a slide valve
     variable: bool = False  # an inverter, and speeds to sweep
+    sought: str = ""  # the option by which the flow was sought with the cycle
 
     @property
     def by_sheet(self) -> bool:
         """Is the size to be sought, by what the machine delivers or takes?"""
-        return self.free_air is not None or (self.flow is None and self.motor is not None)
+        delivered = self.free_air if self.capacity is None else self.capacity
+        return delivered is not None or (self.flow is None and self.motor is not None)
 
 
 def asked_of(
@@ -64,13 +67,15 @@ def asked_of(
     motor: str | None = None,
     free_air: str | None = None,
     pressure: str | None = None,
+    capacity: str | None = None,
     economizer: bool = False,
     slide: bool = False,
     variable: bool = False,
 ) -> Asked:
     """Return what is asked for; raise UsageError, in one line, for what cannot be.
 
-    `motor`, `free_air` and `pressure` are what the sheet of an air package states, the pressure that of its outlet.
+    `motor`, `free_air` and `pressure` are what the sheet of an air package states, the pressure that of its outlet;
+    `capacity` is what a refrigeration machine cools, or a heat pump heats.
     """
     condition = _by_pressure(condition, pressure)
     if fluid is not None and constants.limits(fluid) is None:
@@ -88,11 +93,13 @@ def asked_of(
     at = None if speed is None else _quantity("--speed", "speed", speed, "2950 rpm")
     rated = None if motor is None else _quantity("--motor", "power", motor, "45 kW")
     delivered = None if free_air is None else _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
+    cools = None if capacity is None else _quantity("--capacity", "power", capacity, "300 kW")
     size = "--displacement" if displacement is not None else "--diameter" if diameter is not None else ""
-    if delivered is not None and size:
-        raise UsageError(f"--flow: is given beside {size}, which states the size, too (remove one of the two)")
+    for option, sought in (("--flow", delivered), ("--capacity", cools)):
+        if sought is not None and size:
+            raise UsageError(f"{option}: is given beside {size}, which states the size, too (remove one of the two)")
     if diameter is None:
-        return Asked(fluid, flow, at, vi, oil, condition, None, rated, delivered, economizer, slide, variable)
+        return Asked(fluid, flow, at, vi, oil, condition, None, rated, delivered, cools, economizer, slide, variable)
     if flow is not None:
         raise UsageError("--diameter: is given beside --displacement, which states it, too (remove one of the two)")
     rotor = _quantity("--diameter", "length", diameter, "204 mm")
@@ -100,7 +107,7 @@ def asked_of(
         ends = f"{sizes.mm(sizes.SMALLEST)} to {sizes.mm(sizes.LARGEST)}"
         raise UsageError(f"--diameter {diameter}: screws are cut from {ends} (choose one within)")
     displaced = sizes.displaced(rotor, at or SPEED)
-    return Asked(fluid, displaced, at, vi, oil, condition, rotor, rated, None, economizer, slide, variable)
+    return Asked(fluid, displaced, at, vi, oil, condition, rotor, rated, None, None, economizer, slide, variable)
 
 
 def _by_pressure(condition: str | None, pressure: str | None) -> str | None:

@@ -168,7 +168,7 @@ def _sheet(asked: Asked) -> str:
     stated = _named(asked)
     if not stated:
         return ""
-    by = "the flow" if asked.free_air is not None else "" if asked.flow is not None else "the motor's full load"
+    by = {"": "", "--flow": "the flow", "--motor": "the motor's full load"}[asked.sought]
     sought = f"; its size was sought with the cycle, by {by}" if by else ""
     told = f"Made for what a sheet states: {stated}{sought}. All else is typical, as said beside it."
     return textwrap.indent(textwrap.fill(told, WIDE), "# ") + "\n"

@@ -49,10 +49,11 @@ class Plant(NamedTuple):
     what: str
     fluid: str
     condition: str
+    gives: str
 
 
-COOLING = Plant("Refrigeration screw", "R134a", "0/40 degC")
-HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC")
+COOLING = Plant("Refrigeration screw", "R134a", "0/40 degC", "cooling")
+HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC", "heating")
 
 
 class Duty(NamedTuple):
@@ -71,6 +72,15 @@ class Duty(NamedTuple):
     k: float
 
 
+RATED = ("the next of IEC 60072-1 above an estimate", "as it was stated")  # where the rated power is from
+USUAL = 600.0 / 3600.0  # [m³/s] displaced where nothing is asked
+
+
+def first_flow(_: Asked) -> float:
+    """Return the displacement [m³/s] from which a size is sought: what a machine gives is nearly in proportion."""
+    return USUAL
+
+
 def cooling(asked: Asked) -> str:
     """Return the scene of a refrigeration compressor."""
     return _scene(asked, COOLING)
@@ -82,7 +92,7 @@ def heating(asked: Asked) -> str:
 
 
 def _scene(asked: Asked, plant: Plant) -> str:
-    fluid, flow, speed = asked.fluid or plant.fluid, asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
+    fluid, flow, speed = asked.fluid or plant.fluid, asked.flow or USUAL, asked.speed or 2950.0 * RPM
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
@@ -90,12 +100,13 @@ def _scene(asked: Asked, plant: Plant) -> str:
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
         **conditions(duty),
-        **_drive(fluid, duty),
+        **_drive(fluid, duty, asked.motor),
         **_jets(duty, ratio, oil),
         **_transport(fluid, duty),
         "machine": texts.machine(size, asked, usual, duty.p_d / duty.p_s, flow, speed),
         "ports": texts.ports(size, _viscosity(fluid, duty)),
         "rests": _rests(fluid),
+        "made": _made(asked, plant),
         "what": plant.what,
         "fluid": fluid,
         "flow": sizes.flow_text(flow),
@@ -190,8 +201,26 @@ def conditions(duty: Duty) -> dict[str, str]:
     }
 
 
-def _drive(fluid: str, duty: Duty) -> dict[str, str]:
-    rated = sizes.motor_for(duty.gas_flow * duty.work / EFFICIENCIES[1])
+def _made(asked: Asked, plant: Plant) -> str:
+    """Return the line that says by what the size was sought; nothing where it was stated."""
+    goals = {
+        "--capacity": (asked.capacity, "of {gives}"),
+        "--motor": (asked.motor, "at the shaft, its motor's full load"),
+    }
+    if asked.sought not in goals:
+        return ""
+    power, what = goals[asked.sought]
+    by = f"{1e-3 * (power or 0.0):g} kW {what.format(gives=plant.gives)}"
+    return f"# Made for {by}: its size was sought with the cycle.\n"
+
+
+def _drive(fluid: str, duty: Duty, stated: float | None) -> dict[str, str]:
+    """Return the motor of a rated power [W] that is stated, or that follows from an estimate."""
+    rated = sizes.motor_for(duty.gas_flow * duty.work / EFFICIENCIES[1]) if stated is None else 1e-3 * stated
+    return {**_motor(fluid, rated), "rated": RATED[stated is not None]}
+
+
+def _motor(fluid: str, rated: float) -> dict[str, str]:
     if fluid.lower() in COPPER_EATS:
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
         return {

@@ -123,6 +123,7 @@ def test_a_length_times_a_clearance_is_an_area(curves):
 def test_drawing_has_every_point_of_the_outline(pairs):
     x, y = outlines(pairs["b"].pair, pairs["b"].chain)[0]
     assert outline_dxf(x, y).count("VERTEX") == len(x)
+    assert outline_dxf(x, y).startswith("999\nlengths in mm\n0\nSECTION\n")
 
 
 def test_coefficients_are_listed_with_units(pairs):

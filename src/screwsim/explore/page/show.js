@@ -98,7 +98,7 @@ function drawHeadline() {
 }
 
 function headlineText(about, value) {
-  if (about.kelvin) return [(value - 273.15).toFixed(1), "°C"];
+  if (about.kelvin) return [(value - 273.15).toFixed(1).replace(/^-(?=[0.]+$)/, ""), "°C"];
   const [, factor, unit] = about.scales.find(([least]) => Math.abs(value) >= least);
   const scaled = value * factor;
   const digits = 3 - Math.floor(Math.log10(Math.abs(scaled) || 1));

@@ -34,7 +34,7 @@ function busy(text) {
   const box = document.getElementById("busy");
   box.hidden = !text || text.startsWith("compiled");
   if (document.getElementById("note").textContent !== text) document.getElementById("note").textContent = text;
-  const last = /the last one took (\d+) s/.exec(text);
+  const last = /the last one took ([\d.]+) s/.exec(text);
   const bar = document.getElementById("progress");
   clearInterval(bar.timer);
   bar.removeAttribute("value");

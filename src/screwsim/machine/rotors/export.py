@@ -53,8 +53,8 @@ def lobe_csv(rotors: Rotors) -> str:
 
 
 def outline_dxf(x: Array, y: Array) -> str:
-    """Return a closed polygon [m] as DXF R12 (one POLYLINE, in mm)."""
-    head = ["0", "SECTION", "2", "ENTITIES", "0", "POLYLINE", "8", "0", "66", "1", "70", "1"]
+    """Return a closed polygon [m] as DXF R12 (one POLYLINE, in mm, which a comment says: R12 itself knows no units)."""
+    head = ["999", "lengths in mm", "0", "SECTION", "2", "ENTITIES", "0", "POLYLINE", "8", "0", "66", "1", "70", "1"]
     for a, b in zip(x, y, strict=True):
         head += ["0", "VERTEX", "8", "0", "10", f"{a * 1e3:.6f}", "20", f"{b * 1e3:.6f}"]
     return "\n".join([*head, "0", "SEQEND", "0", "ENDSEC", "0", "EOF", ""])

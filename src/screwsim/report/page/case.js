@@ -177,15 +177,18 @@ function drawLoop() {
     shapes: levels.map((each) => each.shape),
     annotations: levels.map((each) => each.annotation),
     showlegend: false,
-  }), CONFIG).then(() => Plotly.relayout(target, { annotations: [...levels.map((each) => each.annotation), ...clearNames(target, V, p, places)] }));
+  }), CONFIG).then(() => Plotly.relayout(target, { annotations: [...levels.map((each) => each.annotation), ...clearNames(target, V, p, places, levels.map((each) => each.shape.y0))] }));
 }
 
-// Names of points where they cover neither the curve nor each other; a name without such a place is left out.
-function clearNames(target, x, y, places) {
+// Names of points where they cover neither the curve nor level lines nor each other; a name without such a place is left out.
+function clearNames(target, x, y, places, levels) {
   const { xaxis, yaxis } = target._fullLayout;
   const pixel = (a, b) => [xaxis.l2p(a), yaxis.l2p(b)];
   const path = dense(x.map((each, i) => pixel(each, y[i])).filter((each) => each.every(Number.isFinite)));
-  const boxes = places.map(([a, b]) => around(...pixel(a, b), 6, 6));
+  const boxes = [
+    ...places.map(([a, b]) => around(...pixel(a, b), 6, 6)),
+    ...levels.map((level) => [0, xaxis._length, yaxis.l2p(level) - 2, yaxis.l2p(level) + 2]),
+  ];
   const found = [];
   for (const [a, b, text] of places) {
     const [left, top] = pixel(a, b);
@@ -255,8 +258,8 @@ function drawTemperatures() {
     yaxis: axisLook(traces.gas_temperature.label, false),
     shapes: angleMarks(),
     annotations: markNames(),
-    showlegend: true,
-    legend: { x: 0.5, xanchor: "center", y: 0.98, yanchor: "top", orientation: "h", bgcolor: colour("page") },
+    showlegend: drawn.length > 1,
+    legend: { x: 0, xanchor: "left", y: 1, yanchor: "bottom", orientation: "h" },
   }), CONFIG);
 }
 

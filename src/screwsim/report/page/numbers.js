@@ -28,7 +28,7 @@ function small(value) {
 
 // A figure [SI] as number and unit, like the table of `screwsim run`.
 function written(figure, value) {
-  if (figure.kelvin) return [value.toFixed(2), `K (${(value - 273.15).toFixed(2)} °C)`];
+  if (figure.kelvin) return [value.toFixed(2), `K (${(value - 273.15).toFixed(2).replace(/^-(?=[0.]+$)/, "")} °C)`];
   const [, factor, unit] = figure.scales.find(([least]) => Math.abs(value) >= least);
   return [general(value * factor, 5), unit];
 }

@@ -10,7 +10,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from screwsim.study.calibration.machine import (
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate, why_not
 from screwsim.study.each import each
-from screwsim.study.inputs import shown_value
+from screwsim.study.inputs import shown_condition
 from screwsim.study.progress import Progress
 from screwsim.study.sensitivity import Range, read_ranges
 from screwsim.study.workers import DIED
@@ -43,6 +43,11 @@ EVEN = 12.0  # one over the variance of what lies at any place 0 … 1 as probab
 COUNT, LEVELS = 3, 4  # points that are chosen; values of a range
 MOST = 2000  # candidates
 NONE_DELIVERS = "at no candidate anything is delivered (candidates at a higher speed, or a lower pressure ratio)"
+
+
+def point_name(scene: Scene, values: Mapping[str, Any]) -> str:
+    """Return the name of a candidate: its values [SI] as people state them."""
+    return ", ".join(shown_condition(scene, path, value) for path, value in values.items())
 
 
 @dataclass(frozen=True)
@@ -126,7 +131,7 @@ def _of_ranges(fit: Fit, ranges: Sequence[Range], levels: int) -> tuple[Point, .
     axes = [np.linspace(one.low, one.high, levels).tolist() for one in ranges]
     for numbers in itertools.product(*axes):
         values = {one.path: number for one, number in zip(ranges, numbers, strict=True)}
-        name = ", ".join(shown_value(fit.scene, path, value, 4) for path, value in values.items())
+        name = point_name(fit.scene, values)
         if faults := cross_check(fit.at(Point(name, values, {}), fit.first_start())):
             raise UsageError(f"--path: at {name}: {faults[0]}")
         found.append(Point(name, values, {}))

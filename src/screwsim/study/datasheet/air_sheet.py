@@ -37,7 +37,7 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     rows = [_row(point, rated.full) for point in rated.points]
     good = [point for point in rated.points if point.flow > 0.0]
     curve = Curve([MINUTE * point.flow for point in good], [_specific(point) for point in good])
-    label = "package specific power [kW/(m³/min)]"
+    label = "Package specific power [kW/(m³/min)]"
     drawing = Drawing(label, "free air delivered [m³/min]", label, [curve], from_zero=True)
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
