@@ -66,6 +66,7 @@ def simple(scene) -> Result:
         cooling_capacity=2e5 + 1e3 * S,
         discharge_temperature=350.0 + D,
         displacement=2e-3,
+        displacement_flow=2e-3 * 2950.0 / 60.0,
         suction_pressure=3e5 + 1e4 * S,
         discharge_pressure=1e6 + 2e4 * D,
     )

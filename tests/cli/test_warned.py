@@ -67,7 +67,7 @@ def test_a_sweep_counts_cases_with_warnings_and_says_where_each_is_first(tmp_pat
     told = words(out)
     assert out.splitlines()[-1].startswith("4 cases: 4 ok (2 of them with warnings), ")
     assert "4 cases: 4 ok (2 of them with warnings)" in told
-    assert f"warning in 2 cases, first at effects.tip_leakage.gap = 0.0012, operation.speed = 308.923: {TOLD}" in told
+    assert f"warning in 2 cases, first at effects.tip_leakage.gap = 1.2 mm, operation.speed = 2950 rpm: {TOLD}" in told
 
 
 def test_results_read_again_have_the_warnings_of_each_case(stored):

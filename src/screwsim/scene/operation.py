@@ -56,7 +56,7 @@ def _gas(scene: Scene) -> Iterator[Fault]:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
     if gas.equilibrium and not model.phases:
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
-    elif gas.equilibrium and constants.limits(gas.name) is not None:
+    elif gas.equilibrium and gas.relative_humidity is None and constants.limits(gas.name) is not None:
         why = names.why_no_dome(gas.name)
         if why is not None:
             yield Fault("gas.two_phase", why)
