@@ -172,7 +172,7 @@ def test_an_interrupted_restart_is_resumed_and_the_old_file_not_taken_for_it(ref
 def test_another_scenes_file_is_refused_and_not_touched(restart, reference, tmp_path):
     output = tmp_path / "out.h5"
     output.write_bytes(reference.read_bytes())
-    with pytest.raises(UsageError, match=r"out\.h5: holds another scene's results \(choose another -o"):
+    with pytest.raises(UsageError, match=r"out\.h5: holds another scene's results, .*: .*, now .* \(choose another -o"):
         run_sweep(scene(SCENE + GRID), output, jobs=1, restart=restart, simulate=forbidden)
     assert output.read_bytes() == reference.read_bytes()
     assert os.listdir(tmp_path) == ["out.h5"]

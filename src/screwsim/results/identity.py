@@ -72,6 +72,26 @@ def differences(stored: Identity, wanted: Identity) -> str:
     return _few(list(_differences(stored, wanted)))
 
 
+def changed_values(stored: str, wanted: str) -> str:
+    """Return in words which values differ between canonical texts of two scenes, at most a few; '' where none does."""
+    before, now = dict(_leaves(stored)), dict(_leaves(wanted))
+    changed = [path for path in dict.fromkeys((*before, *now)) if before.get(path) != now.get(path)]
+    return _few([f"{path}: {before.get(path, 'not there')}, now {now.get(path, 'not there')}" for path in changed])
+
+
+def _leaves(text: str) -> Iterator[tuple[str, str]]:
+    """Yield (path, value) of each line of a canonical text that has a value."""
+    above: list[tuple[int, str]] = []
+    for line in text.splitlines():
+        key, colon, value = line.partition(": ")
+        depth, name = len(key) - len(key.lstrip()), key.strip().rstrip(":")
+        above = [each for each in above if each[0] < depth]
+        if colon:
+            yield ".".join((*(outer for _, outer in above), name)), value
+        else:
+            above.append((depth, name))
+
+
 def _few(told: list[str]) -> str:
     more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
     return ", ".join(told[:_TOLD]) + more

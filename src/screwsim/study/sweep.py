@@ -17,7 +17,7 @@ from screwsim.inputs.arguments import FLAG, REAL, TEXT, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import holds, make_folder
-from screwsim.results.identity import differences, unpacked
+from screwsim.results.identity import changed_values, differences, unpacked
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
@@ -115,7 +115,7 @@ def run_sweep(
         raise UsageError("--batch and --gpu are two ways to solve points side by side (choose one of the two)")
     output = Path(output)
     parts = Parts(output, {"scene_sha256": digest(scene.text), "identity": identity_of(scene)})
-    complete = _claim(output, parts, restart)
+    complete = _claim(output, parts, restart, scene.text)
     if complete and not restart and parts.stored_identity() is None:
         return _finished(output, began, parts)
     make_folder(output.parent)
@@ -334,22 +334,24 @@ def nothing(scene: Scene) -> None:
     """Warm nothing up."""
 
 
-def _claim(output: Path, parts: Parts, restart: bool) -> bool:
-    """Return whether the file of this sweep is there; raise UsageError when file or parts are of something else."""
+def _claim(output: Path, parts: Parts, restart: bool, text: str) -> bool:
+    """Return whether the file of a scene's text is there; raise UsageError when file or parts are of something else."""
     found = holds(output)
     if found:
         attributes = read_attributes(output)
         stored = {"scene_sha256": attributes["scene_sha256"], "version": attributes["screwsim_version"]}
-        _compare(output, parts, stored | {"identity": unpacked(attributes.get("screwsim_identity"))}, restart)
+        stored |= {"identity": unpacked(attributes.get("screwsim_identity"))}
+        _compare(output, parts, stored, restart, changed_values(str(attributes.get("scene_yaml", "")), text))
     stored = parts.stored_identity()
     if stored is not None:
         _compare(parts.folder, parts, stored, restart)
     return found
 
 
-def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool) -> None:
+def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool, changed: str = "") -> None:
     if stored.get("scene_sha256") != parts.identity["scene_sha256"]:
-        raise UsageError(f"{where}: holds another scene's results (choose another -o, or remove it)")
+        what = f"holds another scene's results{changed and f', {changed}'}"
+        raise UsageError(f"{where}: {what} (choose another -o, or remove it)")
     if restart:
         return
     identity = stored.get("identity")
