@@ -109,17 +109,15 @@ def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> fl
     least flow is that of its lowest value, between the angles, too. With all harmonics of the flow `given`, and with as
     many more as change it.
     """
-    found, points = float(passed.flow.min()), max(POINTS, len(given) | 1)
+    found, points, mean = float(passed.flow.min()), max(POINTS, len(given) | 1), float(np.mean(given))
     if found <= 0.0:
         return 0.0
     while True:
         passed = through(valve, given, behind, points, resampled(passed.flow, points))
-        before, found = (
-            found,
-            _flow_at(valve, lowest(passed.pressure) + behind.impedance * float(np.mean(given)), behind),
-        )
+        above = lowest(passed.pressure) + behind.impedance * mean
+        before, found = found, _flow_at(valve, above, behind)
         straight = bool(np.all(valve.drop(passed.flow, behind.rho)[1] == 0.0))
-        if straight or abs(found - before) <= RESOLVED * float(np.mean(given)) or points > MOST_POINTS:
+        if straight or abs(found - before) <= RESOLVED * mean or points > MOST_POINTS:
             return max(found, 0.0)
         points = 2 * points - 1
 
