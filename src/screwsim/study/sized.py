@@ -21,9 +21,7 @@ DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
 COOLS, HEATS = "cooling_capacity", "heating_capacity"
 NEAR, TRIES = 1e-3, 8  # of what is stated, within which it is met, and how many sizes are tried
 FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are round, so that sizes jump: what is met by how much after so many tries
-FAST = (
-    40.0  # [m/s] of the tips, above which films of oil cost a package points of efficiency (docs/how-to/new-machine.md)
-)
+FAST = 40.0  # [m/s] of the tips, above which films of oil cost points of efficiency (docs/how-to/new-machine.md)
 HEAVY, LIGHT = 1.15, 0.6  # loads of a motor (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly fit
 
 
@@ -117,8 +115,6 @@ def _of_package(found: Sized) -> tuple[str, str]:
 def _of_plant(found: Sized) -> tuple[str, str]:
     """Return what a machine of a refrigeration plant or heat pump gives, and what it takes in all, in words."""
     p = found.result.performance
-    both = [f"{word} {shown_figure(name, p[name])}" for word, name in (("cools", COOLS), ("heats", HEATS))]
+    gives = f"cools {shown_figure(COOLS, p[COOLS])} and heats {shown_figure(HEATS, p[HEATS])}"
     takes = f"{shown_figure('electrical_power', p.electrical_power)} with its motor"
-    return " and ".join(
-        both
-    ), f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"
+    return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"

@@ -219,9 +219,8 @@ def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _C
     start = places + spread * generator.standard_normal((walkers, len(places)))
     margin = 0.01 * width
     start = np.clip(start, problem.emulator.low + margin, problem.emulator.high - margin)
-    start += np.minimum(1e-4 * width, spread) * generator.random(
-        start.shape
-    )  # no two alike where a bound has caught them
+    # no two alike where a bound has caught them
+    start += np.minimum(1e-4 * width, spread) * generator.random(start.shape)
     states = np.hstack([problem.begun(start), 0.3 * generator.standard_normal((walkers, len(problem.figures))) - 0.5])
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DEMove(gamma0=1.0), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, problem.size, problem, vectorize=True, moves=moves)
