@@ -1,11 +1,12 @@
 """Names that are offered in place of an unknown one: only where following the offer cannot mean another thing.
 
 A slip of the keyboard is offered; another number, a letter more or less in a short word (phi_A, min and max), or one
-word for another (suction and discharge) is not: those are other things, and whoever follows would not be told.
+word for another (suction and discharge) is not: those are other things, and whoever follows would not be told. Also
+several names as a sentence has them.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 _SHORT, _LONG = 4, 7  # letters of a word from which on one slip, and from which on two, leave it what it is
 
@@ -77,3 +78,8 @@ def _distance(a: str, b: str) -> int:
             row.append(best)
         rows.append(row)
     return rows[-1][-1]
+
+
+def in_a_sentence(names: Sequence[str]) -> str:
+    """Return names, one at least, as a sentence has them: a, b and c."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -72,24 +72,12 @@ def differences(stored: Identity, wanted: Identity) -> str:
     return _few(list(_differences(stored, wanted)))
 
 
-def changed_values(stored: str, wanted: str) -> str:
-    """Return in words which values differ between canonical texts of two scenes, at most a few; '' where none does."""
-    before, now = dict(_leaves(stored)), dict(_leaves(wanted))
-    changed = [path for path in dict.fromkeys((*before, *now)) if before.get(path) != now.get(path)]
-    return _few([f"{path}: {before.get(path, 'not there')}, now {now.get(path, 'not there')}" for path in changed])
-
-
-def _leaves(text: str) -> Iterator[tuple[str, str]]:
-    """Yield (path, value) of each line of a canonical text that has a value."""
-    above: list[tuple[int, str]] = []
-    for line in text.splitlines():
-        key, colon, value = line.partition(": ")
-        depth, name = len(key) - len(key.lstrip()), key.strip().rstrip(":")
-        above = [each for each in above if each[0] < depth]
-        if colon:
-            yield ".".join((*(outer for _, outer in above), name)), value
-        else:
-            above.append((depth, name))
+def changed_values(stored: Mapping[str, str], wanted: Mapping[str, str]) -> str:
+    """Return which values of two scenes differ, by their paths, at most a few, after a comma; '' where none does."""
+    none = "not there"
+    changed = [path for path in dict.fromkeys((*stored, *wanted)) if stored.get(path) != wanted.get(path)]
+    told = [f"{path}: {stored.get(path, none)}, now {wanted.get(path, none)}" for path in changed]
+    return f", {_few(told)}" if told else ""
 
 
 def _few(told: list[str]) -> str:

@@ -21,6 +21,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import ANY, KINDS, VOLUME
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.near import in_a_sentence
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.rotors.settings import Profile, unread
 from screwsim.machine.settings import VolumeLaw
@@ -182,8 +183,8 @@ def leaks_told(scene: Scene) -> str:
     there, lacking = _parted(scene, _named(scene).get(LEAK, []))
     if not lacking:
         return ""
-    only = f"{_listed([_short(name) for name in there])} only" if there else "none"
-    return f"leaks simulated: {only}; typical scenes name {_listed(lacking)}{', too' if there else ''}"
+    only = f"{in_a_sentence([_short(name) for name in there])} only" if there else "none"
+    return f"leaks simulated: {only}; typical scenes name {in_a_sentence(lacking)}{', too' if there else ''}"
 
 
 def left_out_told(scene: Scene) -> str:
@@ -193,7 +194,7 @@ def left_out_told(scene: Scene) -> str:
     if not left:
         return ""
     usual = list(_usual(scene))
-    among = f", among them {_listed(usual)}, which typical scenes name" if usual else ""
+    among = f", among them {in_a_sentence(usual)}, which typical scenes name" if usual else ""
     many = f"{len(left)} effects" if len(left) > 1 else "1 effect"
     return f"not simulated: {many} of a {scene.machine.kind}{among} (screwsim explain says what each is)"
 
@@ -225,7 +226,3 @@ def _parted(scene: Scene, names: Sequence[str]) -> tuple[list[str], list[str]]:
 
 def _short(name: str) -> str:
     return name.removesuffix("_leakage").replace("_", " ")
-
-
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

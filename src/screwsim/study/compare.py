@@ -1,7 +1,7 @@
 """Two results files against each other: points in common, figures against their numerical errors, scenes, statuses."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from screwsim.figures.errors import error_scale, needed
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
-from screwsim.scene.yaml_tree import Node, Place, compose
+from screwsim.study.scene_values import scene_values
 
 Array = np.ndarray
 
@@ -83,7 +83,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     """
     if not 0.0 <= tolerance < math.inf:
         raise UsageError(f"--tolerance {tolerance:g}: is no relative tolerance (write e.g. 1e-6)")
-    flat_a, flat_b = (_flat_scene(each) for each in (a, b))
+    flat_a, flat_b = (scene_values(each.scene_yaml, str(each.path), ("sweep", "title")) for each in (a, b))
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
     in_a, in_b, at = _common(a, b, paths, flat_a, flat_b)
     status_a, status_b = a.status.ravel()[in_a], b.status.ravel()[in_b]
@@ -201,20 +201,3 @@ def _change(
     relative = (value_b - value_a) / abs(value_a) if value_a else None
     changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
     return FigureChange(name, len(both), int(np.count_nonzero(over > 1.0)), only_a, only_b, *changes)
-
-
-def _flat_scene(results: Results) -> dict[str, str]:
-    """Return {dotted path: text} of the scene in a file, without its sweep and title."""
-    root = compose(results.scene_yaml, Place(0, str(results.path)), [])
-    return {} if root is None else dict(_leaves(root, ""))
-
-
-def _leaves(node: Node, path: str) -> Iterator[tuple[str, str]]:
-    if not isinstance(node.value, dict):
-        yield path, str(node.value)
-        return
-    if not node.value and path:
-        yield path, "simulated" if path.startswith("effects.") else "{}"
-    for name, child in node.value.items():
-        if path or name not in ("sweep", "title"):
-            yield from _leaves(child, f"{path}.{name}" if path else name)

@@ -40,6 +40,7 @@ from screwsim.study.cases import (
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, checked_limit
 from screwsim.study.progress import Progress, shown
+from screwsim.study.scene_values import scene_values
 from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 from screwsim.version import release
@@ -341,17 +342,17 @@ def _claim(output: Path, parts: Parts, restart: bool, text: str) -> bool:
         attributes = read_attributes(output)
         stored = {"scene_sha256": attributes["scene_sha256"], "version": attributes["screwsim_version"]}
         stored |= {"identity": unpacked(attributes.get("screwsim_identity"))}
-        _compare(output, parts, stored, restart, changed_values(str(attributes.get("scene_yaml", "")), text))
+        _compare(output, parts, stored, restart, (str(attributes.get("scene_yaml", "")), text))
     stored = parts.stored_identity()
     if stored is not None:
         _compare(parts.folder, parts, stored, restart)
     return found
 
 
-def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool, changed: str = "") -> None:
+def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool, texts: Sequence[str] = ()) -> None:
     if stored.get("scene_sha256") != parts.identity["scene_sha256"]:
-        what = f"holds another scene's results{changed and f', {changed}'}"
-        raise UsageError(f"{where}: {what} (choose another -o, or remove it)")
+        changed = changed_values(*(scene_values(each, str(where)) for each in texts)) if texts else ""
+        raise UsageError(f"{where}: holds another scene's results{changed} (choose another -o, or remove it)")
     if restart:
         return
     identity = stored.get("identity")

@@ -3,11 +3,11 @@
 Sizes scale from machines that the program knows (`template.sizes`); every number of the text says where it is from.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.inputs.near import nearest
+from screwsim.inputs.near import in_a_sentence, nearest
 from screwsim.scene import loads
 from screwsim.template import gas, reciprocating, refrigeration
 from screwsim.template.asked import Asked, asked_of
@@ -56,11 +56,6 @@ KINDS = {
 __all__ = ["KINDS", "Asked", "asked_of", "kind_of", "new_scene"]
 
 
-def listed(names: Sequence[str]) -> str:
-    """Return names as a sentence has them: a, b and c."""
-    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
-
-
 def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
     """Return a kind by its name; raise UsageError where there is none, or for an option that it does not take."""
     if name not in KINDS:
@@ -70,7 +65,7 @@ def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
     for option in options:
         takers = [each for each, kind in KINDS.items() if option in kind.takes]
         if name not in takers:
-            raise UsageError(f"{option}: {WHOSE[option].format(takers=listed(takers), name=name)}")
+            raise UsageError(f"{option}: {WHOSE[option].format(takers=in_a_sentence(takers), name=name)}")
     return KINDS[name]
 
 
