@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import pytest
 
 import screwsim
-from screwsim.effects.air_package import Fan, Loss, MinimumPressureValve, Parameters, Unloaded, read
+from screwsim.effects.air_package import Aftercooler, Fan, Loss, MinimumPressureValve, Parameters, Unloaded, read
 from screwsim.effects.base import PressureLosses
+from screwsim.inputs.faults import Unfound
 from screwsim.simulate import simulate_many
 
 SCENE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_7.yaml"
@@ -141,6 +142,22 @@ def test_figures_that_mean_nothing_say_why(fluid, flow, power, words):
     known = SimpleNamespace(found=found | {"electrical_power": power}, package=losses, fluid=fluid, suction_density=1.2)
     given = read(Parameters(rated_flow=0.3, fan=Fan(power=1e3)), known)
     assert words in given["package_isentropic_efficiency"]
+
+
+def test_a_gas_that_condenses_behind_the_aftercooler_has_no_temperature_there_and_says_why():
+    def liquid(p, T):
+        raise Unfound(f"R134a at {p:g} Pa, {T:g} K is liquid")
+
+    lines = {"suction_pressure": 3e5, "suction_temperature": 285.0, "discharge_pressure": 12e5}
+    found = lines | {"separator_temperature": 340.0, "gas_mass_flow": 0.2, "electrical_power": 20e3}
+    cold = SimpleNamespace(enthalpy=liquid)
+    known = SimpleNamespace(
+        found=found, package=PressureLosses(0.0, 0.0), fluid="R134a", suction_density=12.0,
+        enthalpy=lambda p, T: 1e3 * T, drained=lambda p, T: (1.0, cold),
+    )  # fmt: skip
+    given = read(Parameters(rated_flow=0.3, aftercooler=Aftercooler(approach=10.0, pressure_loss=0.0)), known)
+    assert given["package_discharge_temperature"] == "behind the aftercooler R134a at 1.2e+06 Pa, 340 K is liquid"
+    assert given["package_input_power"] == 20e3
 
 
 @pytest.mark.parametrize(

@@ -239,7 +239,7 @@ def test_a_blend_has_limits_as_a_pure_fluid():
     assert gas.margin(300.0, saturated * (1 - 1e-9)) > 0.0 > gas.margin(300.0, saturated * (1 + 1e-9))
     assert gas.why_outside(300.0, 1.1 * saturated).limit is Limit.WET
     assert gas.why_outside(420.0, 5.0).limit is Limit.HOT  # 410 K: R1234yf's
-    with pytest.raises(UsageError, match=r"R454B at 2e\+06 Pa, 300 K is liquid, or wet: it condenses from 308\.7"):
+    with pytest.raises(UsageError, match=r"R454B at 20 bar, 26\.85 degC is liquid, or wet: it condenses from 35\.5"):
         gas.density(20e5, 300.0)
 
 
@@ -264,8 +264,8 @@ def test_a_second_process_never_imports_coolprop():
 def test_what_no_blend_has_is_refused():
     for what, call in (
         ("no transport properties of blends", lambda: constants.transport("R454B", 5e5, 300.0)),
-        ("has no saturation at 400 K", lambda: constants.dew_pressure("R454B", 400.0)),
-        ("has no saturation at 9e\\+06 Pa", lambda: constants.saturation_temperature("R454B", 9e6)),
+        ("has no saturation at 126.85 degC", lambda: constants.dew_pressure("R454B", 400.0)),
+        ("has no saturation at 90 bar", lambda: constants.saturation_temperature("R454B", 9e6)),
     ):
         with pytest.raises(UsageError, match=what):
             call()

@@ -148,7 +148,7 @@ def test_dew_points_state_the_lines_and_the_bubble_point_the_liquid():
     assert refrigerating_effect(scene) == pytest.approx(h, rel=1e-12)
     text = " ".join(line for _, section in explain(scene).sections for line in section)
     text = " ".join(text.split())
-    assert "dew point at 318.15 K" in text and "bubble point" not in text and "M315" in text
+    assert "dew point at 45 degC" in text and "bubble point" not in text and "M315" in text
 
 
 def test_an_ideal_gas_may_have_a_blends_properties():

@@ -88,7 +88,7 @@ def test_a_blend_is_cooled_above_its_critical_pressure_too():
         (["operation.subcooling=5 K"], "is given beside operation.gas_cooler"),
         (["operation.discharge.pressure=90 bar"], "is given beside operation.evaporating_temperature"),
         (["operation.gas_cooler.pressure=20 bar"], "is not above the pressure of evaporation, 26.48676671 bar"),
-        (["operation.gas_cooler.outlet_temperature=-20 degC"], "is colder than the evaporator of 263.15 K (-10 degC)"),
+        (["operation.gas_cooler.outlet_temperature=-20 degC"], "is colder than the evaporator of -10 degC"),
         (["operation.gas_cooler.outlet_temperature=80 degC"], "leaves no cooling: behind it CO2 has 32.51 kJ/kg more"),
         (
             [
@@ -96,9 +96,9 @@ def test_a_blend_is_cooled_above_its_critical_pressure_too():
                 "effects.cylinder_heat=off",
                 "operation.gas_cooler={pressure: 20 bar, outlet_temperature: 47 degC}",
             ],
-            "R407C.mix at 2e+06 Pa, 320.15 K is wet, between its bubble and its dew point",
+            "R407C.mix at 20 bar, 47 degC is wet, between its bubble and its dew point",
         ),
-        (["operation.gas_cooler.outlet_temperature=2000 degC"], "the equation of state of CO2 ends at 2000 K"),
+        (["operation.gas_cooler.outlet_temperature=2000 degC"], "the equation of state of CO2 ends at 1726.85 degC"),
         (["sweep={operation.condensing_temperature: [20 degC]}"], "has no meaning beside operation.gas_cooler"),
         (["operation.gas_cooler=null"], "condensing_temperature: is missing"),
         (

@@ -194,7 +194,7 @@ def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
         ({**OIL_VOLUME, "oil.transport": "paper"}, "effects.oil_volume", "oil.transport: carried"),
         ({**ECONOMIZER, "effects.economizer.closes": "390 deg"}, "effects.economizer.closes", "20 deg"),
         ({**ECONOMIZER, "effects.economizer.closes": "800 deg"}, "effects.economizer.closes", "720 deg"),
-        ({**ECONOMIZER, "effects.economizer.temperature": "400 K"}, "effects.economizer.temperature", "374.21"),
+        ({**ECONOMIZER, "effects.economizer.temperature": "400 K"}, "effects.economizer.temperature", "101.06"),
         ({**ECONOMIZER, "effects.economizer.temperature": "330 K"}, "effects.economizer.temperature", "between"),
         ({**ECONOMIZER, "effects.economizer.pressure": "4 bar"}, "effects.economizer.temperature", "beside pressure"),
         ({**AT_PRESSURE, "effects.economizer.pressure": DROP}, "effects.economizer.temperature", "is missing"),
@@ -225,7 +225,7 @@ def test_contradictions_are_faults_at_their_place(changes, path, words):
 
 def test_an_economizer_must_find_liquid_to_cool(pytestconfig):
     own = "effects.economizer={temperature: 43 degC, opens: 400 deg, closes: 500 deg, area: 1 cm^2}"
-    with pytest.raises(SceneError, match=r"is not warmer than the 321\.15 K"):
+    with pytest.raises(SceneError, match=r"is not warmer than the 48 degC"):
         load(pytestconfig.rootpath / CONFIG, [own])
 
 

@@ -89,7 +89,7 @@ def test_explain_names_plenum_and_equations():
         ({**SOLUBLE, "gas.fluid": "R1234yf"}, "knows R134a in POE oil only"),
         (
             {**SOLUBLE, "effects.refrigerant_solubility.separator_temperature": "310 K"},
-            "at 310 K the gas condenses in the separator, at 12 bar",
+            "at 36.85 degC the gas condenses in the separator, at 12 bar",
         ),
         ({**SOLUBLE, "effects.refrigerant_solubility.separator_temperature": "400 K"}, "lies outside 255 K to 370 K"),
     ],

@@ -118,11 +118,11 @@ def test_the_loss_of_the_liquid_line_is_lost_before_the_bore(inject):
     [
         (
             ", pressure_loss: 0.5 bar",
-            r"liquid_injection\.pressure_loss: 0\.5 bar: liquid of 318\.15 K boils in its line when it loses 0 bar",
+            r"liquid_injection\.pressure_loss: 0\.5 bar: liquid of 45 degC boils in its line when it loses 0 bar",
         ),
         (
             ", discharge_temperature: 40 degC",
-            r"discharge_temperature: 313\.15 K is not above condensation, 318\.15 K: liquid would be left \(raise it\)",
+            r"discharge_temperature: 40 degC is not above condensation, 45 degC: liquid would be left \(raise it\)",
         ),
         (
             ", discharge_temperature: 60 degC, opening: 0.5",

@@ -131,7 +131,7 @@ def test_pressures_need_one_another(example, line):
     assert fault_of(example, f"{path}=null") == f"{path}: {what}"
 
 
-EVAPORATING = "the evaporating temperature 275.15 K (2 degC)"
+EVAPORATING = "the evaporating temperature 2 degC"
 
 
 @pytest.mark.parametrize(
@@ -139,38 +139,36 @@ EVAPORATING = "the evaporating temperature 275.15 K (2 degC)"
     [
         (
             ["operation.condensing_temperature=-5 degC"],
-            f"operation.condensing_temperature: 268.15 K (-5 degC) is below {EVAPORATING} "
+            f"operation.condensing_temperature: -5 degC is below {EVAPORATING} "
             "(raise it, or write machine.mode: expander)",
         ),
         (
             ["operation.condensing_temperature=2 degC"],
-            "operation.condensing_temperature: 275.15 K (2 degC) equals the evaporating temperature (choose another)",
+            "operation.condensing_temperature: 2 degC equals the evaporating temperature (choose another)",
         ),
         (
             ["machine.mode=expander", "operation.condensing_temperature=45 degC"],
-            f"operation.condensing_temperature: 318.15 K (45 degC) is above {EVAPORATING} "
+            f"operation.condensing_temperature: 45 degC is above {EVAPORATING} "
             "(lower it, or write machine.mode: compressor)",
         ),
         (
             ["operation.condensing_temperature=120 degC"],
-            "operation.condensing_temperature: 393.15 K (120 degC) is not below the critical temperature of R134a, "
-            "374.212 K (101.062 degC) (lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} "
+            "operation.condensing_temperature: 120 degC is not below the critical temperature of R134a, "
+            "101.062 degC (lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} "
             "in its place)",
         ),
         (
             ["operation.evaporating_temperature=-150 degC"],
-            "operation.evaporating_temperature: 123.15 K (-150 degC) is below the triple point of R134a, "
-            "169.85 K (-103.3 degC) (raise it)",
+            "operation.evaporating_temperature: -150 degC is below the triple point of R134a, -103.3 degC (raise it)",
         ),
         (
             ["operation.superheat=300 K"],
-            "operation.superheat: makes suction gas of 575.15 K (302 degC); the equation of state of R134a ends at "
-            "455 K (181.85 degC) (choose a smaller one)",
+            "operation.superheat: makes suction gas of 302 degC; the equation of state of R134a ends at "
+            "181.85 degC (choose a smaller one)",
         ),
         (
             ["operation.subcooling=200 K"],
-            "operation.subcooling: makes liquid of 118.15 K (-155 degC); R134a freezes at 169.85 K (-103.3 degC) "
-            "(choose a smaller one)",
+            "operation.subcooling: makes liquid of -155 degC; R134a freezes at -103.3 degC (choose a smaller one)",
         ),
         (
             ["operation.superheat=5 degC"],

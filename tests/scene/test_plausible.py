@@ -74,7 +74,7 @@ HARDLY = {
     "gas.isentropic_exponent=1.7": "1.7 is unusual (usual: at most 1.66667)",
     "machine.volume.max=5 cm^3": "of both rotors' bores (usual: at least 0.03)",
     "machine.suction_port.area=4000 cm^2": "1.55 times the area of both bores and their ends (usual: at most 0.5)",
-    "operation.suction.temperature=200 K": "R134a of 1.23 bar is a liquid at 200 K (-73.15 degC), and a gas from 251",
+    "operation.suction.temperature=200 K": "R134a of 1.23 bar is a liquid at -73.15 degC, and a gas from -21",
     "operation.discharge.pressure=50 bar": "one machine has a pressure ratio of 40.65 (usual: at most 30)",
 }
 
@@ -180,7 +180,7 @@ def test_less_than_no_superheat_names_what_states_wet_gas(path):
 
 def test_liquid_colder_than_the_evaporator_is_refused():
     line = said(REAL, "operation.subcooling=60 K")
-    assert "operation.subcooling: makes liquid of 258.15 K (-15 degC): colder than the evaporator" in line
+    assert "operation.subcooling: makes liquid of -15 degC: colder than the evaporator" in line
     load(REAL, overrides=["operation.subcooling=43 K"])
 
 

@@ -12,6 +12,7 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import Fault, Unfound, UsageError
 from screwsim.numerics.at_once import changed
 from screwsim.numerics.remembered import Remembered
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
 from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene
@@ -131,7 +132,7 @@ def temperature_faults(scene: Scene) -> list[Fault]:
     found = [] if scene.oil is None else list(oil_faults(scene))
     T = None if scene.oil_supply is None else scene.oil_supply.temperature
     if T is not None and not COLDEST <= T <= HOTTEST:
-        what = f"{T:.6g} K lies outside {COLDEST:g} K to {HOTTEST:g} K, where oil can be"
+        what = f"{in_celsius(T)} lies outside {in_celsius(COLDEST)} to {in_celsius(HOTTEST)}, where oil can be"
         found.append(Fault("oil_supply.temperature", f"{what} (another duty or temperature of the cooler)"))
     for active in _asking(scene).values():
         found += [] if active.effect.check is None else active.effect.check(active.parameters, scene)

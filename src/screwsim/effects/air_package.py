@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.inputs.declare import choice, quantity
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, Unfound
 from screwsim.outputs import (
     AFTERCOOLED,
     CHANGED,
@@ -231,7 +231,10 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     cooled = parameters.cooled(T, T_1)
     T_2 = T if cooled is None else cooled
     share, passed = known.drained(found["discharge_pressure"], T)  # what condensed before leaves with T
-    h_2 = h - share * passed.enthalpy(found["discharge_pressure"], T) + share * passed.enthalpy(outlet, T_2)
+    try:
+        h_2 = h - share * passed.enthalpy(found["discharge_pressure"], T) + share * passed.enthalpy(outlet, T_2)
+    except Unfound as wrong:
+        return dict.fromkeys(OF_HEAT, f"behind the aftercooler {wrong}")
     h_2 = min(h_2, h)  # a cooler heats nothing: what is not cooled keeps its enthalpy
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
 

@@ -28,6 +28,7 @@ from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale, power_figure
+from screwsim.outputs.customary import in_bar, in_celsius
 
 NAME = "economizer"
 HEAT_EXCHANGER, FLASH_TANK = "heat_exchanger", "flash_tank"
@@ -248,11 +249,11 @@ def check(parameters: Parameters, facts) -> Faults:
         yield _of_blend(fluid)
     elif p is not None and not limits.p_triple <= p < limits.p_critical:
         low, high = limits.p_triple / 1e5, limits.p_critical / 1e5
-        what = f"{p / 1e5:.6g} bar: {fluid} saturates between {low:.4g} bar and {high:.4g} bar"
+        what = f"{in_bar(p)}: {fluid} saturates between {low:.4g} bar and {high:.4g} bar"
         yield Fault(f"effects.{NAME}.pressure", f"{what} (choose another)")
     elif T is not None and not limits.T_triple <= T < limits.T_critical:
-        what = f"{fluid} saturates between {limits.T_triple:.6g} K and {limits.T_critical:.6g} K"
-        yield Fault(f"effects.{NAME}.temperature", f"{T:.6g} K: {what} (choose another)")
+        what = f"{fluid} saturates between {in_celsius(limits.T_triple)} and {in_celsius(limits.T_critical)}"
+        yield Fault(f"effects.{NAME}.temperature", f"{in_celsius(T)}: {what} (choose another)")
     else:
         T = saturation(parameters, fluid)
         yield from _between(parameters, T, facts, stated)
@@ -280,8 +281,8 @@ def _found(parameters: Parameters, facts) -> Faults:
         liquid = constants.condensed(fluid, high or 0.0) - (operation.subcooling or 0.0)
         coldest = low + parameters.nearest
         if liquid <= coldest + 1.0:
-            what = f"the liquid, {liquid:.6g} K, is not warmer than the {coldest:.6g} K to which it could be cooled"
-            yield Fault(f"effects.{NAME}", f"{what} (less subcooling, or a smaller approach)")
+            what = f"the liquid, {in_celsius(liquid)}, is not warmer than the {in_celsius(coldest)} to which"
+            yield Fault(f"effects.{NAME}", f"{what} it could be cooled (less subcooling, or a smaller approach)")
 
 
 def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults:
@@ -292,9 +293,9 @@ def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults
         T_c = facts.operation.gas_cooler.outlet_temperature
     coldest = T + parameters.nearest
     if T_c is not None and T_c - subcooling <= coldest:
-        what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be"
+        what = f"the liquid, {in_celsius(T_c - subcooling)}, is not warmer than the {in_celsius(coldest)} to which"
         remedy = f"choose a lower {stated}, a smaller approach or less subcooling"
-        yield Fault(f"effects.{NAME}", f"{what} cooled ({remedy})")
+        yield Fault(f"effects.{NAME}", f"{what} it would be cooled ({remedy})")
 
 
 def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
@@ -302,14 +303,14 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
     operation, what = facts.operation, ""
     low, high = operation.evaporating_temperature, operation.condensing_temperature
     if low is not None and high is not None and not low < T < high:
-        what = f"{T:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
+        what = f"{in_celsius(T)} is not between evaporation, {in_celsius(low)}, and condensation, {in_celsius(high)}"
     p_s, p_d = operation.suction.pressure, operation.discharge.pressure
     if operation.gas_cooler is not None and low is not None:
         p_s, p_d = constants.dew_pressure(facts.gas.name, low), operation.gas_cooler.pressure
     if p_s is not None and p_d is not None:
         p = parameters.pressure or constants.dew_pressure(facts.gas.name, T)
         if not min(p_s, p_d) < p < max(p_s, p_d):
-            what = f"{T:.6g} K saturates at {p / 1e5:.4g} bar, not between {p_s / 1e5:.4g} bar and {p_d / 1e5:.4g} bar"
+            what = f"{in_celsius(T)} saturates at {in_bar(p)}, not between {in_bar(p_s)} and {in_bar(p_d)}"
     if what:
         yield Fault(f"effects.{NAME}.{stated}", f"{what} (choose one between)")
 

@@ -30,6 +30,7 @@ from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
+from screwsim.outputs.customary import in_bar, in_celsius
 
 NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
 DISCHARGE, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
@@ -155,8 +156,8 @@ def _loss(loss: float, facts) -> Faults:
     T = constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
     boils = constants.bubble_pressure(fluid, T)
     if p_d - loss < boils:
-        most = f"liquid of {T:.6g} K boils in its line when it loses {(p_d - boils) / 1e5:.4g} bar"
-        what = f"{loss / 1e5:.4g} bar: {most}"
+        most = f"liquid of {in_celsius(T)} boils in its line when it loses {in_bar(p_d - boils)}"
+        what = f"{in_bar(loss)}: {most}"
         yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (a smaller loss, or more operation.subcooling)")
 
 
@@ -168,7 +169,7 @@ def _thermostat(parameters: Parameters, facts) -> Faults:
     if parameters.opening is not None and not isinstance(parameters.opening, Found):
         yield Fault(f"effects.{NAME}.opening", f"is given beside {path}, which finds it (remove one of the two)")
     if wanted <= facts.operation.condensing_temperature:
-        what = f"{wanted:.6g} K is not above condensation, {facts.operation.condensing_temperature:.6g} K"
+        what = f"{in_celsius(wanted)} is not above condensation, {in_celsius(facts.operation.condensing_temperature)}"
         yield Fault(path, f"{what}: liquid would be left (raise it)")
     if facts.oil_supply is not None and facts.oil_supply.discharge_temperature is not None:
         what = "is what oil_supply.discharge_temperature is: one of oil and liquid can keep it"

@@ -35,6 +35,7 @@ from screwsim.machine.protocol import OIL
 from screwsim.numerics.pchip import Pchip
 from screwsim.numerics.roots import brentq
 from screwsim.outputs import HELD, Figure, Scale
+from screwsim.outputs.customary import in_bar, in_celsius
 
 NAME = "refrigerant_solubility"
 PLENUM, SEPARATOR = "oil_gas", "separator"
@@ -203,13 +204,14 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         faults.append(Fault(f"{path}.separator_temperature", f"is missing ({remedy})"))
     for where, T in stated.items():
         if T is not None and not solubility.LOW <= T <= HIGHEST:
-            what = f"{T:.6g} K lies outside {solubility.LOW:g} K to {HIGHEST:g} K, where solubility is known"
-            faults.append(Fault(where, f"{what} (choose one inside, or remove effects.{NAME})"))
+            reach = f"{in_celsius(solubility.LOW)} to {in_celsius(HIGHEST)}, where solubility is known"
+            what = f"{in_celsius(T)} lies outside {reach} (choose one inside, or remove effects.{NAME})"
+            faults.append(Fault(where, what))
     p_d, T = discharge_pressure(facts), parameters.separator_temperature
     if T is None:
         return faults
     if not faults and p_d is not None and p_d >= pair(T).p_sat:
-        what = f"at {T:.6g} K the gas condenses in the separator, at {p_d / 1e5:.4g} bar"
+        what = f"at {in_celsius(T)} the gas condenses in the separator, at {in_bar(p_d)}"
         faults.append(Fault(f"{path}.separator_temperature", f"{what} (state a warmer separator)"))
     elif not faults and p_d is not None and parameters.flash_time is not None:
         held = content(p_d, T)

@@ -23,6 +23,7 @@ from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL, ROTORS
 from screwsim.outputs import Figure, Scale, power_figure
+from screwsim.outputs.customary import in_celsius
 
 NAME = "separator"
 SUPPLY = "oil_supply.temperature"
@@ -135,8 +136,9 @@ def build(parameters: Parameters, machine) -> list[Separator]:
 def _idle(cooler: Cooler, found: Separated) -> str:
     T, kept = found.T_mixture, cooler.discharge_temperature
     return (
-        f"the oil cooler's thermostat keeps {kept:.5g} K at discharge, and the mixture comes to {T:.5g} K without any "
-        "cooling; it would have to heat, and its duty is none (a lower effects.separator.cooler.discharge_temperature)"
+        f"the oil cooler's thermostat keeps {in_celsius(kept)} at discharge, and the mixture comes to {in_celsius(T)} "
+        "without any cooling; it would have to heat, and its duty is none "
+        "(a lower effects.separator.cooler.discharge_temperature)"
     )
 
 
@@ -161,8 +163,8 @@ def warnings(found) -> Iterator[str]:
     if duty is not None and duty < -HEATS * abs(power or 0.0):
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
         yield (
-            f"the oil comes back at {supply:.5g} K, warmer than the {T:.5g} K of the separator: its cooler would have "
-            f"to heat it with {-1e-3 * duty:.4g} kW (a lower {SUPPLY})"
+            f"the oil comes back at {in_celsius(supply)}, warmer than the {in_celsius(T)} of the separator: its cooler "
+            f"would have to heat it with {-1e-3 * duty:.4g} kW (a lower {SUPPLY})"
         )
 
 

@@ -18,7 +18,7 @@ from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
-from screwsim.outputs.customary import celsius
+from screwsim.outputs.customary import celsius, in_celsius
 
 MARGIN = 5.0  # [K] above the pressure dew point, where a scene states none
 STEP = np.radians(2.0)  # of the angles at which a chamber is asked for liquid
@@ -27,7 +27,9 @@ HOUR = 3600.0
 AFTERCOOLER = "aftercooler_condensate_flow"
 PACKAGE_VAPOUR, PACKAGE_DEW = "package_vapour_flow", "package_dew_point"
 DRY = "there is no water in dry air"
-NO_DEW = f"water would condense below {DRIEST:g} K or above {water.T_MOST:g} K, where it is not followed"
+NO_DEW = (
+    f"water would condense below {in_celsius(DRIEST)} or above {in_celsius(water.T_MOST)}, where it is not followed"
+)
 BLOWN_OFF = "the package delivers nothing: what the machine moves is blown off"
 NOTHING_OUT = "nothing flows out to the discharge line"
 

@@ -21,6 +21,7 @@ from screwsim.model.slots import LOOSE, P_PORT_WIDTH, PORT_STATE, PRESSURE, R_RA
 from screwsim.model.trajectory import Trajectory
 from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value
+from screwsim.outputs.customary import in_bar, in_celsius
 
 Array = np.ndarray
 SHARES = sorted({*NODES[:4], GAUSS[1]})  # of a step; the first of the quadrature's is next to a node of the method
@@ -87,7 +88,7 @@ def _first(asked: Asked, points: Sequence[Point]) -> str:
 
 
 def _told(effect: str, what: str, unit: str, point: Point, value: float) -> str:
-    states = f", T = {point.y[S_T]:.5g} K, p = {point.p / 1e5:.5g} bar" if point.m else ""
+    states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
     where = f"at {math.degrees(point.phi):.2f} deg{states}"
     return f"effects.{effect}: its {what} is {shown} {where}, which cannot be; mend that module"

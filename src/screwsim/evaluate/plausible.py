@@ -14,6 +14,7 @@ from screwsim.effects.parts.roles import WAY_IN, WAY_OUT
 from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
+from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import Scene
 
@@ -62,8 +63,9 @@ def _isothermal(told: Told) -> Iterator[Doubt]:
     oil, T_s = told.parts.oil, told.lines.T_s
     if oil is not None and oil.temperature < T_s and told.parts.all(HeatRate):
         yield Doubt(
-            f"{words}: the oil comes in at {oil.temperature:.5g} K, colder than the suction gas of {T_s:.5g} K, and "
-            "the figure's ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
+            f"{words}: the oil comes in at {in_celsius(oil.temperature)}, colder than the suction gas of "
+            f"{in_celsius(T_s)}, and the figure's ideal is isothermal at the gas's temperature; "
+            "what cooled the oil is not counted"
         )
     elif told.parts.all(Wall) or any(plenum.evaporates for _, plenum in told.parts.all(Plenum)):
         yield Doubt(f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?")
@@ -126,14 +128,14 @@ def _carnot(told: Told) -> Iterator[Doubt]:
 def _hot(told: Told) -> Iterator[Doubt]:
     T = told.found.get("discharge_temperature")
     if not (T is None or T <= HOT or told.expands):
-        words = f"the gas leaves at {T:.4g} K, and a machine stands no {HOT:g} K"
+        words = f"the gas leaves at {in_celsius(T)}, and a machine stands no {in_celsius(HOT)}"
         yield Doubt(f"{words} (more or cooler oil, a lower pressure ratio)", "discharge_temperature")
 
 
 def _burst(told: Told) -> Iterator[Doubt]:
     peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
     if not (peak is None or peak <= BURST * line):
-        what = f"the chamber reaches {peak / 1e5:.4g} bar, {peak / line:.3g} times the higher line's pressure"
+        what = f"the chamber reaches {in_bar(peak)}, {peak / line:.3g} times the higher line's pressure"
         yield Doubt(f"{what}, which no housing stands (an earlier or wider discharge port)", "peak_pressure")
 
 

@@ -39,7 +39,7 @@ from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.numerics.settings import CLOSINGS
-from screwsim.outputs.customary import raised
+from screwsim.outputs.customary import in_bar, in_celsius, raised
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
 from screwsim.scene.plausible import leaks_told
@@ -291,7 +291,7 @@ def _paths(parts: Parts) -> Iterator[str]:
                 ends = f"chamber - {path.to} line"
             elif path.to in parts.plenums:
                 held = parts.plenums[path.to]
-                state = f"{held.p / 1e5:.6g} bar, {held.T:.6g} K, {held.rho:.6g} kg/m³, {held.h / 1e3:.6g} kJ/kg"
+                state = f"{in_bar(held.p)}, {in_celsius(held.T)}, {held.rho:.6g} kg/m³, {held.h / 1e3:.6g} kJ/kg"
                 ends = f"chamber - {path.to.replace('_', ' ')} plenum ({state})"
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"

@@ -10,6 +10,7 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.inputs.declare import KINDS
 from screwsim.model.parts import Parts
+from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene.lines import lines
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Gauge, readable_quantity
@@ -35,18 +36,18 @@ def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         yield row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
         where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
         water_dew = gas.dew_point(at.p_d)
-        told = f"below {DRIEST:g} K" if water_dew is None else f"{water_dew:.5g} K"
+        told = f"below {in_celsius(DRIEST)}" if water_dew is None else in_celsius(water_dew)
         yield row("dew point", f"{told} at {where} (M327)")
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
     dew = _stated(operation.evaporating_temperature, "dew")
     bubble = _stated(operation.condensing_temperature, condensing)
     dew, bubble = dew or _over(scene, operation.suction.pressure), bubble or _over(scene, operation.discharge.pressure)
-    yield row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
+    yield row("suction line", f"{in_bar(at.p_s)}{dew}, {in_celsius(at.T_s)}")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
-    yield row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
+    yield row("surroundings", f"{in_celsius(operation.ambient_temperature)}, to which the ledger's exergy refers (M59)")
     back = f"what flows back has {'the ' if T_d is None else ''}{back}"
-    yield row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
+    yield row("discharge line", f"{in_bar(at.p_d)}{bubble}; {back}")
     if package_of(scene) is not None:
         yield row("package", "both are its lines; what it loses to the machine is found with the cycle (M341-M343)")
     if operation.condensing_temperature is not None:
@@ -66,7 +67,7 @@ def _over(scene: Scene, p: float | None) -> str:
 
 def _stated(T: float | None, point: str) -> str:
     """Return what to say of a line whose pressure is that of saturation at T [K] (M42)."""
-    return "" if T is None else f" ({point} point at {T:.6g} K, M42)"
+    return "" if T is None else f" ({point} point at {in_celsius(T)}, M42)"
 
 
 def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:

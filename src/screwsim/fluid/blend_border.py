@@ -14,6 +14,7 @@ from screwsim.fluid.helmholtz import entropy_kernel, ideal_heat_capacity_kernel,
 from screwsim.fluid.saturation import Saturation, saturation
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
+from screwsim.outputs.customary import in_bar, in_celsius
 
 ENOUGH, CLOSE = 1e-13, 1e-9  # relative, of a density that is found: where the search ends, what it may leave
 STEPS = 300
@@ -35,9 +36,8 @@ class BlendBorder:
     def _theta(self, T: float) -> float:
         """Return θ of a saturated liquid at T [K]; minus that is the vapour's. Raises UsageError."""
         if not self.lines.T_low <= T < self.lines.T_c:
-            low, high = self.lines.T_low, self.lines.T_c
-            what = f"{self.known.name} has no saturation at {T:.6g} K (it has from {low:.6g} K to {high:.6g} K)"
-            raise UsageError(f"gas.fluid: {what}")
+            reach = f"it has from {in_celsius(self.lines.T_low)} to {in_celsius(self.lines.T_c)}"
+            raise UsageError(f"gas.fluid: {self.known.name} has no saturation at {in_celsius(T)} ({reach})")
         return float(np.sqrt(1.0 - T / self.lines.T_c))
 
     def _pressure(self, theta: float) -> float:
@@ -73,7 +73,7 @@ class BlendBorder:
         above = table(side * places) >= wanted  # from cold to warm
         if above[0] or not above.any():
             low, high = (float(np.exp(table(side * places[i : i + 1])[0])) for i in (0, SEEN - 1))
-            what = f"{self.known.name} has no saturation at {p:.6g} Pa (it has from {low:.6g} Pa to {high:.6g} Pa)"
+            what = f"{self.known.name} has no saturation at {in_bar(p)} (it has from {in_bar(low)} to {in_bar(high)})"
             raise UsageError(f"gas.fluid: {what}")
         first = int(np.argmax(above))
         theta: Any = brentq(
@@ -96,7 +96,7 @@ class BlendBorder:
             if abs(step) < ENOUGH:
                 return rho
         if abs(step) > CLOSE:
-            raise UsageError(f"gas.fluid: no density of {self.known.name} was found at {p:.6g} Pa, {T:.6g} K")
+            raise UsageError(f"gas.fluid: no density of {self.known.name} was found at {in_bar(p)}, {in_celsius(T)}")
         return rho
 
     def vapour_enthalpy(self, p: float, T: float) -> float:

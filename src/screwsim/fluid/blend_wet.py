@@ -16,6 +16,7 @@ from screwsim.fluid.blend_flash import Flashes, dome
 from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kept_text import flat_module
+from screwsim.outputs.customary import in_bar, in_celsius
 
 CLOSE = 1e-15  # relative, of a root
 
@@ -33,9 +34,9 @@ class BlendWet:
         """Return the bubble and the dew temperature [K] at p [Pa]. Raises UsageError where the table does not reach."""
         low, high = self.border.bubble_temperature(p), self.border.dew_temperature(p)
         if low < self.edges[0] or high >= self.edges[-1]:
-            what = f"{self.border.known.name} at {p:.6g} Pa has two phases from {low:.6g} K to {high:.6g} K"
-            reach = f"these are followed from {self.edges[0]:.6g} K to {self.edges[-1]:.6g} K only"
-            raise UsageError(f"gas.two_phase: {what}, and {reach}")
+            two = f"has two phases from {in_celsius(low)} to {in_celsius(high)}"
+            reach = f"these are followed from {in_celsius(self.edges[0])} to {in_celsius(self.edges[-1])} only"
+            raise UsageError(f"gas.two_phase: {self.border.known.name} at {in_bar(p)} {two}, and {reach}")
         return low, high
 
     def volume(self, p: float, T: float) -> float:

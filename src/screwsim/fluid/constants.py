@@ -23,6 +23,7 @@ from screwsim.fluid.composition import is_blend
 from screwsim.fluid.kept import no_fluid
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.store import append_line, read_lines, sound
+from screwsim.outputs.customary import in_bar, in_celsius
 
 _FULL = 1_000_000  # [byte] of the file, some 10 000 answers; it is read at every start, in 10 ms
 _MOST = 5000  # answers in memory
@@ -246,8 +247,8 @@ def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) 
             state.update(getattr(coolprop, name), first, second)
             return getattr(state, wanted)()
         except ValueError:
-            at = f"{first:.6g} Pa" if name == "PQ_INPUTS" else f"{second:.6g} K"
-            what = f"{fluid} has no saturation at {at} (critical: {state.p_critical():.6g} Pa)"
+            at = in_bar(first) if name == "PQ_INPUTS" else in_celsius(second)
+            what = f"{fluid} has no saturation at {at} (critical: {in_bar(state.p_critical())})"
             raise UsageError(f"gas.fluid: {what}") from None
 
     return ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
@@ -279,7 +280,7 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
         dense = p >= known.p_critical and _blend(fluid) is None
         return _single_phase(fluid, p, T, "iphase_supercritical_liquid") if dense else liquid_enthalpy(fluid, p, T)
     if p > dew_pressure(fluid, T):
-        what = f"{fluid} at {p:.6g} Pa, {T:.6g} K is wet, between its bubble and its dew point"
+        what = f"{fluid} at {in_bar(p)}, {in_celsius(T)} is wet, between its bubble and its dew point"
         raise UsageError(f"gas.fluid: {what}")
     return vapour_enthalpy(fluid, p, T)
 
@@ -293,7 +294,7 @@ def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
             return state.hmass()
         except ValueError:
             word = phase.removeprefix("iphase_")
-            raise UsageError(f"gas.fluid: CoolProp has no {word} of {fluid} at {p:.6g} Pa, {T:.6g} K") from None
+            raise UsageError(f"gas.fluid: CoolProp has no {word} of {fluid} at {in_bar(p)}, {in_celsius(T)}") from None
         finally:
             state.unspecify_phase()
 
@@ -316,7 +317,7 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
             with suppress(ValueError):
                 state.update(coolprop.PT_INPUTS, p, T)
                 return [state.conductivity(), state.viscosity(), state.Prandtl()]
-        raise UsageError(f"CoolProp has no transport properties of {fluid} at {p:.6g} Pa, {T:.6g} K")
+        raise UsageError(f"CoolProp has no transport properties of {fluid} at {in_bar(p)}, {in_celsius(T)}")
 
     conductivity, viscosity, prandtl = ask(f"{fluid} transport {p!r} {T!r}", question)
     return conductivity, viscosity, prandtl

@@ -28,6 +28,7 @@ from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.roots import brentq
+from screwsim.outputs.customary import in_bar, in_celsius
 
 Gas = TypeVar("Gas")
 T_LOW, T_HIGH = 100.0, 2000.0  # [K] between which a state is looked for
@@ -135,7 +136,7 @@ class MoistAir:
         T, rho = self._compiled("at_pressure", p, wanted, entropy, T_LOW, T_HIGH, self.R)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise Unfound(f"moist air at {p:.6g} Pa, {what} is below what the equation covers; use warmer gas or oil")
+            raise Unfound(f"moist air at {in_bar(p)}, {what} is below what the equation covers; use warmer gas or oil")
         return T, rho
 
     def temperature(self, p: float, h: float) -> float:
@@ -280,7 +281,7 @@ def moist_air(dry: IdealGas | RealGas, p: float, T: float, humidity: float) -> I
     c_water = None if isinstance(dry, RealGas) else water.energy(T)[0]
     ratio = saturated_ratio(MoistAir(dry, 0.5, c_water), p, T)
     if not math.isfinite(ratio):
-        raise UsageError(f"water boils at {p:.6g} Pa, {T:.6g} K: air has no relative humidity there")
+        raise UsageError(f"water boils at {in_bar(p)}, {in_celsius(T)}: air has no relative humidity there")
     moles = ratio * water.R_WATER / dry.R  # vapour per dry air
     fraction = humidity * moles / (1.0 + moles)
     ratio = fraction / (1.0 - fraction) * dry.R / water.R_WATER

@@ -22,6 +22,7 @@ from screwsim.fluid.description import Description
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.remembered import Remembered
+from screwsim.outputs.customary import in_celsius
 
 Array = np.ndarray
 TINY = 1e-100  # step into the complex plane: no rounding
@@ -253,7 +254,9 @@ def _followed(known: Description) -> Envelope:
         raise _untraced(known)
     log_z_m, T_m = _highest(log_z, T)
     if T_low > LEAST_SPAN * T_m:
-        what = f"it has two phases below {T_m:.6g} K only, and its components' equations end at {T_low:.6g} K"
+        what = (
+            f"it has two phases below {in_celsius(T_m)} only, and its components' equations end at {in_celsius(T_low)}"
+        )
         raise UsageError(f"gas.fluid: {known.name}: {what}; {REMEDY}")
     theta = np.sign(log_z - log_z_m) * np.sqrt(np.maximum(1.0 - T / T_m, 0.0))
     kept = np.abs(theta) > SAME

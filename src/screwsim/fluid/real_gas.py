@@ -27,6 +27,7 @@ from screwsim.fluid.saturation import saturation
 from screwsim.fluid.settings import EQUILIBRIUM, REFUSE
 from screwsim.inputs.faults import Unfound, UsageError
 from screwsim.numerics.kernel import Kernel
+from screwsim.outputs.customary import in_bar, in_celsius
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
 LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as saturated
@@ -165,8 +166,8 @@ class RealGas:
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
             what = "is liquid, or wet: it condenses from" if self.known.glides else "is liquid: it boils at"
             raise Unfound(
-                f"{self.known.name} at {p:.6g} Pa, {T:.6g} K {what} "
-                f"{self.saturation_temperature(p) or found.T_c:.6g} K; "
+                f"{self.known.name} at {in_bar(p)}, {in_celsius(T)} {what} "
+                f"{in_celsius(self.saturation_temperature(p) or found.T_c)}; "
                 "give a higher temperature or a lower pressure"
             )
         return _vapour_density(self, p, T)
@@ -177,7 +178,7 @@ class RealGas:
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
             raise Unfound(
-                f"{self.known.name} at {p:.6g} Pa, {what} is below what the equation covers; use warmer gas or oil"
+                f"{self.known.name} at {in_bar(p)}, {what} is below what the equation covers; use warmer gas or oil"
             )
         return T, rho
 
@@ -219,7 +220,7 @@ class RealGas:
         """
         T, rho = self._at(p, h, False)
         if T >= saturation(self.fluid).T_c or rho < self._kernels["liquid"](T) * (1.0 - LIQUID):
-            raise UsageError(f"{self.known.name} at {p:.6g} Pa, h = {h:.6g} J/kg is no liquid; give a colder state")
+            raise UsageError(f"{self.known.name} at {in_bar(p)}, h = {h:.6g} J/kg is no liquid; give a colder state")
         return self._reservoir(p, T, rho)
 
     def _reservoir(self, p: float, T: float, rho: float) -> Reservoir:
@@ -236,7 +237,7 @@ class RealGas:
         below = self.known.glides and not self.equilibrium and T < saturation(self.fluid).T_c
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
-            what = f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K), where an isentrope ends, is wet"
+            what = f"{self.known.name} at {in_bar(p)}, s = {s:.6g} J/(kg K), where an isentrope ends, is wet"
             raise Unfound(f"{what}; use warmer gas in the suction line, or gas.two_phase: equilibrium")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 
@@ -256,7 +257,7 @@ class RealGas:
         if max(p_1, p_2) <= p_sat:
             return None
         at = f"{self.known.name} at {T - ZERO_CELSIUS:.2f} °C"
-        return f"{at} condenses at {1e-5 * p_sat:.4g} bar, below the discharge pressure"
+        return f"{at} condenses at {in_bar(p_sat)}, below the discharge pressure"
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float | None:
         """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
@@ -291,20 +292,20 @@ class RealGas:
         Two phases are no violation in equilibrium.
         """
         known, found = self.known, saturation(self.fluid)
-        at = f"{known.name} at {T:.6g} K is"
+        at = f"{known.name} at {in_celsius(T)} is"
         if T < found.T_low:
-            return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {found.T_low:.6g} K")
+            return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {in_celsius(found.T_low)}")
         if T < found.T_c and rho >= self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
             if self.equilibrium:
                 return self._beyond(T, rho)
-            saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
-            what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
+            saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {in_bar(self.saturation_pressure(T))}"
+            what = f"{known.name} condenses at {in_celsius(T)}, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
             return Outside(Limit.GLIDING if known.pseudo_pure else Limit.WET, what)
         if T > known.T_max:
-            return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
+            return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {in_celsius(known.T_max)}")
         p = float(self._kernels["single state"](T, rho)[0])
         if p > known.p_max:
-            what = f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
+            what = f"{known.name} at {in_bar(p)} is above the equation's highest pressure, {in_bar(known.p_max)}"
             return Outside(Limit.PRESSED, what)
         return None
 
@@ -315,9 +316,9 @@ class RealGas:
         low, high = (float(edge) for edge in dome(self.fluid).edges[[0, -1]])
         if low <= T < high:
             return None
-        what = f"{self.known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3"
+        what = f"{self.known.name} condenses at {in_celsius(T)}, {rho:.6g} kg/m3"
         limit = Limit.GLIDING if T < low else Limit.CRITICAL
-        return Outside(limit, f"{what}: its two phases are followed from {low:.6g} K to {high:.6g} K only")
+        return Outside(limit, f"{what}: its two phases are followed from {in_celsius(low)} to {in_celsius(high)} only")
 
 
 @lru_cache(maxsize=64)  # a few states of the lines are asked for again and again

@@ -5,11 +5,13 @@ Source: docs/model.md M280–M281, the first law. Plain Python, asked once a cyc
 
 from typing import Any, NamedTuple
 
+from screwsim.outputs.customary import in_celsius
+
 NEAR = 1e-12  # of the enthalpy, with which the mixture's is found
 MOST = 60  # tries for it
 WET = 1e-6  # relative distance from saturation within which a mixture's gas counts as condensing
 CONDENSES = (
-    "gas condenses in the separator: gas and oil mix to {T:.5g} K, which is saturation at discharge pressure "
+    "gas condenses in the separator: gas and oil mix to {T}, which is saturation at discharge pressure "
     "(warmer oil, less of it, or a smaller duty of the cooler)"
 )
 
@@ -101,6 +103,6 @@ def separated(outflow: Outflow, friction_share: float = 1.0, ambient_loss: float
     heating = outflow.heating + friction_share * outflow.friction
     T_mixture, wet = outflow.temperature(heating)
     T, wet_there = (T_mixture, wet) if ambient_loss == 0.0 else outflow.temperature(heating - ambient_loss)
-    why = CONDENSES.format(T=T) if wet or wet_there else ""
+    why = CONDENSES.format(T=in_celsius(T)) if wet or wet_there else ""
     lost = (1.0 - friction_share) * outflow.friction
     return Separated(T_mixture, T, outflow.oil_capacity * (T - outflow.T_supply), ambient_loss, lost, why=why)

@@ -45,6 +45,16 @@ def celsius(T: float) -> str:
     return f"{T - ZERO_CELSIUS:z.1f} degC"
 
 
+def in_celsius(T: float) -> str:
+    """Return a temperature [K] in degrees Celsius to a millikelvin, as a message compares it with others."""
+    return f"{round(T - ZERO_CELSIUS, 3) + 0.0:g} degC"
+
+
+def in_bar(p: float) -> str:
+    """Return a pressure [Pa] in bar, six digits."""
+    return f"{1e-5 * p:.6g} bar"
+
+
 def quantity(units: str, value: float) -> str:
     """Return a quantity [SI] with its unit, four digits."""
     factor, unit = scale(units, abs(value))

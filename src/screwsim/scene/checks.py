@@ -13,6 +13,7 @@ from screwsim.inputs.declare import AREA, VOLUME, Found
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.kinds import check_machine, kind_of, offering
 from screwsim.machine.protocol import OIL
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene.fields import leaf_paths, value_at
 from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
@@ -80,8 +81,8 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
     if oil.name is not None and supply is not None and supply.temperature is not None:
         stored = OILS[oil.name]
         if not stored.low <= supply.temperature <= stored.high:
-            what = f"lies outside the range of {oil.name}, {stored.low:g} K to {stored.high:g} K"
-            what = f"{supply.temperature:.6g} K {what}"
+            what = f"lies outside the range of {oil.name}, {in_celsius(stored.low)} to {in_celsius(stored.high)}"
+            what = f"{in_celsius(supply.temperature)} {what}"
             yield Fault("oil_supply.temperature", f"{what} (choose one inside, or state the oil by numbers)")
 
 
@@ -143,8 +144,8 @@ def _sought(scene: Scene) -> Iterator[Fault]:
         if cold is None:
             yield Fault(path, f"{what} effects.{name}.{parameters.outlet_key}: 50 degC)")
     elif cold >= supply.discharge_temperature:
-        what = f"{supply.discharge_temperature:.6g} K is not above the oil's {cold:.6g} K (raise it, or cool the oil)"
-        yield Fault(path, what)
+        what = f"{in_celsius(supply.discharge_temperature)} is not above the oil's {in_celsius(cold)}"
+        yield Fault(path, f"{what} (raise it, or cool the oil)")
 
 
 def _displacement(scene: Scene) -> Iterator[Fault]:

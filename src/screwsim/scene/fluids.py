@@ -9,6 +9,7 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import Lines
 from screwsim.scene.units import Refused, readable_quantity
@@ -159,8 +160,8 @@ def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
     told = readable_quantity(KINDS["pressure"], max(lines.p_s, lines.p_d))
     vapour = gas.relative_humidity * water.saturation(lines.T_s)[0] * max(lines.p_d / lines.p_s, 1.0)
     if vapour >= water.saturation(water.T_MOST)[0]:
-        what = f"brings so much water that it condenses above {water.T_MOST:g} K at {told}, where it is not followed"
-        yield Fault(HUMIDITY, f"{what} (drier or colder air, or a lower pressure)")
+        what = f"brings so much water that it condenses above {in_celsius(water.T_MOST)} at {told}"
+        yield Fault(HUMIDITY, f"{what}, where it is not followed (drier or colder air, or a lower pressure)")
     elif max(lines.p_s, lines.p_d) > P_MOST:
         most = f"{1e-5 * P_MOST:g} bar"
         yield Fault(HUMIDITY, f"is followed up to {most}, not at {told} (remove it, or lower the pressure)")

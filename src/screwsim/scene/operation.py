@@ -8,10 +8,11 @@ from screwsim.fluid.constants import Limits
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
+from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene.fluids import fluid_faults, humidity_faults, line_faults
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
-from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
+from screwsim.scene.units import readable_quantity
 
 EVAPORATING, CONDENSING = "operation.evaporating_temperature", "operation.condensing_temperature"
 SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
@@ -164,7 +165,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
         name, limit = ("critical", limits.p_critical) if p_s > limits.p_triple else ("triple-point", limits.p_triple)
         shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
         what = f"{scene.gas.name} has no saturation at the suction pressure {shown}: its {name} pressure is "
-        yield Fault(path, f"{what}{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)")
+        yield Fault(path, f"{what}{in_bar(limit)} (give operation.suction.temperature, or another pressure)")
     if condenses(scene.gas):
         yield from _liquid(scene, T_S, p_s, suction.temperature)
         yield from _liquid(scene, T_D, p_d, scene.operation.discharge.temperature)
@@ -175,16 +176,16 @@ def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Faul
     boiling = None if T is None else constants.liquid_below(scene.gas.name, p, T)
     if T is None or boiling is None:
         return
-    what = f"{_shown(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
+    what = f"{in_celsius(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
     wet = "" if path == T_D else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
-    yield Fault(path, f"{what}: it is a gas from {_shown(boiling)} on (raise it, or lower the pressure{wet})")
+    yield Fault(path, f"{what}: it is a gas from {in_celsius(boiling)} on (raise it, or lower the pressure{wet})")
 
 
 def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
     if path == P_D:
         low, shown = (readable_quantity(KINDS["pressure"], value) for value in (p_s, p_d))
     else:
-        low, shown = f"{p_s / 1e5:.6g} bar", f"gives {p_d / 1e5:.6g} bar, which"
+        low, shown = in_bar(p_s), f"gives {in_bar(p_d)}, which"
     if p_s == p_d:
         equal = "equals" if path == P_D else "is"
         yield Fault(path, f"{shown} {equal} the suction pressure (nothing is compressed; choose another)")
@@ -192,10 +193,6 @@ def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
         yield Fault(path, f"{shown} is below the suction pressure {low} (raise it, or write machine.mode: expander)")
     elif scene.machine.expands and p_d > p_s:
         yield Fault(path, f"{shown} is above the suction pressure {low} (lower it, or write machine.mode: compressor)")
-
-
-def _shown(T: float) -> str:
-    return f"{T:.6g} K ({round(T - ZERO_CELSIUS, 3):g} degC)"
 
 
 def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
@@ -210,18 +207,18 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     T_liquid = constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
     yield from _too_hot(scene, limits, T_e)
     if T_liquid < limits.T_triple:
-        what = f"{fluid} freezes at {_shown(limits.T_triple)} (choose a smaller one)"
-        yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}; {what}")
+        what = f"{fluid} freezes at {in_celsius(limits.T_triple)} (choose a smaller one)"
+        yield Fault(SUBCOOLING, f"makes liquid of {in_celsius(T_liquid)}; {what}")
     elif not scene.machine.expands and operation.subcooling and T_liquid < T_e < T_c:
-        what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
-        yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}: {what} (choose a smaller one)")
-    compressor, shown = not scene.machine.expands, f"the evaporating temperature {_shown(T_e)}"
+        what = f"colder than the evaporator of {in_celsius(T_e)}, and nothing of the plant cools it so far"
+        yield Fault(SUBCOOLING, f"makes liquid of {in_celsius(T_liquid)}: {what} (choose a smaller one)")
+    compressor, shown = not scene.machine.expands, f"the evaporating temperature {in_celsius(T_e)}"
     if T_c == T_e:
-        yield Fault(CONDENSING, f"{_shown(T_c)} equals the evaporating temperature (choose another)")
+        yield Fault(CONDENSING, f"{in_celsius(T_c)} equals the evaporating temperature (choose another)")
     elif compressor and T_c < T_e:
-        yield Fault(CONDENSING, f"{_shown(T_c)} is below {shown} (raise it, or write machine.mode: expander)")
+        yield Fault(CONDENSING, f"{in_celsius(T_c)} is below {shown} (raise it, or write machine.mode: expander)")
     elif not compressor and T_c > T_e:
-        yield Fault(CONDENSING, f"{_shown(T_c)} is above {shown} (lower it, or write machine.mode: compressor)")
+        yield Fault(CONDENSING, f"{in_celsius(T_c)} is above {shown} (lower it, or write machine.mode: compressor)")
 
 
 def _gas_cooler(scene: Scene, limits: Limits) -> Iterator[Fault]:
@@ -239,18 +236,18 @@ def _gas_cooler(scene: Scene, limits: Limits) -> Iterator[Fault]:
     if cooler.pressure <= p_s:
         yield Fault(GAS_COOLER_P, f"{p} is not above the pressure of evaporation, {low} (raise it)")
     if T < T_e:
-        what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
-        yield Fault(GAS_COOLER_T, f"{_shown(T)} is {what} (raise it)")
+        what = f"colder than the evaporator of {in_celsius(T_e)}, and nothing of the plant cools it so far"
+        yield Fault(GAS_COOLER_T, f"{in_celsius(T)} is {what} (raise it)")
     elif T > limits.T_max:
-        yield Fault(GAS_COOLER_T, f"the equation of state of {fluid} ends at {_shown(limits.T_max)} (lower it)")
+        yield Fault(GAS_COOLER_T, f"the equation of state of {fluid} ends at {in_celsius(limits.T_max)} (lower it)")
 
 
 def _too_hot(scene: Scene, limits: Limits, T_e: float) -> Iterator[Fault]:
     """Yield a superheat beyond the fluid's equation."""
     T_s = T_e + (scene.operation.superheat or 0.0)
     if T_s > limits.T_max:
-        what = f"the equation of state of {scene.gas.name} ends at {_shown(limits.T_max)} (choose a smaller one)"
-        yield Fault(SUPERHEAT, f"makes suction gas of {_shown(T_s)}; {what}")
+        what = f"the equation of state of {scene.gas.name} ends at {in_celsius(limits.T_max)} (choose a smaller one)"
+        yield Fault(SUPERHEAT, f"makes suction gas of {in_celsius(T_s)}; {what}")
 
 
 def _no_cooling(scene: Scene, effect: float | None) -> Iterator[Fault]:
@@ -262,11 +259,11 @@ def _no_cooling(scene: Scene, effect: float | None) -> Iterator[Fault]:
 
 def _outside(path: str, T: float, fluid: str, limits: Limits) -> Iterator[Fault]:
     if T >= limits.T_critical:
-        what = f"is not below the critical temperature of {fluid}, {_shown(limits.T_critical)}"
+        what = f"is not below the critical temperature of {fluid}, {in_celsius(limits.T_critical)}"
         above = "state the lines by pressures"
         if path == CONDENSING:
             above = "write operation.gas_cooler: {pressure: …, outlet_temperature: …} in its place"
-        yield Fault(path, f"{_shown(T)} {what} (lower it, or {above})")
+        yield Fault(path, f"{in_celsius(T)} {what} (lower it, or {above})")
     elif T < limits.T_triple:
-        what = f"is below the triple point of {fluid}, {_shown(limits.T_triple)}"
-        yield Fault(path, f"{_shown(T)} {what} (raise it)")
+        what = f"is below the triple point of {fluid}, {in_celsius(limits.T_triple)}"
+        yield Fault(path, f"{in_celsius(T)} {what} (raise it)")

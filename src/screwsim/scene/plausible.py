@@ -27,12 +27,13 @@ from screwsim.machine.rotors.settings import Profile, unread
 from screwsim.machine.settings import VolumeLaw
 from screwsim.numerics.remembered import Remembered
 from screwsim.numerics.spline import read_curve, to_and_fro
+from screwsim.outputs.customary import in_celsius
 from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, GAS_COOLER, GAS_COOLER_P, P_D, T_S
 from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import ActiveEffect, Scene
-from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
+from screwsim.scene.units import readable_quantity
 
 MEANT = "is it meant?"
 USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
@@ -113,14 +114,14 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     if cooler is not None and cooler.pressure < _critical(scene):
         T = constants.saturation_temperature(scene.gas.name, cooler.pressure)
         if cooler.outlet_temperature > T:
-            here, dew = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (cooler.outlet_temperature, T))
+            here, dew = map(in_celsius, (cooler.outlet_temperature, T))
             what = f"{scene.gas.name} leaves it as a gas, of {here}: it condenses below the critical pressure, at {dew}"
             yield f"{GAS_COOLER}.outlet_temperature", f"{what} (a colder one, or a higher pressure)"
     if find_gas_model(scene.gas.model).blind:
         boiling = constants.liquid_below(scene.gas.name, at.p_s, at.T_s)
         if boiling is not None:
             p = readable_quantity(KINDS["pressure"], at.p_s)
-            here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
+            here, until = map(in_celsius, (at.T_s, boiling))
             what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas from {until} on"
             yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
 
@@ -163,7 +164,7 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     with suppress(UsageError):  # above the critical pressure
         T = constants.saturation_temperature(scene.gas.name, p_d)
         if supply.temperature < T:
-            cold, warm = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (supply.temperature, T))
+            cold, warm = map(in_celsius, (supply.temperature, T))
             what = f"{scene.gas.name} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil comes with {cold}; {what} (warmer oil)"
 

@@ -17,6 +17,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
@@ -123,7 +124,7 @@ class _Chain:
         vapour, T = self._between(p, T_d, between)
         out = p - between.pressure_drop
         if between.cools and T == between.outlet_temperature and self._liquid(out, T):
-            what = f"the cooler leaves a liquid at {T:.5g} K and {out / 1e5:.4g} bar"
+            what = f"the cooler leaves a liquid at {in_celsius(T)} and {in_bar(out)}"
             raise _Stop("failed", f"{what} (a higher intercooler.outlet_temperature)", (first,))
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         other, second, unparted = self._second(other, trace, first)
