@@ -45,12 +45,8 @@ class Tangents(NamedTuple):
             made[k + 1] = self.step[k] @ made[k] + gained
         return made
 
-    def summed(self, along: Array, sources: Array) -> Array:
-        """Return what changes `along` a pitch, and the sources that made them, add to the quadratures (q, k)."""
-        return self.sums_along(along, sources).sum(axis=0)
-
     def sums_along(self, along: Array, sources: Array) -> Array:
-        """Return the same, slice by slice (slices, q, k)."""
+        """Return what changes `along` a pitch, and their sources, add to the quadratures (slices, q, k)."""
         return self.sums @ along[:-1] + self.sums_gain @ sources
 
     def spread(self, given: Array, points: int) -> Array:
