@@ -240,16 +240,23 @@ def _wet(fluid: str, p: float, quality: float) -> tuple[float, float]:
 
 
 def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) -> float:
+    by_pressure = name == "PQ_INPUTS"
+
+    def refused(p_critical: float) -> UsageError:
+        at = f"{first:.6g} Pa" if by_pressure else f"{second:.6g} K"
+        return UsageError(f"gas.fluid: {fluid} has no saturation at {at} (critical: {p_critical:.6g} Pa)")
+
     def question() -> float:
         state, coolprop = _abstract_state(fluid)
         try:
             state.update(getattr(coolprop, name), first, second)
             return getattr(state, wanted)()
         except ValueError:
-            at = f"{first:.6g} Pa" if name == "PQ_INPUTS" else f"{second:.6g} K"
-            what = f"{fluid} has no saturation at {at} (critical: {state.p_critical():.6g} Pa)"
-            raise UsageError(f"gas.fluid: {what}") from None
+            raise refused(state.p_critical()) from None
 
+    known = limits(fluid) if by_pressure else None
+    if known is not None and first > known.p_critical:
+        raise refused(known.p_critical)  # without CoolProp, which takes seconds to import
     return ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
 
 
