@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.codegen.modules import Module, load
 from screwsim.codegen.program import CannotCompile
@@ -44,7 +45,7 @@ EXPRESSIONS = (
 )
 
 
-@pytest.mark.parametrize("expression", EXPRESSIONS)
+@each_row("expression", EXPRESSIONS)
 def test_expressions_of_floats(expression):
     agree(f"def f(x, y):\n    return float({expression})\n", *NUMBERS)
 
@@ -176,7 +177,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("body", REFUSED)
+@each_row("body", REFUSED)
 def test_what_is_not_compiled_is_refused_with_its_place(body):
     text = HEADER + f"TABLE = np.array([1.0, 2.0])\n\ndef nothing(x):\n    x = 1.0\n\ndef f(x):\n    {body}\n"
     with pytest.raises(CannotCompile, match=re.escape(REFUSED[body])):

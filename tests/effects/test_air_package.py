@@ -4,6 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.effects.air_package import Fan, Loss, MinimumPressureValve, Parameters, Unloaded, read
@@ -143,7 +144,7 @@ def test_figures_that_mean_nothing_say_why(fluid, flow, power, words):
     assert words in given["package_isentropic_efficiency"]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "path", "words"),
     [
         (["effects.motor=off"], PACKAGE, "needs effects.motor"),

@@ -4,6 +4,7 @@ import http.client
 import json
 
 import pytest
+from each_row import each_row
 from explore_line import Line, served
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -32,8 +33,8 @@ def test_two_names_are_refused():
     assert asked(OWN, [("host", HOST), ("host", "evil.example")]) == 403
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:80", "file://", f"ftp://{HOST}"])
-@pytest.mark.parametrize("kind", ["http", "websocket"])
+@each_row("origin", ["http://evil.example", "null", "http://127.0.0.1:80", "file://", f"ftp://{HOST}"])
+@each_row("kind", ["http", "websocket"])
 def test_another_origin_is_refused(origin, kind):
     assert asked(OWN, [("host", HOST), ("origin", origin)], kind=kind, method="POST") == 403
 

@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.machine import paper_law
 from screwsim.machine.geometry import Geometry
@@ -135,7 +136,7 @@ def test_a_table_finds_its_widest_row(tabled):
     assert Geometry(tabled).widest_discharge() == pytest.approx(660 * DEG)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("part", "field", "bad"),
     [
         ("volume", "phi_A", 0.0),

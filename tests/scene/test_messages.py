@@ -1,6 +1,7 @@
 """Rules of faults: each is one line with file, line, column, path, what and the remedy; all come at once."""
 
 import pytest
+from each_row import each_row
 
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import load, loads
@@ -129,7 +130,7 @@ TYPICAL = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "line"), TYPICAL)
+@each_row(("old", "new", "line"), TYPICAL)
 def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
     assert old in example
     assert faults_of(example.replace(old, new, 1)) == [line]
@@ -358,7 +359,7 @@ NEWCOMERS = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "line"), NEWCOMERS)
+@each_row(("old", "new", "line"), NEWCOMERS)
 def test_a_newcomers_mistake_gives_its_one_line(example, old, new, line):
     assert old in example
     assert faults_of(example.replace(old, new, 1)) == [line]
@@ -378,7 +379,7 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
     assert "blow_hole" not in loads(example, overrides=[f"effects.blow_hole={word}"]).effects
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("override", "line"),
     [
         ("speed=3000 rpm", "speed: is not known; did you mean 'operation.speed'?"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.inputs.faults import SceneError
@@ -178,7 +179,7 @@ def test_gauge_pressures_are_over_the_standard_atmosphere_or_what_is_stated():
 REMOVE = "remove one of the two, null in place of a base's"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "overrides", "told"),
     [
         (
