@@ -50,7 +50,7 @@ def test_expressions_of_floats(expression):
     agree(f"def f(x, y):\n    return float({expression})\n", *NUMBERS)
 
 
-@pytest.mark.parametrize("expression", ["i // j", "i % j", "i * j - i", "abs(i) + max(i, j)", "i ** 3", "int(i / j)"])
+@each_row("expression", ["i // j", "i % j", "i * j - i", "abs(i) + max(i, j)", "i ** 3", "int(i / j)"])
 def test_expressions_of_integers(expression):
     agree(f"def f(i, j):\n    return {expression}\n", *[(i, j) for i in range(-7, 8) for j in (-3, -1, 2, 5)])
 
@@ -191,9 +191,7 @@ def test_a_text_of_more_than_functions_and_constants_is_refused():
         load("def f(x):\n    return x\n", "test").g(1.0)
 
 
-@pytest.mark.parametrize(
-    "given", [np.zeros(4)[::2], np.zeros((2, 2)).T, np.zeros(3, np.float32), np.array(1.0), "text", None]
-)
+@each_row("given", [np.zeros(4)[::2], np.zeros((2, 2)).T, np.zeros(3, np.float32), np.array(1.0), "text", None])
 def test_what_compiled_code_cannot_read_is_refused(given):
     with pytest.raises(TypeError, match="a compiled function takes"):
         load("def f(x):\n    return 1.0\n", "test").f(given)

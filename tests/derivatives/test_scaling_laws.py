@@ -48,7 +48,7 @@ def test_a_machine_as_much_faster_as_all_its_rates_makes_the_same_cycle(found, f
     assert together(found, figure, rates) == pytest.approx(power, abs=CLOSE)
 
 
-@pytest.mark.parametrize(("figure", "power"), [("gas_mass_flow", 1), ("shaft_power", 1), ("discharge_temperature", 0)])
+@each_row(("figure", "power"), [("gas_mass_flow", 1), ("shaft_power", 1), ("discharge_temperature", 0)])
 def test_a_machine_as_much_larger_as_all_its_openings_gives_as_much_more(found, figure, power):
     assert together(found, figure, ["machine.volume.max", *openings(found)]) == pytest.approx(power, abs=CLOSE)
 

@@ -80,7 +80,7 @@ def test_a_class_is_the_efficiency_that_it_states_whatever_the_rated_power_becom
     assert motor.Parameters(rated_power=75e3).efficiency == 0.95
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("stated", "words"),
     [
         (

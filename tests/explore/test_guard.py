@@ -24,7 +24,7 @@ def asked(rules, headers, query="", kind="http", method="GET"):
     return rules.refuses(scope)[0]
 
 
-@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1:80", "127.0.0.1", "", "localhost:8421.evil.example"])
+@each_row("host", ["evil.example", "127.0.0.1:80", "127.0.0.1", "", "localhost:8421.evil.example"])
 def test_another_name_is_refused(host):
     assert asked(OWN, [("host", host)]) == 403
 
@@ -55,9 +55,7 @@ def test_what_a_browser_calls_foreign_is_refused(site):
     assert asked(OWN, [*headers, ("sec-fetch-mode", "navigate")]) == 0  # a link on another page, which sees nothing
 
 
-@pytest.mark.parametrize(
-    "query", ["", "token=", "token=secre", "token=secrets", "other=secret", "token=wrong&token=secret"]
-)
+@each_row("query", ["", "token=", "token=secre", "token=secrets", "other=secret", "token=wrong&token=secret"])
 def test_without_its_token_another_address_answers_nobody(query):
     for kind in ("http", "websocket"):
         assert asked(ELSEWHERE, [("host", "machine:8421")], query, kind) == 403
@@ -68,12 +66,12 @@ def test_with_the_token_it_answers():
     assert asked(ELSEWHERE, [("host", "machine:8421"), ("origin", "http://evil.example")], "token=secret") == 403
 
 
-@pytest.mark.parametrize("length", [str(LARGEST + 1), "-1", "x", "1e3", ""])
+@each_row("length", [str(LARGEST + 1), "-1", "x", "1e3", ""])
 def test_a_body_of_another_size_is_refused(length):
     assert asked(OWN, [("host", HOST), ("content-length", length)], method="POST") == 413
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("host", "is_own"),
     [("127.0.0.1", True), ("127.1.2.3", True), ("::1", True), ("localhost", True), ("0.0.0.0", False), ("box", False)],
 )

@@ -75,7 +75,7 @@ def test_nothing_flows_at_equal_pressures():
     assert into_first(2e5, 300.0, 2e5, 350.0) == 0.0
 
 
-@pytest.mark.parametrize("p_2", [1.0e5, 1.99999e5, 2.00001e5, 2.1e5, 9e5])
+@each_row("p_2", [1.0e5, 1.99999e5, 2.00001e5, 2.1e5, 9e5])
 def test_swapping_the_port_states_turns_the_sign(p_2):
     assert into_first(2e5, 300.0, p_2, 350.0) == -into_first(p_2, 350.0, 2e5, 300.0)  # exactly: mass is conserved by it
 

@@ -47,7 +47,7 @@ def test_what_enters_leaves(speed, transport, kind):
     assert result.status != "ok" or result.balance[kind] <= result.balance.bound  # the contract of status ok
 
 
-@pytest.mark.parametrize("speed", SPEEDS)
+@each_row("speed", SPEEDS)
 def test_carried_oil_that_enters_leaves(speed):
     result = at(speed, "carried")
     assert result.status != "ok" or result.balance.oil_mass <= 10 * result.balance.bound  # not part of the bound itself

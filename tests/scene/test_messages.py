@@ -538,7 +538,7 @@ def test_an_effect_of_a_port_demands_its_section(example):
     ]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "line"),
     [
         ("", "x.yaml:1:1: is empty (write at least machine, gas, operation)"),
@@ -606,7 +606,7 @@ def test_an_own_effect_that_is_not_there_says_what_was_tried(example):
     ]
 
 
-@pytest.mark.parametrize("override", ["operation.speed", "=3", "a..b=3", ".a=3", "base=y.yaml"])
+@each_row("override", ["operation.speed", "=3", "a..b=3", ".a=3", "base=y.yaml"])
 def test_a_malformed_override_is_a_wrong_use(example, override):
     with pytest.raises(UsageError):
         loads(example, overrides=[override])

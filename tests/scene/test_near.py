@@ -74,7 +74,7 @@ def test_a_key_is_found_where_it_belongs():
     assert containing("lobes", ["male_lobes", "female_lobes", "kind"]) == ["male_lobes", "female_lobes"]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "told"),
     [
         ("speed", "did you mean 'operation.speed'?"),

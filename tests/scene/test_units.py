@@ -164,12 +164,12 @@ def test_what_is_offered_for_a_number_is_read(number, told):
         assert parse_quantity(KINDS["speed"], offered) != 0.0
 
 
-@pytest.mark.parametrize("text", ["1e3rpm", "1.0e3 rpm", "+1000 rpm", "1000rpm", "1000.\u00a0rpm"])
+@each_row("text", ["1e3rpm", "1.0e3 rpm", "+1000 rpm", "1000rpm", "1000.\u00a0rpm"])
 def test_a_number_of_one_reading_is_read(text):
     assert parse_quantity(KINDS["speed"], text) == pytest.approx(1000.0 * math.pi / 30.0)
 
 
-@pytest.mark.parametrize("text", ["-10 C", "-10 °C", "-10 degC", "-10C", "-10 ℃", "-10 Celsius"])
+@each_row("text", ["-10 C", "-10 °C", "-10 degC", "-10C", "-10 ℃", "-10 Celsius"])
 def test_a_temperature_may_be_below_zero_celsius(text):
     assert parse_quantity(KINDS["temperature"], text) == pytest.approx(263.15)
 
@@ -187,7 +187,7 @@ def test_the_example_of_a_kind_reads_back(kind):
     assert parse_quantity(kind, format_quantity(kind, value)) == value
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "value", "text"),
     [
         ("speed", 100 * math.pi, "3000 rpm"),

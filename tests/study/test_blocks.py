@@ -3,7 +3,6 @@
 import itertools
 import math
 
-import pytest
 from each_row import each_row
 from result_fakes import SCENE, scene
 
@@ -23,7 +22,7 @@ def test_blocks_tile_the_cases_and_are_found_again(shape):
             assert blocks.blocks_of(blocks.cases_of(range(start, stop))) == range(start, stop)
 
 
-@pytest.mark.parametrize("shape", [shape for shape in SHAPES if math.prod(shape) > BLOCK])
+@each_row("shape", [shape for shape in SHAPES if math.prod(shape) > BLOCK])
 def test_cases_that_are_no_whole_blocks_are_told(shape):
     blocks = Blocks(shape)
     edges = {blocks.cases_of(range(number, number + 1)).start for number in range(blocks.count)} | {blocks.cases}

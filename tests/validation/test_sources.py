@@ -23,7 +23,7 @@ def rows(name):
     return STORED["sources"][name]["rows"]
 
 
-@pytest.mark.parametrize("name", SOURCES)
+@each_row("name", SOURCES)
 def test_source_has_its_interface(compare_of, name):
     module = compare_of(name)
     assert callable(module.compare)
