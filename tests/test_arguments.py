@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.inputs.arguments import FLAG, JOBS, NUMBER, TEXTS, one_of, takes
@@ -72,7 +73,7 @@ def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkey
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "given", "told"),
     [
         ("simulate", {"trace": "all"}, "trace: 'all' is none of True, False, 'ledger'"),

@@ -3,6 +3,7 @@
 from math import log
 
 import pytest
+from each_row import each_row
 from scipy.integrate import quad
 
 from screwsim.effects.parts.rating import (
@@ -45,7 +46,7 @@ def test_part_load_is_a_mean_that_an_even_efficiency_leaves():
     assert part_load_efficiency({0.4: 0.6, 0.7: 0.7, 1.0: 0.8}) == pytest.approx(0.25 * 0.6 + 0.5 * 0.7 + 0.25 * 0.8)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("flow", "gauge", "words"),
     [(500, 100, ""), (35, 75, ""), (34, 100, "cfm"), (1251, 100, "cfm"), (500, 74, "psi"), (500, 201, "psi")],
 )

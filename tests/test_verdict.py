@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.cycle.problem import Problem, problem_of
 from screwsim.evaluate.verdict import REMEDIES, refused
@@ -23,7 +24,7 @@ def outside(scene: str, limit: Limit, what: str) -> Problem:
     return replace(problem, parts=replace(problem.parts, gas=gas))
 
 
-@pytest.mark.parametrize("limit", Limit)
+@each_row("limit", Limit)
 def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     words = "the highest and the lowest of it"
     life = SimpleNamespace(times=np.radians([0.0, 90.0]), ends=(np.ones(1), np.ones(1)))

@@ -1,6 +1,7 @@
 """Rules of mistaken commands: what is told is true, and whoever follows it gets what was meant."""
 
 import pytest
+from each_row import each_row
 
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
@@ -173,7 +174,7 @@ def test_a_value_below_zero_is_read_on_the_command_line(folder, command):
     assert answer.err == "operation.suction.temperature: '-10' has no unit (write e.g. '285 K')\n"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "figure"),
     [
         ("COP", "cop"),

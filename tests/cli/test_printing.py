@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-import pytest
+from each_row import each_row
 
 from screwsim.figures import known
 from screwsim.figures.engineering import SCALES, scale
@@ -21,7 +21,7 @@ def test_plain_values_are_those_of_json():
     assert [type(value) for value in (found["a"], found["b"])] == [float, int]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "value", "text"),
     [
         ("shaft_power", 61373.2, "61.373 kW"),
@@ -74,7 +74,7 @@ def test_a_figure_without_a_value_is_told_with_its_reason_once(capsys):
     assert lines.count("no isothermal efficiency, isentropic efficiency: it leaks") == 1
 
 
-@pytest.mark.parametrize("units", sorted({about.units for about in known().values()} - {"1", "K", "Hz"}))
+@each_row("units", sorted({about.units for about in known().values()} - {"1", "K", "Hz"}))
 def test_every_unit_of_a_figure_has_a_customary_one(units):
     assert scale(units, 1.0)[1] not in ("rad", "rad s-1", "m3", "m3 s-1", "W s m-3", "J m-3", "kg s-1")
     assert units in SCALES

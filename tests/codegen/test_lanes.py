@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.codegen import lane_math, lane_rows
 from screwsim.codegen.kinds import FLOATS, INTEGERS, LANES, Kind
@@ -147,7 +148,7 @@ def test_each_lane_gives_the_bits_that_python_gives(text):
         assert in_lanes(text, x, y)[0].tolist() == [alone(a, b) for a, b in zip(x.tolist(), y.tolist(), strict=True)]
 
 
-@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
+@each_row("text", TEXTS.values(), ids=TEXTS)
 def test_no_bit_of_a_lane_depends_on_the_others(text):
     x, y = RNG.uniform(-2.0, 3.0, (2, LANES))
     together = in_lanes(text, x, y)[0]

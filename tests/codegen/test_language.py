@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.codegen.modules import Module, load
 from screwsim.codegen.program import CannotCompile
@@ -44,12 +45,12 @@ EXPRESSIONS = (
 )
 
 
-@pytest.mark.parametrize("expression", EXPRESSIONS)
+@each_row("expression", EXPRESSIONS)
 def test_expressions_of_floats(expression):
     agree(f"def f(x, y):\n    return float({expression})\n", *NUMBERS)
 
 
-@pytest.mark.parametrize("expression", ["i // j", "i % j", "i * j - i", "abs(i) + max(i, j)", "i ** 3", "int(i / j)"])
+@each_row("expression", ["i // j", "i % j", "i * j - i", "abs(i) + max(i, j)", "i ** 3", "int(i / j)"])
 def test_expressions_of_integers(expression):
     agree(f"def f(i, j):\n    return {expression}\n", *[(i, j) for i in range(-7, 8) for j in (-3, -1, 2, 5)])
 
@@ -176,7 +177,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("body", REFUSED)
+@each_row("body", REFUSED)
 def test_what_is_not_compiled_is_refused_with_its_place(body):
     text = HEADER + f"TABLE = np.array([1.0, 2.0])\n\ndef nothing(x):\n    x = 1.0\n\ndef f(x):\n    {body}\n"
     with pytest.raises(CannotCompile, match=re.escape(REFUSED[body])):
@@ -190,9 +191,7 @@ def test_a_text_of_more_than_functions_and_constants_is_refused():
         load("def f(x):\n    return x\n", "test").g(1.0)
 
 
-@pytest.mark.parametrize(
-    "given", [np.zeros(4)[::2], np.zeros((2, 2)).T, np.zeros(3, np.float32), np.array(1.0), "text", None]
-)
+@each_row("given", [np.zeros(4)[::2], np.zeros((2, 2)).T, np.zeros(3, np.float32), np.array(1.0), "text", None])
 def test_what_compiled_code_cannot_read_is_refused(given):
     with pytest.raises(TypeError, match="a compiled function takes"):
         load("def f(x):\n    return 1.0\n", "test").f(given)

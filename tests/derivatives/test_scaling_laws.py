@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.study.local import sensitivities
@@ -30,7 +31,7 @@ def openings(found):
     return [path for path in found.values if path.endswith(".flow_coefficient")]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("figure", "power"),
     [("gas_mass_flow", 1), ("work_per_cycle", 1), ("oil_lift_power", 2), ("discharge_temperature", 0)],
 )
@@ -38,7 +39,7 @@ def test_an_ideal_gas_at_all_pressures_times_a_factor_flows_and_works_as_much_mo
     assert together(found, figure, PRESSURES) == pytest.approx(power, abs=CLOSE)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("figure", "power"),
     [("gas_mass_flow", 1), ("indicated_power", 1), ("work_per_cycle", 0), ("volumetric_efficiency", 0)],
 )
@@ -47,7 +48,7 @@ def test_a_machine_as_much_faster_as_all_its_rates_makes_the_same_cycle(found, f
     assert together(found, figure, rates) == pytest.approx(power, abs=CLOSE)
 
 
-@pytest.mark.parametrize(("figure", "power"), [("gas_mass_flow", 1), ("shaft_power", 1), ("discharge_temperature", 0)])
+@each_row(("figure", "power"), [("gas_mass_flow", 1), ("shaft_power", 1), ("discharge_temperature", 0)])
 def test_a_machine_as_much_larger_as_all_its_openings_gives_as_much_more(found, figure, power):
     assert together(found, figure, ["machine.volume.max", *openings(found)]) == pytest.approx(power, abs=CLOSE)
 

@@ -1,7 +1,7 @@
 """Stage equations of a slice are solved, whatever their number: four columns at once, what is left over each alone."""
 
 import numpy as np
-import pytest
+from each_row import each_row
 
 from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.slices import INTEGRALS, NODES
@@ -21,7 +21,7 @@ def equations(draw, chambers, states, reach):
     return J.reshape(COUNT, NODES, chambers * states, chambers * states)
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@each_row("shape", SHAPES)
 def test_stage_equations_are_solved_slice_by_slice(shape):
     draw = np.random.default_rng(3)
     J, (chambers, states, reach) = equations(draw, *shape), shape

@@ -4,7 +4,7 @@ import re
 from itertools import pairwise
 from pathlib import Path
 
-import pytest
+from each_row import each_row
 
 from screwsim.effects import catalogue
 
@@ -37,7 +37,7 @@ def test_numbers_rise_over_the_page_without_gap_in_each_block():
     assert all(b == a + 1 or (b > a and b % 10 == 0) for a, b in pairwise(numbers))  # a block begins at a ten
 
 
-@pytest.mark.parametrize("name", SECTIONS)
+@each_row("name", SECTIONS)
 def test_equation_has_a_formula_and_a_source(name):
     assert "$$" in SECTIONS[name]
     assert re.search(r"^Source: ", SECTIONS[name], flags=re.MULTILINE)
@@ -50,19 +50,19 @@ def test_everything_cited_in_the_code_is_there():
     assert not missing
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+@each_row("page", PAGES, ids=lambda path: path.name)
 def test_everything_cited_in_the_docs_is_there(page):
     assert cited(page.read_text(encoding="utf-8")) <= set(SECTIONS)
 
 
-@pytest.mark.parametrize("name", catalogue())
+@each_row("name", catalogue())
 def test_effect_cites_equations_that_are_there(name):
     equations = catalogue()[name].equations
     assert equations
     assert set(equations) <= set(SECTIONS)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+@each_row("page", PAGES, ids=lambda path: path.name)
 def test_links_between_pages_lead_somewhere(page):
     def anchors(text: str) -> set[str]:
         heads = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S), flags=re.MULTILINE)

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.build import regularisation
 from screwsim.cycle.balances import LEAST_WORK
@@ -33,7 +34,7 @@ numerics: {accuracy: 1e-3}
 """
 
 
-@pytest.mark.parametrize(("module", "name", "value"), CONSTANTS)
+@each_row(("module", "name", "value"), CONSTANTS)
 def test_constant_is_that_of_the_code(module, name, value):
     assert float(value) == getattr(importlib.import_module(f"screwsim.{module}"), name)
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.effects.air_package import Aftercooler, Fan, Loss, MinimumPressureValve, Parameters, Unloaded, read
@@ -160,7 +161,7 @@ def test_a_gas_that_condenses_behind_the_aftercooler_has_no_temperature_there_an
     assert given["package_input_power"] == 20e3
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "path", "words"),
     [
         (["effects.motor=off"], PACKAGE, "needs effects.motor"),

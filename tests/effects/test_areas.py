@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import make
 
 from screwsim.build import build_parts
@@ -253,7 +254,7 @@ def test_both_end_face_paths_together_are_the_whole_length():
     assert sum(most) == pytest.approx(50e-6 * 0.08, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", GAPS)
+@each_row("name", GAPS)
 def test_gap_areas_are_proportional_to_their_clearance(name):
     path = GAPS[name]
     key = "size" if "size" in path.values else "gap"

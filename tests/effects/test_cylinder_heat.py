@@ -4,6 +4,7 @@ import math
 
 import pytest
 from cylinder_scenes import SHUT, cylinder
+from each_row import each_row
 from scipy.integrate import quad
 
 from screwsim.effects import cylinder_heat
@@ -28,7 +29,7 @@ def test_a_cylinder_as_long_as_wide_has_its_bore_as_diameter():
     assert swirled(0.0, 3.0, AREA * BORE) == pytest.approx(alpha * surface)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("degrees", "expected"),
     [(0, 4.08), (60, 1.08), (120, 0.54), (180, 2.04), (240, 0.54), (300, 1.08), (360, 4.08), (90, 0.06), (270, 0.06)],
 )

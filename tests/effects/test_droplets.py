@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from each_row import each_row
 from scenes import DROP, make, run
 
 from screwsim.effects import droplets, oil_heat
@@ -27,7 +28,7 @@ def test_the_conductivity_is_that_of_the_source():
     assert pytest.approx(0.01463, abs=5e-6) == LAMBDA  # R134a, 6 bar, 310 K, as printed
 
 
-@pytest.mark.parametrize(("micrometres", "printed"), [(10, 2925), (20, 1463), (50, 585), (100, 293), (200, 146)])
+@each_row(("micrometres", "printed"), [(10, 2925), (20, 1463), (50, 585), (100, 293), (200, 146)])
 def test_without_slip_the_coefficient_is_twice_conductivity_over_diameter(micrometres, printed):
     alpha = droplets.heat_transfer_coefficient(25.0, 0.0, 1e-6 * micrometres, LAMBDA, MU, PR)
     assert alpha == pytest.approx(printed, abs=0.6)  # printed to 1 W/(m² K)
@@ -114,7 +115,7 @@ def test_huge_droplets_exchange_nothing():
     assert huge.indicated_power == pytest.approx(none.indicated_power, rel=1e-3)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         ({"effects.droplets": {"diameter": "50 um"}}, "effects.droplets: is simulated beside effects.oil_heat"),

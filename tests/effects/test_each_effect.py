@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.build import build_parts
 from screwsim.effects import catalogue
@@ -52,7 +53,7 @@ def test_mass_energy_and_entropy_close_with_the_effect_alone(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", each.ROWS)
+@each_row("name", each.ROWS)
 def test_it_stands_in_explain_and_in_the_ledger(name):
     scene, effect = each.with_it(name), each.effect_of(name)
     text = " ".join(str(explain(scene)).split())
@@ -64,7 +65,7 @@ def test_it_stands_in_explain_and_in_the_ledger(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", each.ROWS)
+@each_row("name", each.ROWS)
 def test_it_gives_what_it_is_called_for_or_says_why_not(name):
     scene, result = each.with_it(name), found(name)
     assert list(result.performance) == list(result.error) == list(called_for(scene, build_parts(scene)))

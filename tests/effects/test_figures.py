@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import make, scene_dict
 
 from screwsim import simulate
@@ -316,12 +317,12 @@ def test_a_scale_is_what_is_declared_whatever_the_name():
     assert engineering(Figure("sly", "1", "efficient", EFFICIENCY), 0.5) == ("50", "%")
 
 
-@pytest.mark.parametrize("scale", dict.fromkeys(figure.scale for figure in known().values()))
+@each_row("scale", dict.fromkeys(figure.scale for figure in known().values()))
 def test_a_scale_survives_its_text(scale):
     assert unpacked(packed(scale)) == scale
 
 
-@pytest.mark.parametrize("text", ["", "3", "[]", '{"least": "x"}', '{"of": [1]}', '{"times": "x"}', '{"more": 1}', "{"])
+@each_row("text", ["", "3", "[]", '{"least": "x"}', '{"of": [1]}', '{"times": "x"}', '{"more": 1}', "{"])
 def test_a_text_that_is_no_scale_is_none(text):
     assert unpacked(text) is None
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.effects import motor
@@ -52,7 +53,7 @@ NOMINAL = {  # percent, Regulation (EU) 2019/1781, annex I, tables 1 to 3
 }
 
 
-@pytest.mark.parametrize(("name", "poles"), NOMINAL)
+@each_row(("name", "poles"), NOMINAL)
 def test_polynomials_meet_the_printed_efficiencies_within_half_of_their_last_digit(name, poles):
     printed = [float(each) for each in NOMINAL[name, poles].split()]
     found = [100.0 * class_efficiency(name, poles, 1e3 * power) for power in POWERS]
@@ -79,7 +80,7 @@ def test_a_class_is_the_efficiency_that_it_states_whatever_the_rated_power_becom
     assert motor.Parameters(rated_power=75e3).efficiency == 0.95
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("stated", "words"),
     [
         (

@@ -4,6 +4,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, having, stating
@@ -41,7 +42,7 @@ def called(scene):
     return called_for(scene, build_parts(scene))
 
 
-@pytest.mark.parametrize(("name", "role"), WITH_ROLES)
+@each_row(("name", "role"), WITH_ROLES)
 def test_an_effect_with_a_role_calls_for_the_figures_of_it_and_the_scene_without_it_does_not(name, role):
     scene = scene_with(name, role)
     figures = {figure.name for figure in PERFORMANCE.values() if role in figure.needs}

@@ -3,6 +3,7 @@
 import shlex
 
 import pytest
+from each_row import each_row
 from explore_line import PAPER
 
 from screwsim.explore.changes import (
@@ -73,7 +74,7 @@ def test_values_of_an_effect_that_is_off_are_left_aside(base):
     assert overrides(base, {"effects.tip_leakage.gap": "31 um"}, {"tip_leakage": False}) == ["effects.tip_leakage=off"]
 
 
-@pytest.mark.parametrize(
+@each_row(
     "path",
     [
         "machine.volume.file",
@@ -98,13 +99,13 @@ def test_a_page_changes_numbers_and_choices_and_nothing_else(base, path):
     assert len(str(refusal.value)) < 300
 
 
-@pytest.mark.parametrize("name", ["os", "my_package.my_effect", "../x", "cylinder_heat", ""])
+@each_row("name", ["os", "my_package.my_effect", "../x", "cylinder_heat", ""])
 def test_a_page_switches_effects_of_its_machine_and_no_module(base, name):
     with pytest.raises(Refused):
         overrides(base, {}, {name: True})
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("path", "value"),
     [
         ("operation.speed", "{base: /etc/passwd}"),
@@ -126,7 +127,7 @@ def test_a_value_is_one_of_its_field(base, path, value):
         overrides(base, {path: value}, {})
 
 
-@pytest.mark.parametrize(
+@each_row(
     "raw",
     [
         None,

@@ -4,6 +4,7 @@ import http.client
 import json
 
 import pytest
+from each_row import each_row
 from explore_line import Line, served
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -23,7 +24,7 @@ def asked(rules, headers, query="", kind="http", method="GET"):
     return rules.refuses(scope)[0]
 
 
-@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1:80", "127.0.0.1", "", "localhost:8421.evil.example"])
+@each_row("host", ["evil.example", "127.0.0.1:80", "127.0.0.1", "", "localhost:8421.evil.example"])
 def test_another_name_is_refused(host):
     assert asked(OWN, [("host", host)]) == 403
 
@@ -32,8 +33,8 @@ def test_two_names_are_refused():
     assert asked(OWN, [("host", HOST), ("host", "evil.example")]) == 403
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:80", "file://", f"ftp://{HOST}"])
-@pytest.mark.parametrize("kind", ["http", "websocket"])
+@each_row("origin", ["http://evil.example", "null", "http://127.0.0.1:80", "file://", f"ftp://{HOST}"])
+@each_row("kind", ["http", "websocket"])
 def test_another_origin_is_refused(origin, kind):
     assert asked(OWN, [("host", HOST), ("origin", origin)], kind=kind, method="POST") == 403
 
@@ -54,9 +55,7 @@ def test_what_a_browser_calls_foreign_is_refused(site):
     assert asked(OWN, [*headers, ("sec-fetch-mode", "navigate")]) == 0  # a link on another page, which sees nothing
 
 
-@pytest.mark.parametrize(
-    "query", ["", "token=", "token=secre", "token=secrets", "other=secret", "token=wrong&token=secret"]
-)
+@each_row("query", ["", "token=", "token=secre", "token=secrets", "other=secret", "token=wrong&token=secret"])
 def test_without_its_token_another_address_answers_nobody(query):
     for kind in ("http", "websocket"):
         assert asked(ELSEWHERE, [("host", "machine:8421")], query, kind) == 403
@@ -67,12 +66,12 @@ def test_with_the_token_it_answers():
     assert asked(ELSEWHERE, [("host", "machine:8421"), ("origin", "http://evil.example")], "token=secret") == 403
 
 
-@pytest.mark.parametrize("length", [str(LARGEST + 1), "-1", "x", "1e3", ""])
+@each_row("length", [str(LARGEST + 1), "-1", "x", "1e3", ""])
 def test_a_body_of_another_size_is_refused(length):
     assert asked(OWN, [("host", HOST), ("content-length", length)], method="POST") == 413
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("host", "is_own"),
     [("127.0.0.1", True), ("127.1.2.3", True), ("::1", True), ("localhost", True), ("0.0.0.0", False), ("box", False)],
 )

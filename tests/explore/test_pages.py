@@ -4,6 +4,7 @@ import asyncio
 import json
 
 import pytest
+from each_row import each_row
 
 from screwsim.explore import answer
 from screwsim.explore.pages import Page
@@ -105,7 +106,7 @@ def test_new_points_take_the_place_of_old_ones():
     assert [head.get("id") for head in heads] == [None, 2]
 
 
-@pytest.mark.parametrize("numbers", [(2,), (1, 1), (1, 3), (0,), (-1,)])
+@each_row("numbers", [(2,), (1, 1), (1, 3), (0,), (-1,)])
 def test_numbers_that_skip_are_refused(numbers):
     with pytest.raises(Exception, match="not numbered"):
         played([point(number) for number in numbers])

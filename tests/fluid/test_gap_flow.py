@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from each_row import each_row
 
 from screwsim.fluid import gap_flow
 
@@ -102,8 +103,8 @@ def test_thin_oil_in_a_wide_gap_is_bernoullis():
     assert film(1e6, gap=5e-3, viscosity=1e-4) == pytest.approx(math.sqrt(2.0 * RHO_OIL * 1e6), rel=1e-3)
 
 
-@pytest.mark.parametrize("drop", [1.0, 1e3, 1e5, 2e6])
-@pytest.mark.parametrize("gap", [10e-6, 50e-6, 300e-6])
+@each_row("drop", [1.0, 1e3, 1e5, 2e6])
+@each_row("gap", [10e-6, 50e-6, 300e-6])
 def test_entry_and_friction_take_the_whole_pressure_drop(drop, gap):
     flux = film(drop, gap)
     friction = 12.0 * MU_OIL * PASSAGE * flux / (RHO_OIL * gap * gap)

@@ -150,11 +150,16 @@ def test_an_unknown_fluid_is_named(fresh):
         constants.gas_constant("R134z")
 
 
-def test_saturation_above_the_critical_pressure_is_refused(fresh):
+def test_saturation_above_the_critical_pressure_is_refused_without_asking_twice(fresh, monkeypatch):
     from screwsim.inputs.faults import UsageError
 
-    with pytest.raises(UsageError, match="no saturation"):
+    with pytest.raises(UsageError, match=r"no saturation at 6e\+06 Pa \(critical: 4\.05\d+e\+06 Pa\)") as asked:
         constants.saturation_temperature("R134a", 60e5)
+    forget()
+    monkeypatch.setattr(constants, "_abstract_state", lambda _: never())
+    with pytest.raises(UsageError) as kept:
+        constants.saturation_temperature("R134a", 60e5)
+    assert str(kept.value) == str(asked.value)
 
 
 def test_heat_capacity_rises_with_temperature_as_vibrations_do(fresh):

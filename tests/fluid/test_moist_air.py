@@ -5,6 +5,7 @@ from pathlib import Path
 
 import CoolProp.CoolProp as coolprop
 import pytest
+from each_row import each_row
 
 from screwsim.fluid import constants, water
 from screwsim.fluid.ideal_gas import IdealGas
@@ -26,7 +27,7 @@ def reference(output, **given):
     return coolprop.HAPropsSI(output, *(each for name, value in given.items() for each in (name, value)))
 
 
-@pytest.mark.parametrize("T", TEMPERATURES)
+@each_row("T", TEMPERATURES)
 def test_water_is_coolprops(T):
     state = coolprop.AbstractState("HEOS", "Water")
     state.update(coolprop.DmassT_INPUTS, 1e-7, T)

@@ -5,6 +5,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scipy.optimize import minimize_scalar
 
 from screwsim.fluid.ideal_gas import IdealGas
@@ -54,8 +55,8 @@ UNCHOKED = (0.999, 0.985, 0.95, 0.8, 0.6)
 CHOKED = (0.5, 0.1, 1e-3)
 
 
-@pytest.mark.parametrize("k", [1.05, 1.12, 1.4, 1.667])
-@pytest.mark.parametrize("r", [*UNCHOKED, *CHOKED])
+@each_row("k", [1.05, 1.12, 1.4, 1.667])
+@each_row("r", [*UNCHOKED, *CHOKED])
 def test_inflow_is_the_textbooks(r, k):
     gas = IdealGas(R=81.49, k=k)
     p, T = HIGH
@@ -63,7 +64,7 @@ def test_inflow_is_the_textbooks(r, k):
     assert into_first(r * p, 300.0, p, T, gas=gas) == pytest.approx(expected, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("r", [*UNCHOKED, *CHOKED])
+@each_row("r", [*UNCHOKED, *CHOKED])
 def test_outflow_is_the_textbooks_and_negative(r):
     p, T = HIGH
     expected = -textbook(p, T, r * p) * regularised(p * (1 - r))
@@ -74,7 +75,7 @@ def test_nothing_flows_at_equal_pressures():
     assert into_first(2e5, 300.0, 2e5, 350.0) == 0.0
 
 
-@pytest.mark.parametrize("p_2", [1.0e5, 1.99999e5, 2.00001e5, 2.1e5, 9e5])
+@each_row("p_2", [1.0e5, 1.99999e5, 2.00001e5, 2.1e5, 9e5])
 def test_swapping_the_port_states_turns_the_sign(p_2):
     assert into_first(2e5, 300.0, p_2, 350.0) == -into_first(p_2, 350.0, 2e5, 300.0)  # exactly: mass is conserved by it
 
@@ -143,8 +144,8 @@ def test_choking_sets_in_where_the_textbook_says():
 PAIRS = [(2e5, 2.5e5), (2e5, 2.01e5), (2e5, 9e5), (2.5e5, 2e5), (9e5, 2e5), (2.0e5, 2.00003e5), (2.00003e5, 2e5)]
 
 
-@pytest.mark.parametrize(("p_1", "p_2"), PAIRS)
-@pytest.mark.parametrize("which", range(4))
+@each_row(("p_1", "p_2"), PAIRS)
+@each_row("which", range(4))
 def test_slopes_are_the_derivatives_of_the_flow(p_1, p_2, which):
     """∂ṁ/∂p_1, ∂ρ_1, ∂p_2, ∂ρ_2 against central differences, unchoked and choked, both directions, near Δp = 0."""
     values = np.array([p_1, port_state(p_1, 300.0)[1], p_2, port_state(p_2, 350.0)[1]])
@@ -204,22 +205,22 @@ def digits(k, x):
         return psi2 / (1 - r), 1 - limit, most
 
 
-@pytest.mark.parametrize("k", EXPONENTS)
+@each_row("k", EXPONENTS)
 def test_choking_is_right_for_every_exponent(k):
     _, drop, most = digits(k, 0.1)
     assert choking(k) == pytest.approx((float(drop), float(most)), rel=1e-14)  # the polynomial's error, doubled by ψ²
 
 
-@pytest.mark.parametrize("x", DROPS)
-@pytest.mark.parametrize("k", EXPONENTS)
+@each_row("x", DROPS)
+@each_row("k", EXPONENTS)
 def test_expansion_is_right_for_every_exponent(k, x):
     found = expansion(x, 1.0 / k, *choking(k))
     # 1e-12 at the drop of 0.02 where the closed form begins and cancels two digits; 1/k itself is rounded
     assert found == pytest.approx(float(digits(k, x)[0]), rel=1e-12)
 
 
-@pytest.mark.parametrize("x", [1e-4, 0.01, 0.05, 0.1, 0.15])
-@pytest.mark.parametrize("k", EXPONENTS)
+@each_row("x", [1e-4, 0.01, 0.05, 0.1, 0.15])
+@each_row("k", EXPONENTS)
 def test_the_slope_of_expansion_is_right_for_every_exponent(k, x):
     a, step = 1.0 / k, 1e-20
     exact = (digits(k, Decimal(x) + Decimal(step))[0] - digits(k, Decimal(x) - Decimal(step))[0]) / (2 * Decimal(step))
@@ -242,8 +243,8 @@ def test_choking_is_smooth_where_its_polynomial_ends(y):
     assert values[0] == pytest.approx(values[1], rel=1e-12)
 
 
-@pytest.mark.parametrize("k", [0.5, 0.97, 1.0, 1.3])
-@pytest.mark.parametrize("which", range(4))
+@each_row("k", [0.5, 0.97, 1.0, 1.3])
+@each_row("which", range(4))
 def test_slopes_are_the_derivatives_of_the_flow_for_every_exponent(k, which):
     rest = (1.0 / k, *choking(k))
     values = np.array([2e5, 4.0, 2.5e5, 5.0])

@@ -3,13 +3,14 @@
 import math
 
 import pytest
+from each_row import each_row
 
 from screwsim.fluid.oils import OILS, Grade
 
 GRADES = {name: oil for name, oil in OILS.items() if isinstance(oil, Grade)}
 
 
-@pytest.mark.parametrize("name", GRADES)
+@each_row("name", GRADES)
 def test_a_grade_has_its_number_at_40_degC_and_its_data_sheet_at_100(name):
     oil = GRADES[name]
     assert oil.kinematic_at(313.15) == pytest.approx(float(name.rpartition("_")[2]) * 1e-6, rel=1e-12)
@@ -38,7 +39,7 @@ def test_viscosity_indices_stand_in_the_order_of_the_families():
     assert list(falls.values()) == sorted(falls.values(), reverse=True)
 
 
-@pytest.mark.parametrize("name", GRADES)
+@each_row("name", GRADES)
 def test_density_and_heat_capacity_are_those_of_lubricating_oils(name):
     oil = GRADES[name]
     assert 780.0 < oil.density_at(353.15) < oil.density_at(313.15) < 1000.0

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.fluid import description, terms
 from screwsim.fluid.ideal_gas import IdealGas
@@ -97,24 +98,24 @@ SOME = ("R134a", "Ammonia", "CarbonDioxide", "Nitrogen", "Air", "R125")  # every
 DIFFERENCE = 1e-8  # fourth-order differences with steps of 1e-3: (1e-3)⁴ times a factor of the equation's curvature
 
 
-@pytest.mark.parametrize("fluid", SOME)
-@pytest.mark.parametrize(("T_r", "rho_r"), STATES)
+@each_row("fluid", SOME)
+@each_row(("T_r", "rho_r"), STATES)
 def test_cv_is_the_slope_of_inner_energy(fluid, T_r, rho_r):
     gas, (T, rho) = RealGas(fluid), reduced(fluid, T_r, rho_r)
     slope = difference(lambda x: gas.state(x, rho)[1] - gas.state(x, rho)[0] / rho, T, 1e-3 * T)
     assert gas.state(T, rho)[2] == pytest.approx(slope, rel=30 * DIFFERENCE)  # non-analytic terms vary within 1e-2
 
 
-@pytest.mark.parametrize("fluid", SOME)
-@pytest.mark.parametrize(("T_r", "rho_r"), STATES)
+@each_row("fluid", SOME)
+@each_row(("T_r", "rho_r"), STATES)
 def test_T_dp_dT_is_the_slope_of_pressure(fluid, T_r, rho_r):
     gas, (T, rho) = RealGas(fluid), reduced(fluid, T_r, rho_r)
     slope = difference(lambda x: gas.state(x, rho)[0], T, 1e-3 * T)
     assert gas.state(T, rho)[3] == pytest.approx(T * slope, rel=30 * DIFFERENCE)
 
 
-@pytest.mark.parametrize("fluid", SOME)
-@pytest.mark.parametrize(("T_r", "rho_r"), STATES)
+@each_row("fluid", SOME)
+@each_row(("T_r", "rho_r"), STATES)
 def test_inner_energy_and_pressure_come_from_one_potential(fluid, T_r, rho_r):
     """(∂u/∂ρ)_T = (p − T p_T)/ρ²."""
     gas, (T, rho) = RealGas(fluid), reduced(fluid, T_r, rho_r)
@@ -123,8 +124,8 @@ def test_inner_energy_and_pressure_come_from_one_potential(fluid, T_r, rho_r):
     assert slope == pytest.approx((p - tpt) / rho**2, rel=30 * DIFFERENCE, abs=1e-11 * gas.R * T / (1e-3 * rho))
 
 
-@pytest.mark.parametrize("fluid", SOME)
-@pytest.mark.parametrize(("T_r", "rho_r"), STATES)
+@each_row("fluid", SOME)
+@each_row(("T_r", "rho_r"), STATES)
 def test_entropy_has_the_slopes_of_the_second_law(fluid, T_r, rho_r):
     """T (∂s/∂T)_ρ = c_v and ρ² (∂s/∂ρ)_T = −p_T."""
     gas, (T, rho) = RealGas(fluid), reduced(fluid, T_r, rho_r)
@@ -135,8 +136,8 @@ def test_entropy_has_the_slopes_of_the_second_law(fluid, T_r, rho_r):
     assert -(rho**2) * by_rho == pytest.approx(tpt / T, rel=30 * DIFFERENCE)
 
 
-@pytest.mark.parametrize("fluid", SOME)
-@pytest.mark.parametrize(("T_r", "rho_r"), STATES)
+@each_row("fluid", SOME)
+@each_row(("T_r", "rho_r"), STATES)
 def test_sound_is_the_isentropes_slope(fluid, T_r, rho_r):
     """1/k = p/(ρ w²), w² = (∂p/∂ρ)_s = p_ρ + T p_T²/(ρ² c_v), with p_ρ by differences."""
     gas, (T, rho) = RealGas(fluid), reduced(fluid, T_r, rho_r)
@@ -154,7 +155,7 @@ def test_cp_minus_cv_is_T_pT_squared_over_rho_squared_p_rho(fluid):
     assert c_p - c_v == pytest.approx(tpt**2 / (T * rho**2 * p_rho), rel=1e-7)  # difference of two found densities
 
 
-@pytest.mark.parametrize("fluid", FLUIDS)
+@each_row("fluid", FLUIDS)
 def test_a_dilute_gas_is_ideal_to_first_order_in_density(fluid):
     """Z − 1, h − h⁰, c_v − c_v⁰ and k − c_p⁰/c_v⁰ vanish with ρ: ten times less gas, ten times less deviation."""
     gas, (T, rho_c) = RealGas(fluid), reduced(fluid, 0.9, 1.0)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.fluid import constants
 from screwsim.fluid.dome import inside_kernel, saturation_kernels
@@ -28,7 +29,7 @@ def test_a_table_is_exact_for_a_polynomial_of_its_degree():
     assert table(at) == pytest.approx(at**9 - 3.0 * at, rel=1e-12)  # 3⁹ = 2e4 is summed from terms of its size
 
 
-@pytest.mark.parametrize("fluid", PURE)
+@each_row("fluid", PURE)
 def test_both_phases_have_one_pressure_and_one_gibbs_energy(fluid):
     kernels, potentials, R = saturation_kernels(fluid), potentials_kernel(fluid), RealGas(fluid).R
     for T in temperatures(fluid):
@@ -43,7 +44,7 @@ def test_both_phases_have_one_pressure_and_one_gibbs_energy(fluid):
         assert kernels.gibbs(T)[0] == pytest.approx(g_v, abs=1e-11 * R * T)
 
 
-@pytest.mark.parametrize("fluid", PURE)
+@each_row("fluid", PURE)
 def test_saturation_is_coolprops(fluid):
     CP = pytest.importorskip("CoolProp.CoolProp")
     kernels, state = saturation_kernels(fluid), CP.AbstractState("HEOS", fluid)
@@ -57,7 +58,7 @@ def test_saturation_is_coolprops(fluid):
         assert kernels.pressure(T)[0] == pytest.approx(p, rel=1e-9 if p > 1e4 else 1e-2)
 
 
-@pytest.mark.parametrize("fluid", PURE)
+@each_row("fluid", PURE)
 def test_the_slope_of_pressure_is_clapeyrons(fluid):
     """dp_sat/dT = (s_v − s_l)/(v_v − v_l): the derivative of one table from the others and the equation."""
     kernels, entropy = saturation_kernels(fluid), entropy_kernel(fluid)
@@ -67,7 +68,7 @@ def test_the_slope_of_pressure_is_clapeyrons(fluid):
         assert kernels.pressure(T)[1] == pytest.approx(clapeyron, rel=1e-8)  # a differentiated fit of degree nine
 
 
-@pytest.mark.parametrize("fluid", PURE)
+@each_row("fluid", PURE)
 def test_the_saturation_temperature_inverts_the_pressure(fluid):
     kernels = saturation_kernels(fluid)
     for T in temperatures(fluid):
@@ -75,7 +76,7 @@ def test_the_saturation_temperature_inverts_the_pressure(fluid):
         assert kernels.temperature(kernels.pressure(T)[0]) == pytest.approx(T, rel=1e-10)
 
 
-@pytest.mark.parametrize("fluid", PURE)
+@each_row("fluid", PURE)
 def test_the_phases_meet_at_the_critical_point(fluid):
     kernels, found = saturation_kernels(fluid), saturation(fluid)
     gaps = [kernels.liquid(T) / kernels.vapour(T) - 1.0 for T in temperatures(fluid)]
@@ -116,7 +117,7 @@ def difference(f, x, step):
     return (8.0 * (f(x + step) - f(x - step)) - f(x + 2.0 * step) + f(x - 2.0 * step)) / (12.0 * step)
 
 
-@pytest.mark.parametrize(("fluid", "T_r", "x"), DOME)
+@each_row(("fluid", "T_r", "x"), DOME)
 def test_two_phases_are_their_masses_of_each(fluid, T_r, x):
     """u, h, s by the lever rule between the single phases' own values; p = p_sat."""
     gas, kernels, (T, rho) = RealGas(fluid, "equilibrium"), saturation_kernels(fluid), wet(fluid, T_r, x)
@@ -131,14 +132,14 @@ def test_two_phases_are_their_masses_of_each(fluid, T_r, x):
     )
 
 
-@pytest.mark.parametrize(("fluid", "T_r", "x"), DOME)
+@each_row(("fluid", "T_r", "x"), DOME)
 def test_cv_of_two_phases_is_the_slope_of_inner_energy(fluid, T_r, x):
     gas, (T, rho) = RealGas(fluid, "equilibrium"), wet(fluid, T_r, x)
     slope = difference(lambda y: gas.state(y, rho)[1] - gas.state(y, rho)[0] / rho, T, 2e-5 * T)
     assert gas.state(T, rho)[2] == pytest.approx(slope, rel=1e-6)  # cancellation: 1e-15 h / 2e-5 T c_v
 
 
-@pytest.mark.parametrize(("fluid", "T_r", "x"), DOME)
+@each_row(("fluid", "T_r", "x"), DOME)
 def test_cv_of_two_phases_is_that_of_the_phases(fluid, T_r, x):
     """−T g'' + v T p'' is the slope of the inner energy that the phases' own equation and densities give."""
     gas, kernels, (T, rho) = RealGas(fluid, "equilibrium"), saturation_kernels(fluid), wet(fluid, T_r, x)
@@ -153,7 +154,7 @@ def test_cv_of_two_phases_is_that_of_the_phases(fluid, T_r, x):
     assert gas.state(T, rho)[2] == pytest.approx(difference(inner, T, 1e-4 * T), rel=1e-6)  # second derivatives of fits
 
 
-@pytest.mark.parametrize(("fluid", "T_r", "x"), DOME)
+@each_row(("fluid", "T_r", "x"), DOME)
 def test_sound_in_two_phases_is_the_isentropes_slope(fluid, T_r, x):
     """1/k = p/(ρ w²) with w² = (∂p/∂ρ)_s by differences along s = const."""
     gas, (T, rho) = RealGas(fluid, "equilibrium"), wet(fluid, T_r, x)
@@ -168,7 +169,7 @@ def test_sound_in_two_phases_is_the_isentropes_slope(fluid, T_r, x):
     assert a == pytest.approx(p / (rho * difference(isentrope, rho, 2e-4 * rho)), rel=1e-6)
 
 
-@pytest.mark.parametrize("fluid", PURE)
+@each_row("fluid", PURE)
 def test_the_state_is_continuous_across_saturation(fluid):
     """p, h and s have one value on both sides of saturated vapour and liquid; c_v and k have two."""
     gas, kernels = RealGas(fluid, "equilibrium"), saturation_kernels(fluid)
@@ -202,7 +203,7 @@ def test_the_quick_table_never_misses_a_wet_state(fluid):
         assert not inside(T, kernels.vapour(T) * (1.0 - 1e-10)) and not inside(T, kernels.liquid(T) * (1.0 + 1e-10))
 
 
-@pytest.mark.parametrize(("fluid", "T_r", "x"), DOME)
+@each_row(("fluid", "T_r", "x"), DOME)
 def test_two_phases_are_coolprops(fluid, T_r, x):
     CP = pytest.importorskip("CoolProp.CoolProp")
     gas, (T, rho) = RealGas(fluid, "equilibrium"), wet(fluid, T_r, x)

@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.effects import refrigerant_solubility as effect
 from screwsim.fluid.real_gas import RealGas
@@ -16,8 +17,8 @@ def test_content_at_70_degrees_is_that_of_the_source(bar, share):
     assert content / (1.0 + content) == pytest.approx(share, abs=6e-4)
 
 
-@pytest.mark.parametrize("T", [283.0, 313.0, 343.0])
-@pytest.mark.parametrize("ratio", [0.02, 0.1, 0.3])
+@each_row("T", [283.0, 313.0, 343.0])
+@each_row("ratio", [0.02, 0.1, 0.3])
 def test_pressure_over_a_solution_is_the_inverse_of_its_content(T, ratio):
     assert effect.content(effect.equilibrium_pressure(ratio, T), T) == pytest.approx(ratio, rel=1e-7)
 
@@ -69,8 +70,8 @@ def test_equilibrium_of_the_rate_is_the_content_in_the_separator():
     assert in_equilibrium(12e5, 345.0) == pytest.approx(effect.content(12e5, 345.0), rel=2e-3)
 
 
-@pytest.mark.parametrize("T", [325.0, 330.0, 335.0, 340.0, 345.0])
-@pytest.mark.parametrize("p", [4e5, 8e5, 12e5])
+@each_row("T", [325.0, 330.0, 335.0, 340.0, 345.0])
+@each_row("p", [4e5, 8e5, 12e5])
 def test_equilibrium_of_the_rate_is_near_the_content_between_them(p, T):
     assert in_equilibrium(p, T) == pytest.approx(effect.content(p, T), rel=0.1)
 

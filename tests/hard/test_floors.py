@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, make, run
 
 from screwsim import outputs
@@ -137,7 +138,7 @@ def test_a_chamber_without_oil_makes_none(speed):
     assert found.performance.oil_discharge_temperature is None  # that of nothing
 
 
-@pytest.mark.parametrize(("x", "share"), [(1e-9, 1e-3), (1e-7, 0.1), (1e-6, 1.0), (1e-3, 1.0), (3.0, 1.0)])
+@each_row(("x", "share"), [(1e-9, 1e-3), (1e-7, 0.1), (1e-6, 1.0), (1e-3, 1.0), (3.0, 1.0)])
 def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share):
     """`SOME_OIL`: below 1e-6 of the gas, oil holds less than 1e-5 of the heat; its temperature counts so."""
     y = [300.0, 1.0, 310.0, x]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from hard_cases import CASES
 from hard_page import RADAU, REASONS, page, to_compare
 from known import known
@@ -94,7 +95,7 @@ def test_a_start_far_off_ends_in_the_same_cycle(case, monkeypatch):
     assert worst(relative_errors(found.performance, usual.performance))[1] <= make(case.changes).numerics.accuracy
 
 
-@pytest.mark.parametrize("case", marked([case for case in CASES if case.status == "refused"]))
+@each_row("case", [case for case in CASES if case.status == "refused"])
 def test_ill_posed_case_is_refused_with_a_remedy(case):
     with pytest.raises(SceneError) as refused:
         make(case.changes)

@@ -7,6 +7,7 @@ from pathlib import Path
 import mutate
 import mutate_space as space
 import pytest
+from each_row import each_row
 
 OUTCOME = Path(__file__).parent / "mutate_outcome.json"
 STORED = json.loads(OUTCOME.read_text(encoding="utf-8"))
@@ -61,7 +62,7 @@ def test_the_files_that_are_mutated_are_read_as_they_are(tmp_path):
     assert not (tmp_path / "sprung").exists()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("way", "what"),
     [
         (lambda: 1 // 0, "internal error"),

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import hard_with_effects
-import pytest
+from each_row import each_row
 from scenes import scene_dict
 
 from screwsim.effects import catalogue
@@ -15,7 +15,7 @@ STORED = hard_with_effects.stored()
 CASES = {case.name: case for case in hard_with_effects.chosen()}
 
 
-@pytest.mark.parametrize("name", STORED)
+@each_row("name", STORED)
 def test_every_case_is_ok_refused_with_a_remedy_or_at_a_limit(name):
     outcomes = STORED[name]
     assert set(outcomes) == {case.name for case in hard_with_effects.chosen(name)}

@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim import outputs
@@ -23,7 +24,7 @@ LONGEST = 380  # lines
 PROGRAMS = sorted(path for folder in ("scripts", "benchmarks", "docs/tools") for path in (ROOT / folder).glob("*.py"))
 
 
-@pytest.mark.parametrize("path", COMPARISONS, ids=lambda path: f"{path.parent.name}/{path.name}")
+@each_row("path", COMPARISONS, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_what_a_comparison_asks_of_the_package_is_there(path):
     """Some of them take minutes, and no test runs them."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import SPEEDS, closed, make, run
 
 from screwsim.cycle.close import close
@@ -39,14 +40,14 @@ def test_the_cycle_closes(speed, transport):
     assert at(speed, transport).status == "ok"
 
 
-@pytest.mark.parametrize("kind", ["mass", "energy"])
-@pytest.mark.parametrize(("speed", "transport"), CASES)
+@each_row("kind", ["mass", "energy"])
+@each_row(("speed", "transport"), CASES)
 def test_what_enters_leaves(speed, transport, kind):
     result = at(speed, transport)
     assert result.status != "ok" or result.balance[kind] <= result.balance.bound  # the contract of status ok
 
 
-@pytest.mark.parametrize("speed", SPEEDS)
+@each_row("speed", SPEEDS)
 def test_carried_oil_that_enters_leaves(speed):
     result = at(speed, "carried")
     assert result.status != "ok" or result.balance.oil_mass <= 10 * result.balance.bound  # not part of the bound itself

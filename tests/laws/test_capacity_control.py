@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 from scenes import ECONOMIZER, make, run
 
 from screwsim.build import build_parts
@@ -198,7 +199,7 @@ def test_the_study_goes_from_full_load_to_a_quarter_of_it(way, supply):
 # ---- faults ----
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         ({"effects.bypass": {}}, "effects.bypass.share: is missing (source: discharge needs it"),

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import closed, make, run
 
 from screwsim.cycle import relaxation
@@ -188,7 +189,7 @@ def test_a_slot_that_is_open_until_discharge_leaves_the_net_flow_to_the_port():
 QUICKLY, SLOWLY = (40.0, 100.0), (40.0, 8.0)  # gap and change of the states of a turn before, in tolerances
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("before", "moved", "stalled", "chance"),
     [
         (QUICKLY, 4.0, 0, False),  # the next turn moves them by 0.16

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import FILM, FILMS, OIL_VOLUME, PUMPED_PORT, SOLUBLE_RATE, closed, make, run
 
 from screwsim.explain import explain
@@ -53,7 +54,7 @@ def change(one, other):
 # ---- plane flow between a wall at rest and one that moves ------------------------------------------------------------
 
 
-@pytest.mark.parametrize("drop", [-5e5, -1e5, 0.0, 1e5, 5e5])
+@each_row("drop", [-5e5, -1e5, 0.0, 1e5, 5e5])
 def test_a_wall_moves_half_its_speed_and_works_on_pressure_and_shear_alone(drop):
     """The profile of the velocity, summed: M256, M257; only the pressure's own flow heats, beside the shear."""
     mu, u, y = 20e-3, 10.0, (np.arange(20000) + 0.5) / 20000 * GAP

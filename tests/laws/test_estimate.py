@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import closed, make, run
 
 from screwsim.build import build_parts
@@ -45,7 +46,7 @@ def test_the_true_error_is_below_the_wanted_accuracy(case):
     assert worst(true_errors(case))[1] < make(CASES[case]).numerics.accuracy
 
 
-@pytest.mark.parametrize("case", CASES)
+@each_row("case", CASES)
 def test_the_estimate_is_of_the_true_errors_size(case):
     estimated, true = worst(run(CASES[case]).error)[1], worst(true_errors(case))[1]
     # one turn sees neither how errors feed back through the neighbours nor the finer turn's own error

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from CoolProp.CoolProp import PropsSI
+from each_row import each_row
 
 from screwsim.fluid.real_gas import RealGas
 from screwsim.scene import load
@@ -44,9 +45,9 @@ def test_droplets_from_the_evaporator_go_on_from_there(found):
     assert damp.performance.gas_mass_flow > found.performance.gas_mass_flow
 
 
-@pytest.mark.parametrize("two_phase", ["refuse", "equilibrium"])
-@pytest.mark.parametrize("fluid", ["Ammonia", "R134a", "CO2"])
-@pytest.mark.parametrize("T", [230.0, 263.15, 300.0])
+@each_row("two_phase", ["refuse", "equilibrium"])
+@each_row("fluid", ["Ammonia", "R134a", "CO2"])
+@each_row("T", [230.0, 263.15, 300.0])
 def test_saturated_vapour_is_never_taken_for_a_liquid(fluid, T, two_phase):
     overrides = [f"gas.fluid={fluid}", f"gas.two_phase={two_phase}", f"operation.evaporating_temperature={T} K"]
     overrides += ["operation.condensing_temperature=303 K"]

@@ -1,6 +1,7 @@
 """Flow models of gaps in the cycle: both ways of closing agree, balances close, and each model vanishes."""
 
 import pytest
+from each_row import each_row
 from scenes import FRICTION, HELD_GAPS, make, run
 
 from screwsim.build import build_parts
@@ -77,7 +78,7 @@ def test_explain_names_the_model_of_each_gap():
     assert "friction" not in str(explain(make())).partition("Flow paths")[2].partition("Gas")[0]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         ({"effects.tip_leakage.passage": "2 mm"}, "effects.tip_leakage.passage: has no meaning with model: nozzle"),

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from CoolProp.CoolProp import PT_INPUTS, AbstractState, PropsSI, iphase_supercritical
+from each_row import each_row
 
 from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError
@@ -81,7 +82,7 @@ def test_a_blend_is_cooled_above_its_critical_pressure_too():
     assert np.diff(own) == pytest.approx(np.diff(theirs), rel=1e-7)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("overrides", "told"),
     [
         (["operation.condensing_temperature=25 degC"], "is given beside operation.gas_cooler"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import make, run
 from scipy.integrate import solve_ivp
 
@@ -33,8 +34,8 @@ def test_an_open_valve_is_held_up_by_its_pressure_and_an_orifice_beyond():
     assert drop == pytest.approx([2e3, 1.0 / (2.0 * 45.0 * 1e-6)])
 
 
-@pytest.mark.parametrize("swing", [0.3, 1.5, 6.0])
-@pytest.mark.parametrize("valve", [Valve(), Valve(area=5e-4), Valve(area=5e-4, pressure=3e3)])
+@each_row("swing", [0.3, 1.5, 6.0])
+@each_row("valve", [Valve(), Valve(area=5e-4), Valve(area=5e-4, pressure=3e3)])
 def test_nothing_flows_back_and_the_mean_passes(swing, valve):
     given = 0.2 * (1.0 + swing * np.cos(PHASE) + 0.3 * swing * np.sin(3.0 * PHASE))
     flow, _ = through(valve, given, BEHIND)

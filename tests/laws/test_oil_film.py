@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, FILM, FILMS, OIL_VOLUME, SOLUBLE_RATE, TOGETHER, closed, make, run
 
 from screwsim.build import build_parts
@@ -196,7 +197,7 @@ def test_explain_names_the_film():
     assert "full of oil from 0.2 kg per kg of gas on: viscous film (M250-M252)" in text
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         ({"filled_from": DROP}, "effects.tip_leakage.filled_from: is missing (model: oil_film needs it"),

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from each_row import each_row
 from scenes import DROP, OIL_PORT, PUMPED_PORT, make, run
 
 from screwsim.effects.oil_injection import flow, flow_behind_line
@@ -19,8 +20,8 @@ def through(p, loss):
     return flow_behind_line(2.0, p, 1.0, *behind), flow(2.0, p, 1.0, *WINDOW, 0.0, P_SEPARATOR, *BORE)
 
 
-@pytest.mark.parametrize("p", [1e5, 6e5, 11.9e5, 11.999e5])
-@pytest.mark.parametrize("loss", [1e3, 5e4, 1e6, 1e9])
+@each_row("p", [1e5, 6e5, 11.9e5, 11.999e5])
+@each_row("loss", [1e3, 5e4, 1e6, 1e9])
 def test_line_and_bore_lose_together_what_there_is(p, loss):
     """The bore's loss goes with the square of its flow, too: both sum up to the difference of pressures."""
     behind, free = through(p, loss)
@@ -36,8 +37,8 @@ def test_a_line_without_loss_is_none_and_nothing_flows_back():
     assert through(13e5, 1e5)[0] == 0.0
 
 
-@pytest.mark.parametrize("dp", [1e3, 2e5, 11e5])
-@pytest.mark.parametrize("loss", [1e3, 1e6, 1e9])
+@each_row("dp", [1e3, 2e5, 11e5])
+@each_row("loss", [1e3, 1e6, 1e9])
 def test_at_360_degrees_line_and_bore_lose_together_what_there_is(dp, loss):
     behind, free = orifice_flow_behind_line(dp, loss, NOMINAL, *BORE), orifice_flow(dp, *BORE)
     line = loss * (behind / (1000.0 * NOMINAL)) ** 2

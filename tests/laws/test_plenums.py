@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import closed, make, run
 from scipy.integrate import solve_ivp
 
@@ -280,7 +281,7 @@ def test_one_integration_of_all_finds_the_same_pulsation():
 # ---- what scenes say -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         ({"suction_volume": None, "discharge_volume": None, "suction_area": None, "discharge_area": None}, "no plenum"),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, TOGETHER, make, run
 
 from screwsim import load
@@ -182,7 +183,7 @@ def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
 # ---- faults --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "path", "words"),
     [
         ({**OIL_PORT, "oil.transport": "paper"}, "effects.oil_injection", "oil.transport: carried"),

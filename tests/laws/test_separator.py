@@ -5,6 +5,7 @@ from math import log, pi
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make, run
 
 from screwsim.build import build_gas
@@ -84,7 +85,7 @@ def test_the_balance_around_machine_separator_and_cooler_closes_to_the_wanted_ac
         assert result.balance.entropy <= accuracy
 
 
-@pytest.mark.parametrize("case", TWO_LINES)
+@each_row("case", TWO_LINES)
 def test_shaft_power_is_what_gas_and_cooler_take(case):
     """But for the heat that gas takes back into the suction line, a ten-thousandth here (M54)."""
     changes = {**CASES[case], "numerics": {"accuracy": 1e-5}}
@@ -289,7 +290,7 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("case", FAULTS)
+@each_row("case", FAULTS)
 def test_what_contradicts_itself_is_one_fault_at_the_front(case):
     changes, words = FAULTS[case]
     with pytest.raises(SceneError, match=words) as told:

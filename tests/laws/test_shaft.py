@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, closed, make, run
 
 from screwsim.cycle.pitch import POINTS, Pitch, _slopes
@@ -196,7 +197,7 @@ def test_colder_films_drag_more():
 # ---- faults ----
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         ({"oil.viscosity": DROP}, "oil.viscosity: is missing (effects.oil_drag needs it, or oil.name)"),

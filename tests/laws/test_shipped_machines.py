@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -51,7 +52,7 @@ def test_gas_and_oil_leave_an_uncooled_machine_close_together(found, name):
     assert p.discharge_temperature == pytest.approx(p.oil_discharge_temperature, abs=0.5)
 
 
-@pytest.mark.parametrize("path", sorted((CONFIGS / "r134a").glob("*.yaml")), ids=lambda path: path.stem)
+@each_row("path", sorted((CONFIGS / "r134a").glob("*.yaml")), ids=lambda path: path.stem)
 def test_droplets_are_those_of_a_jet_by_its_source(path):
     droplets = load(path).effects["droplets"].parameters
     assert (droplets.size, droplets.slip) == ("varde", 0.1)

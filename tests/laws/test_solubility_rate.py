@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, OIL_VOLUME, SOLUBLE, SOLUBLE_RATE, make, run
 from vessel import plain
 
@@ -61,7 +62,7 @@ def test_mass_energy_entropy_and_what_is_dissolved_close(case):
     assert max(b.mass, b.energy, b.entropy, b.oil_mass) <= b.bound
 
 
-@pytest.mark.parametrize("case", CASES)
+@each_row("case", CASES)
 def test_every_entry_of_the_ledger_but_lines_generates_entropy(case):
     book = run(CASES[case]).ledger
     assert book["entropy_generated_refrigerant_solubility"] > 0.0

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 from scenes import DROP, ECONOMIZER, make, run
 
 import screwsim
@@ -156,7 +157,7 @@ def test_auto_is_kept_in_the_scene_and_told():
     assert "is found (M370)" in " ".join(str(explain(make(OIL))).split())
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "told"),
     [
         (

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 from scenes import OIL_VOLUME, SOLUBLE_RATE, closed, make, run
 from test_capacity_control import SLIDE
 
@@ -57,7 +58,7 @@ def test_mass_energy_oil_and_entropy_close(case):
     assert max(b.mass, b.energy, b.entropy, b.oil_mass) <= b.bound
 
 
-@pytest.mark.parametrize("case", FORWARDS)
+@each_row("case", FORWARDS)
 def test_mixing_in_the_line_and_leaks_to_it_generate_entropy(case):
     entries = ledger_entries(run(CASES[case]).ledger)
     assert entries["suction_line"]["exergy_destroyed"] > 0.0
@@ -283,7 +284,7 @@ def test_the_motor_that_suction_gas_cools_warms_it_by_its_loss():
     assert entry["energy_moved"] == pytest.approx(loss, rel=1e-9)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "changes, where",
     [
         ({**LINE, "oil.transport": "paper"}, "effects.suction_line"),

@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.machine import paper_law
 from screwsim.machine.geometry import Geometry
@@ -118,7 +119,7 @@ def test_steps_end_at_every_row_of_a_volume_that_is_coarse_or_rough():
     assert volume_rows(fine, smooth) == ()
 
 
-@pytest.mark.parametrize("lobes", [1, 3, 4, 5, 6, 12])
+@each_row("lobes", [1, 3, 4, 5, 6, 12])
 def test_chambers_alive_are_life_over_pitch(lobes):
     geometry = Geometry(replace(MACHINE, male_lobes=lobes))
     assert geometry.chambers * geometry.pitch == pytest.approx(geometry.life, rel=1e-15)
@@ -135,7 +136,7 @@ def test_a_table_finds_its_widest_row(tabled):
     assert Geometry(tabled).widest_discharge() == pytest.approx(660 * DEG)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("part", "field", "bad"),
     [
         ("volume", "phi_A", 0.0),

@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scipy.integrate import quad
 
 from screwsim.machine import paper_law as law
@@ -13,26 +14,26 @@ CS = (0.05, 1 / 6, 0.5, 0.9, 1.0)
 NEAR = 1e-9
 
 
-@pytest.mark.parametrize("c", CS)
+@each_row("c", CS)
 def test_bump_is_continuous_at_its_joints(c):
     for x in {0.0, c, 1.0, 2.0 - c, 2.0}:
         assert law.bump(x - NEAR, c) == pytest.approx(law.bump(x + NEAR, c), abs=1e-8)  # slope at most 2, times 2 NEAR
 
 
-@pytest.mark.parametrize("c", CS)
+@each_row("c", CS)
 def test_slope_of_the_bump_is_continuous_inside(c):
     """C1 where the branches meet, the middle of c = 1 excepted."""
     for x in {c, 2.0 - c} if c < 1.0 else set():
         assert law.bump_slope(x - NEAR, c) == pytest.approx(law.bump_slope(x + NEAR, c), abs=1e-6)  # curvature ≤ 40
 
 
-@pytest.mark.parametrize("c", CS)
+@each_row("c", CS)
 def test_bump_is_symmetric(c):
     x = np.linspace(0.0, 1.0, 101)
     np.testing.assert_allclose([law.bump(a, c) for a in x], [law.bump(2 - a, c) for a in x], atol=1e-13)
 
 
-@pytest.mark.parametrize("c", CS)
+@each_row("c", CS)
 def test_bump_is_one_at_its_middle_and_nowhere_more(c):
     assert law.bump(1.0, c) == pytest.approx(1.0, abs=1e-15)
     assert max(law.bump(x, c) for x in np.linspace(0.0, 2.0, 2001)) <= 1.0 + 1e-15
@@ -48,7 +49,7 @@ def test_bump_without_middle_branch_is_two_parabolas():
     np.testing.assert_allclose([law.bump(a, 1.0) for a in x], np.minimum(x, 2 - x) ** 2, rtol=1e-13)
 
 
-@pytest.mark.parametrize("c", CS)
+@each_row("c", CS)
 def test_slope_is_the_derivative_of_the_bump(c):
     # points off the joints, where a central difference is exact for parabolas: rounding over the step is left
     for x in np.linspace(0.0123, 1.9877, 41):
@@ -76,7 +77,7 @@ def test_suction_port_is_shut_from_one_turn_on():
     assert [law.suction_area(phi, 1e-3, 1.0) for phi in (TURN, 1.5 * TURN, 2 * TURN)] == [0.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize("phi", [0.0, 300.0, 599.999, 600.0, 720.0])
+@each_row("phi", [0.0, 300.0, 599.999, 600.0, 720.0])
 def test_discharge_port_is_shut_before_it_opens_and_at_the_end(phi):
     assert law.discharge_area(phi * DEG, 1e-3, 600 * DEG, 640 * DEG) == pytest.approx(0.0, abs=1e-18)
 

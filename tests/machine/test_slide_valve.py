@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
@@ -181,7 +182,7 @@ def test_explain_tells_what_the_slide_closes_in():
     assert "closes in 63.9 % of the volume" in " ".join(str(text).split())
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "told"),
     [
         ((slide(0.5, travel="1 m"),), "travel: 1000 mm brings the slot to chambers whose axial port is open (choose"),

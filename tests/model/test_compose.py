@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, make
 
 from screwsim.build import build_parts
@@ -59,7 +60,7 @@ def test_losses_alone_leave_the_text_as_it_is():
     assert composition(**gone).text == composition().text
 
 
-@pytest.mark.parametrize(
+@each_row(
     "changes",
     [
         {"operation__speed": "1234 rpm"},

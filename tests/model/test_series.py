@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, make
 
 from screwsim.build import Stock, build_parts
@@ -71,8 +72,8 @@ def test_a_series_composes_each_scene_as_if_it_were_alone(name):
         found.P[:] = np.nan  # what a solution does to its numbers is of no matter to the next
 
 
-@pytest.mark.parametrize("path", OPERATION)
-@pytest.mark.parametrize("name", ["plain", "carried", "room", "gas"])
+@each_row("path", OPERATION)
+@each_row("name", ["plain", "carried", "room", "gas"])
 def test_another_operation_is_not_composed_anew(name, path):
     scene, shared = make(SCENES[name]), Shared()
     first, other = shared(scene), shared(with_values(scene, {path: OPERATION[path]}))

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.cycle.problem import problem_of
 from screwsim.model.compose import compose
@@ -89,7 +90,7 @@ def test_what_is_chosen_by_number_is_for_python_alone(scene):
         assert name in READING or not called & BY_NUMBER, (name, called & BY_NUMBER)
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@each_row("scene", SCENES)
 def test_each_area_flow_and_line_is_stated_once_in_a_function(scene):
     """What fills a number of the surroundings, or a flow, is one statement of its name."""
     for name in ("chamber__surroundings", "chamber__path_flows"):

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import pytest
+from each_row import each_row
 
 from screwsim.numerics.at_once import at_once, changed
 from screwsim.numerics.remembered import once
@@ -53,7 +54,7 @@ class Derived:
 EVERY = [Plain(1.0, (2,)), OfProtocol(1.0, {"x": 2.0}), Checked(1.0), Slotted(1.0), Derived(1.0)]
 
 
-@pytest.mark.parametrize("of", EVERY, ids=lambda of: type(of).__name__)
+@each_row("of", EVERY, ids=lambda of: type(of).__name__)
 def test_another_value_gives_what_replacing_does(of):
     found = changed(of, a=5.0)
     assert found == replace(of, a=5.0)

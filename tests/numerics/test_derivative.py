@@ -9,6 +9,7 @@ import pkgutil
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.fluid.nozzle import choking
 from screwsim.model import speed
@@ -312,8 +313,8 @@ def stepwise(x, y):
     return total * x, abs(y - 1.0) ** 1.5
 
 
-@pytest.mark.parametrize("x", [-0.5, 0.3, 1.2, 2.7])
-@pytest.mark.parametrize("y", [0.1, 0.8, 1.9])
+@each_row("x", [-0.5, 0.3, 1.2, 2.7])
+@each_row("y", [0.1, 0.8, 1.9])
 def test_statements_of_all_kinds_are_differentiated(x, y):
     found = tangent(stepwise, ("x", "y"))(x, y)
     assert found[:2] == stepwise(x, y)

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.numerics.history import add_history, locate, read, states_at
 
@@ -64,7 +65,7 @@ def test_at_a_boundary_the_side_of_the_segment_is_chosen(middle, step):
     assert locate(1.0, middle, TIMES, 4, 0) == step
 
 
-@pytest.mark.parametrize("hint", range(5))
+@each_row("hint", range(5))
 def test_the_step_found_does_not_depend_on_the_hint(hint):
     found = [locate(phi, phi + 1e-3, TIMES, 4, hint) for phi in (0.0, 0.3, 0.8, 2.0, 2.9)]
     assert found == [0, 0, 1, 2, 3]

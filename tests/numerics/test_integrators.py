@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.figures.errors import relative_errors, worst
@@ -67,7 +68,7 @@ FLAWS = {
 }
 
 
-@pytest.mark.parametrize("name", FLAWS)
+@each_row("name", FLAWS)
 def test_coefficients_that_are_none_of_a_method_are_refused(name):
     changes, words = FLAWS[name]
     coefficients = {name: value for name, value in changes.items() if name != "couplings"}

@@ -1,7 +1,7 @@
 """LU with partial pivoting against LAPACK."""
 
 import numpy as np
-import pytest
+from each_row import each_row
 
 from screwsim.numerics.linear import lu_factor, lu_solve
 
@@ -13,7 +13,7 @@ def solve(M, b):
     return x
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 8, 16, 32])
+@each_row("n", [1, 2, 3, 4, 8, 16, 32])
 def test_random_systems_are_solved_as_by_lapack(n):
     rng = np.random.default_rng(n)
     M, b = rng.normal(size=(n, n)), rng.normal(size=n)

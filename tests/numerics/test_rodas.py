@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from each_row import each_row
 from flat import Problem, integrate
 from scipy.integrate import solve_ivp
 
@@ -190,7 +191,7 @@ CONDITIONS = {
 ROUNDING = 1e-12  # the coefficients have 16 digits and reach 34
 
 
-@pytest.mark.parametrize("name", CONDITIONS)
+@each_row("name", CONDITIONS)
 def test_order_condition_up_to_order_four(name):
     vector, value = CONDITIONS[name]
     assert B @ vector == pytest.approx(value, abs=ROUNDING)

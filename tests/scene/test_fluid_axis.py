@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import case, load, loads
@@ -66,7 +67,7 @@ def test_fluids_come_from_a_column(tmp_path):
         swept(f"{{gas.fluid: {{file: {tmp_path}/fluids.csv, column: fluid}}}}")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("values", "told"),
     [
         ("[R134a, R134z]", f"x.yaml:2:28: sweep.gas.fluid: 'R134z' {NO_FLUID} (name one of them, {NAMED}"),

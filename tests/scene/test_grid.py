@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import (
@@ -96,7 +97,7 @@ def test_a_choice_is_swept_by_its_words(example):
     assert case(scene, 1).oil.transport == "carried"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("sweep", "line"),
     [
         ("[1]", "x.yaml:1:8: sweep: a list is not a mapping (write e.g. operation.speed: [1000 rpm, 2000 rpm])"),

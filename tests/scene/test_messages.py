@@ -1,6 +1,7 @@
 """Rules of faults: each is one line with file, line, column, path, what and the remedy; all come at once."""
 
 import pytest
+from each_row import each_row
 
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import load, loads
@@ -129,7 +130,7 @@ TYPICAL = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "line"), TYPICAL)
+@each_row(("old", "new", "line"), TYPICAL)
 def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
     assert old in example
     assert faults_of(example.replace(old, new, 1)) == [line]
@@ -358,7 +359,7 @@ NEWCOMERS = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "line"), NEWCOMERS)
+@each_row(("old", "new", "line"), NEWCOMERS)
 def test_a_newcomers_mistake_gives_its_one_line(example, old, new, line):
     assert old in example
     assert faults_of(example.replace(old, new, 1)) == [line]
@@ -378,7 +379,7 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
     assert "blow_hole" not in loads(example, overrides=[f"effects.blow_hole={word}"]).effects
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("override", "line"),
     [
         ("speed=3000 rpm", "speed: is not known; did you mean 'operation.speed'?"),
@@ -537,7 +538,7 @@ def test_an_effect_of_a_port_demands_its_section(example):
     ]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "line"),
     [
         ("", "x.yaml:1:1: is empty (write at least machine, gas, operation)"),
@@ -605,7 +606,7 @@ def test_an_own_effect_that_is_not_there_says_what_was_tried(example):
     ]
 
 
-@pytest.mark.parametrize("override", ["operation.speed", "=3", "a..b=3", ".a=3", "base=y.yaml"])
+@each_row("override", ["operation.speed", "=3", "a..b=3", ".a=3", "base=y.yaml"])
 def test_a_malformed_override_is_a_wrong_use(example, override):
     with pytest.raises(UsageError):
         loads(example, overrides=[override])

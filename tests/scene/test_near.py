@@ -3,6 +3,7 @@
 from itertools import chain
 
 import pytest
+from each_row import each_row
 
 from screwsim.effects import catalogue
 from screwsim.inputs.near import containing, ending, nearest
@@ -29,7 +30,7 @@ def test_a_slip_of_the_keyboard_is_mended(written, meant):
     assert nearest(written, options) == meant
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("written", "option"),
     [
         ("phi_D", "phi_A"),
@@ -73,7 +74,7 @@ def test_a_key_is_found_where_it_belongs():
     assert containing("lobes", ["male_lobes", "female_lobes", "kind"]) == ["male_lobes", "female_lobes"]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "told"),
     [
         ("speed", "did you mean 'operation.speed'?"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
@@ -57,7 +58,7 @@ CANNOT = {
 }
 
 
-@pytest.mark.parametrize(("override", "what"), CANNOT.items())
+@each_row(("override", "what"), CANNOT.items())
 def test_what_cannot_be_is_refused_at_its_path_with_a_remedy(override, what):
     path = override.partition("=")[0]
     line = said(CONFIGS / "paper" / "point.yaml", override)
@@ -79,7 +80,7 @@ HARDLY = {
 }
 
 
-@pytest.mark.parametrize(("override", "what"), HARDLY.items())
+@each_row(("override", "what"), HARDLY.items())
 def test_what_hardly_is_so_is_taken_and_warned_of_at_its_path(override, what):
     (warning,) = scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[override]))
     assert warning.startswith(f"{override.partition('=')[0]}: ")
@@ -166,7 +167,7 @@ def test_every_scale_by_which_an_effect_measures_a_size_is_one_of_a_machine_that
             assert any(size.scale in kind.scales for kind in fitting), f"effects.{name}.{size.key}"
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.most < 1e300])
+@each_row("kind", [kind for kind in KINDS.values() if kind.most < 1e300])
 def test_what_no_machine_has_is_beyond_the_bounds_of_every_kind(kind):
     assert kind.least < kind.most
 
@@ -193,7 +194,7 @@ STATED = {
 }
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("path", "value", "liquid"),
     [
         ("operation.suction.temperature", "273 K", True),
@@ -202,7 +203,7 @@ STATED = {
         ("operation.discharge.temperature", "320 K", False),
     ],
 )
-@pytest.mark.parametrize("two_phase", ["refuse", "equilibrium"])
+@each_row("two_phase", ["refuse", "equilibrium"])
 def test_a_line_of_a_real_gas_is_no_liquid(path, value, liquid, two_phase):
     lines = {"operation.suction.temperature": "285 K", **STATED, path: value, "gas.two_phase": two_phase}
     changes = [f"{name}={text}" for name, text in lines.items()]

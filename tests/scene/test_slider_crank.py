@@ -1,6 +1,7 @@
 """A scene of a slider-crank: its own fields, what it refuses, its canonical text, its sweeps."""
 
 import pytest
+from each_row import each_row
 
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
@@ -34,7 +35,7 @@ def test_a_path_of_the_machine_can_be_swept():
     assert case_count(scene) == 2
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("old", "new", "message"),
     [
         ("bore: 50 mm", "bore: 50 mm, male_lobes: 4", "machine.male_lobes: is not known"),

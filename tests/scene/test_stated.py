@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.inputs.faults import SceneError
@@ -123,7 +124,7 @@ def test_the_displacement_of_a_law_of_the_paper_is_its_volume():
     assert machine.volume.max * 4 * 2950 / 60 * 3600 == pytest.approx(600.0)
 
 
-@pytest.mark.parametrize("ratio", [1.3, 2.0, 2.9, 4.5, 7.0])
+@each_row("ratio", [1.3, 2.0, 2.9, 4.5, 7.0])
 def test_the_paper_law_opens_where_the_volume_has_fallen_to_the_ratio(ratio):
     scene = screwsim.loads(PAPER, overrides=[f"machine.built_in_volume_ratio={ratio}"])
     assert volume_ratio(scene) == pytest.approx(ratio, rel=1e-9)
@@ -178,7 +179,7 @@ def test_gauge_pressures_are_over_the_standard_atmosphere_or_what_is_stated():
 REMOVE = "remove one of the two, null in place of a base's"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "overrides", "told"),
     [
         (

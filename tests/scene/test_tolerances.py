@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from each_row import each_row
 
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads, value_at
@@ -39,7 +40,7 @@ def read(*changes):
     return loads(SCENE, overrides=changes)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("path", "text", "value", "tolerance"),
     [
         (GAP, "27 um ± 5 um", 27e-6, Tolerance(5e-6)),
@@ -85,7 +86,7 @@ def test_a_scene_without_tolerances_is_written_as_before():
     assert "±" not in read().text and "uncertainty" not in read().text
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("change", "told"),
     [
         (f"{GAP}=27 um ± 5 bar", "the tolerance '5 bar' is not a length"),

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from each_row import each_row
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,7 +15,7 @@ from screwsim.scene.numerals import odd_number
 from screwsim.scene.units import Refused, format_quantity, parse_quantity, readable_quantity
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "text", "value"),
     [
         ("length", "128 mm", 0.128),
@@ -55,7 +56,7 @@ def test_other_units_are_read_with_pint(kind, text, value):
     assert parse_quantity(KINDS[kind], text) == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "text", "what"),
     [
         ("length", "abc", "'abc' is not a length (write e.g. '128 mm')"),
@@ -150,25 +151,25 @@ NUMBERS = [
 ]
 
 
-@pytest.mark.parametrize(("number", "told"), NUMBERS)
+@each_row(("number", "told"), NUMBERS)
 def test_a_number_of_two_readings_or_of_another_script_is_told_and_not_read(number, told):
     with pytest.raises(Refused) as refusal:
         parse_quantity(KINDS["speed"], f"{number} rpm")
     assert str(refusal.value) == f"{f'{number} rpm'!r} {told}"
 
 
-@pytest.mark.parametrize(("number", "told"), NUMBERS)
+@each_row(("number", "told"), NUMBERS)
 def test_what_is_offered_for_a_number_is_read(number, told):
     for offered in re.findall(r"'([^']* rpm)'", told):
         assert parse_quantity(KINDS["speed"], offered) != 0.0
 
 
-@pytest.mark.parametrize("text", ["1e3rpm", "1.0e3 rpm", "+1000 rpm", "1000rpm", "1000.\u00a0rpm"])
+@each_row("text", ["1e3rpm", "1.0e3 rpm", "+1000 rpm", "1000rpm", "1000.\u00a0rpm"])
 def test_a_number_of_one_reading_is_read(text):
     assert parse_quantity(KINDS["speed"], text) == pytest.approx(1000.0 * math.pi / 30.0)
 
 
-@pytest.mark.parametrize("text", ["-10 C", "-10 °C", "-10 degC", "-10C", "-10 ℃", "-10 Celsius"])
+@each_row("text", ["-10 C", "-10 °C", "-10 degC", "-10C", "-10 ℃", "-10 Celsius"])
 def test_a_temperature_may_be_below_zero_celsius(text):
     assert parse_quantity(KINDS["temperature"], text) == pytest.approx(263.15)
 
@@ -180,13 +181,13 @@ def test_a_unit_that_lacks_is_offered_as_an_example_only():
         parse_quantity(KINDS["pressure"], "3,000")
 
 
-@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+@each_row("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_the_example_of_a_kind_reads_back(kind):
     value = parse_quantity(kind, kind.example)
     assert parse_quantity(kind, format_quantity(kind, value)) == value
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "value", "text"),
     [
         ("speed", 100 * math.pi, "3000 rpm"),

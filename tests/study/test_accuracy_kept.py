@@ -4,31 +4,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from known import known
-from true_error import Kept, account, estimates_over_errors, reference, shares_within_or_warned, warns
+from known_figures import known_reference
+from true_error import Kept, account, estimates_over_errors, shares_within_or_warned, warns
 
 from screwsim.effects import catalogue
 from screwsim.outputs import Figures, Result
-from screwsim.scene import scene_text
 from screwsim.study.validation import sibling
 
 SCRIPT = Path(__file__).parents[1] / "tools" / "accuracy_kept.py"
 SCENES, SEED, RADAU_EVERY = 28, 1, 9  # one of each structure is judged by Radau
 RADAU = 1e-7  # of its steps: within a thousandth of the wanted accuracy of what 1e-10 gives, in a third of the time
-ANEW = 0.1  # of the wanted accuracy: how far a reference may be another when it is found again
 FEW = "plenums", "displaced through a port", "tables", "drive", "reeds", "own effect"  # motors in most of them
-
-
-def stored(scene, radau):
-    """Return status and figures of a scene's reference (`known`: stored, or found anew)."""
-
-    def find():
-        status, figures = reference(scene, radau)
-        return {"status": status, **figures}
-
-    what, within = "coupled" if radau is None else f"Radau, {radau:g}", ANEW * scene.numerics.accuracy
-    figures = known("true_figures", what, scene_text(scene), find, within)
-    return figures["status"], Figures({name: value for name, value in figures.items() if name != "status"})
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +24,8 @@ def script():
 
 @pytest.fixture(scope="module")
 def found(script) -> list[Kept]:
-    return script.sample(script.around_the_paper(SCENES, SEED), radau_every=RADAU_EVERY, radau=RADAU, asked=stored)
+    scenes = script.around_the_paper(SCENES, SEED)
+    return script.sample(scenes, radau_every=RADAU_EVERY, radau=RADAU, asked=known_reference)
 
 
 def test_scenes_are_drawn_from_all_effects(script):
@@ -69,7 +56,7 @@ def _refused_once(script):
 
 @pytest.mark.slow
 def test_the_true_error_is_below_the_wanted_accuracy_with_other_effects(script):
-    found = script.sample(script.of_all_effects(len(FEW), SEED, FEW), radau_every=SCENES, asked=stored)
+    found = script.sample(script.of_all_effects(len(FEW), SEED, FEW), radau_every=SCENES, asked=known_reference)
     solved = [each for each in found if each.status == "ok"]
     assert len(solved) >= len(FEW) - 1, account(found)
     assert shares_within_or_warned(solved, 1.0) == 1.0, account(found)

@@ -3,7 +3,7 @@
 import itertools
 import math
 
-import pytest
+from each_row import each_row
 from result_fakes import SCENE, scene
 
 from screwsim.study.cases import BLOCK, Blocks, blocks_of
@@ -11,7 +11,7 @@ from screwsim.study.cases import BLOCK, Blocks, blocks_of
 SHAPES = [(), (1,), (7,), (BLOCK,), (BLOCK + 1,), (43,), (5, 43), (3, 16), (100, 3), (7, 5, 3), (4, 1), (3, 100, 1)]
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@each_row("shape", SHAPES)
 def test_blocks_tile_the_cases_and_are_found_again(shape):
     blocks = Blocks(shape)
     spans = [blocks.cases_of(range(number, number + 1)) for number in range(blocks.count)]
@@ -22,7 +22,7 @@ def test_blocks_tile_the_cases_and_are_found_again(shape):
             assert blocks.blocks_of(blocks.cases_of(range(start, stop))) == range(start, stop)
 
 
-@pytest.mark.parametrize("shape", [shape for shape in SHAPES if math.prod(shape) > BLOCK])
+@each_row("shape", [shape for shape in SHAPES if math.prod(shape) > BLOCK])
 def test_cases_that_are_no_whole_blocks_are_told(shape):
     blocks = Blocks(shape)
     edges = {blocks.cases_of(range(number, number + 1)).start for number in range(blocks.count)} | {blocks.cases}
@@ -30,7 +30,7 @@ def test_cases_that_are_no_whole_blocks_are_told(shape):
         assert (blocks.blocks_of(range(case)) is None) == (case not in edges)
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@each_row("shape", SHAPES)
 def test_the_order_has_each_case_once_and_steps_to_neighbours(shape):
     blocks = Blocks(shape)
     row = shape[-1] if shape else 1

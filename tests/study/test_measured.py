@@ -5,6 +5,7 @@ import json
 import math
 
 import pytest
+from each_row import each_row
 
 from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
@@ -32,7 +33,7 @@ def result(scene):
     return with_uncertainty(scene, simulate(scene, trace=False))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "value", "standard"),
     [
         ("shaft_power=13.2 kW", 13200.0, None),
@@ -53,7 +54,7 @@ def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text,
     assert found.standard == (None if standard is None else pytest.approx(standard, rel=1e-12))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("texts", "words"),
     [
         (["shaft_power"], "is not FIGURE=VALUE ± UNCERTAINTY"),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from result_fakes import SCENE
 from seek_fakes import RPM, chiller, choosing, deadly, hollow, idle
 from study_fakes import gappy, parabola, two_tops
@@ -346,7 +347,7 @@ def test_bad_points_are_refused_at_their_line(chilled, tmp_path, rows, message):
     assert message in str(refusal.value) and "\n" not in str(refusal.value)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("asked", "message"),
     [
         ({"maximize": ["effciency"]}, "--maximize effciency: is not known"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from result_fakes import SCENE
 from study_fakes import deadly, gappy, parabola, raising, rough, two_tops
 
@@ -133,7 +134,7 @@ def test_a_worker_that_dies_costs_its_row_only():
     assert rows[1].message.startswith("worker died")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("asked", "message"),
     [
         ({"figure": "isothermal_eficiency"}, "--figure isothermal_eficiency: is not known; did you mean"),

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 from result_fakes import SCENE
 from seek_fakes import RPM, leaping, saturating, torn, turning
 
@@ -133,7 +134,7 @@ def test_a_goal_below_the_smallest_size_takes_it_and_one_above_the_largest_none(
         assert found.size.value / RPM == pytest.approx(size)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("vary", "goals", "message"),
     [
         ([RANGE], ["gas_mas_flow=1 kg/s"], "--for gas_mas_flow: is not known; did you mean 'gas_mass_flow'?"),

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from each_row import each_row
 from result_fakes import SCENE
 from study_fakes import gappy, ishigami, noisy
 
@@ -93,7 +94,7 @@ def test_a_figure_that_is_missing_somewhere_is_a_failed_point():
     assert found.message.endswith(", or choose another --figure)")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("texts", "message"),
     [
         ((), "nothing varies (write one or more --path PATH=LOW..HIGH)"),

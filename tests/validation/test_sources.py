@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.scene import load
@@ -22,7 +23,7 @@ def rows(name):
     return STORED["sources"][name]["rows"]
 
 
-@pytest.mark.parametrize("name", SOURCES)
+@each_row("name", SOURCES)
 def test_source_has_its_interface(compare_of, name):
     module = compare_of(name)
     assert callable(module.compare)
@@ -31,7 +32,7 @@ def test_source_has_its_interface(compare_of, name):
     assert module.ABOUT
 
 
-@pytest.mark.parametrize(
+@each_row(
     "path",
     sorted(path for path in VALIDATION.glob("*/*.yaml") if not path.name.endswith(".fit.yaml")),
     ids=lambda path: f"{path.parent.name}/{path.name}",
@@ -40,7 +41,7 @@ def test_scene_loads(path):
     assert screwsim.load(path).title
 
 
-@pytest.mark.parametrize("path", sorted(VALIDATION.glob("*/*.csv")), ids=lambda path: f"{path.parent.name}/{path.name}")
+@each_row("path", sorted(VALIDATION.glob("*/*.csv")), ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_data_say_where_they_come_from(path):
     assert path.read_text(encoding="utf-8").startswith("# ")
 
@@ -69,7 +70,7 @@ def test_every_failing_row_stands_on_the_page(page_script):
     assert len(re.findall(r"\| \*\*fails\*\* \|", text)) == len(failing)
 
 
-@pytest.mark.parametrize("name", [name for name in SOURCES if STORED["sources"][name]["panels"]])
+@each_row("name", [name for name in SOURCES if STORED["sources"][name]["panels"]])
 def test_the_page_has_the_figure(name):
     assert (ROOT / "docs" / "figures" / f"validation_{name}.png").exists()
 

@@ -241,16 +241,23 @@ def _wet(fluid: str, p: float, quality: float) -> tuple[float, float]:
 
 
 def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) -> float:
+    by_pressure = name == "PQ_INPUTS"
+
+    def refused(p_critical: float) -> UsageError:
+        at = in_bar(first) if by_pressure else in_celsius(second)
+        return UsageError(f"gas.fluid: {fluid} has no saturation at {at} (critical: {in_bar(p_critical)})")
+
     def question() -> float:
         state, coolprop = _abstract_state(fluid)
         try:
             state.update(getattr(coolprop, name), first, second)
             return getattr(state, wanted)()
         except ValueError:
-            at = in_bar(first) if name == "PQ_INPUTS" else in_celsius(second)
-            what = f"{fluid} has no saturation at {at} (critical: {in_bar(state.p_critical())})"
-            raise UsageError(f"gas.fluid: {what}") from None
+            raise refused(state.p_critical()) from None
 
+    known = limits(fluid) if by_pressure else None
+    if known is not None and first > known.p_critical:
+        raise refused(known.p_critical)  # without CoolProp, which takes seconds to import
     return ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
 
 

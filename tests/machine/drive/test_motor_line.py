@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.machine.drive.motor_line import Motor, check_motor
 
@@ -26,8 +27,8 @@ def test_without_load_the_motor_gives_nothing_and_above_it_brakes(motor):
     assert motor.torque(1.01 * NO_LOAD, NO_LOAD) < 0.0
 
 
-@pytest.mark.parametrize("motor", [INDUCTION, LINE], ids=["induction", "line"])
-@pytest.mark.parametrize("moment", [-150.0, 0.0, 10.0, 390.0])
+@each_row("motor", [INDUCTION, LINE], ids=["induction", "line"])
+@each_row("moment", [-150.0, 0.0, 10.0, 390.0])
 def test_speed_and_no_load_speed_are_inverses_of_the_torque(motor, moment):
     omega = motor.speed(NO_LOAD, moment)
     assert motor.torque(omega, NO_LOAD) == pytest.approx(moment, abs=1e-9)

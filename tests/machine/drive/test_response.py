@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.machine.drive.collocation import POINTS, differentiation, resampled
 from screwsim.machine.drive.motor_line import Motor
@@ -41,7 +42,7 @@ def harmonic(curve, order):
     return 2.0 / POINTS * np.fft.rfft(curve)[order]
 
 
-@pytest.mark.parametrize("over", [0.3, 0.7, 1.0, 1.4, 3.0])
+@each_row("over", [0.3, 0.7, 1.0, 1.4, 3.0])
 def test_a_linear_coupling_answers_as_the_closed_form_of_two_masses(over):
     """Below, in and above the first resonance; a pulsation of 1e-4 keeps the square of the ripple below 1e-7."""
     omega = over * TRAIN.resonance_speed(0.0)

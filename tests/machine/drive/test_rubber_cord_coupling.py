@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.codegen.modules import load
 from screwsim.inputs.faults import UsageError
@@ -105,8 +106,8 @@ def test_lever_is_the_same_from_both_ends():
     assert law.lever(phi, 0.2, 0.28) == pytest.approx(0.28 * math.sin(alpha - phi), rel=1e-12)
 
 
-@pytest.mark.parametrize("theta", TWISTS)
-@pytest.mark.parametrize(("whole", "slope"), [("energy", "torque"), ("torque", "stiffness")])
+@each_row("theta", TWISTS)
+@each_row(("whole", "slope"), [("energy", "torque"), ("torque", "stiffness")])
 def test_torque_is_the_slope_of_the_energy_and_stiffness_that_of_the_torque(theta, whole, slope):
     h = 1e-5
     values = [getattr(UNEQUAL, whole)(theta + s * h) for s in (1, -1)]

@@ -4,6 +4,7 @@ from math import asin, cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
@@ -39,8 +40,8 @@ def test_slope_is_that_of_the_source_with_its_angle_beta(sizes):
         assert law.slope(alpha, *sizes) == pytest.approx(source, abs=1e-15)
 
 
-@pytest.mark.parametrize("sizes", SIZES)
-@pytest.mark.parametrize(("function", "derivative"), [("position", "slope"), ("slope", "second_slope")])
+@each_row("sizes", SIZES)
+@each_row(("function", "derivative"), [("position", "slope"), ("slope", "second_slope")])
 def test_derivatives_are_those_of_finite_differences(sizes, function, derivative):
     h = 1e-5  # error h²/6 of the third derivative (below 1 m): 2e-11, and rounding 1e-16/h = 1e-11
     for alpha in ANGLES:

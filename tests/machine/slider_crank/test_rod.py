@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from scipy.integrate import solve_bvp
 
 from screwsim.machine.slider_crank import rod as law
@@ -51,13 +52,13 @@ def test_series_and_closed_form_agree_where_they_meet(x):
     np.testing.assert_allclose(inside, outside, rtol=1e-9)
 
 
-@pytest.mark.parametrize("x", [-30.0, -0.04, 0.0, 0.01, 3.0, 9.0])
+@each_row("x", [-30.0, -0.04, 0.0, 0.01, 3.0, 9.0])
 def test_family_is_its_sum(x):
     sums = [sum((-x) ** j / math.factorial(2 * j + n) for j in range(40)) for n in range(4)]
     np.testing.assert_allclose(law.family(x), sums, rtol=1e-11)
 
 
-@pytest.mark.parametrize("load", LOADS)
+@each_row("load", LOADS)
 def test_beam_keeps_its_end_conditions(load):
     b = bend_at(load)
     f, EI = ROD.head, ROD.stiffness
@@ -67,7 +68,7 @@ def test_beam_keeps_its_end_conditions(load):
     assert b.moment[0, -1] + f * b.shear[0, -1] == pytest.approx(0.0, abs=1e-12 * EI / f)
 
 
-@pytest.mark.parametrize("load", LOADS)
+@each_row("load", LOADS)
 def test_beam_is_that_of_a_boundary_value_solver(load):
     """E I V'''' = P V'' with the conditions at both ends, by collocation."""
     L, f, q = ROD.flexible, ROD.head, -load / ROD.stiffness * ROD.flexible**2
@@ -85,7 +86,7 @@ def test_beam_is_that_of_a_boundary_value_solver(load):
     )
 
 
-@pytest.mark.parametrize("load", LOADS)
+@each_row("load", LOADS)
 def test_moment_about_the_pin_balances_that_at_the_clamp(load):
     """Over the whole rod: clamp moment = side force times length, less the axial load at the pin's deflection."""
     b = bend_at(load)
@@ -146,7 +147,7 @@ def test_deflection_grows_without_bound_towards_the_buckling_load():
     assert moments[2] / moments[1] == pytest.approx(10.0, rel=0.01)
 
 
-@pytest.mark.parametrize("load", [-250.0, -165.0, -100.0, -60.0, -10.0, 0.0, 100.0])
+@each_row("load", [-250.0, -165.0, -100.0, -60.0, -10.0, 0.0, 100.0])
 def test_largest_moment_is_where_the_formula_says(load):
     b = bend_at(load, points=4001)
     at = b.z[np.argmax(np.abs(b.moment[0]))]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.slider_crank import kinematics
@@ -45,7 +46,7 @@ def test_there_are_32_printed_values_and_10_deviations_with_a_limit():
     assert (len(TABLE), len(DEVIATIONS)) == (32, 11)
 
 
-@pytest.mark.parametrize(("alpha", "text"), TABLE)
+@each_row(("alpha", "text"), TABLE)
 def test_printed_value_is_that_of_the_third_function(alpha, text):
     half = 0.5 * 10.0 ** -len(text.partition(".")[2])
     assert abs(law.tabulated(np.array(alpha), NOMINAL) - float(text)) <= half
@@ -71,7 +72,7 @@ def test_three_functions_agree_where_they_must():
     np.testing.assert_allclose(law.tabulated(quarter, NOMINAL), -law.printed(quarter, NOMINAL), atol=1e-15)
 
 
-@pytest.mark.parametrize("row", DEVIATIONS[:-1], ids=lambda row: f"{row['crank_percent']},{row['rod_percent']}")
+@each_row("row", DEVIATIONS[:-1], ids=lambda row: f"{row['crank_percent']},{row['rod_percent']}")
 def test_printed_deviations_are_of_our_size(row):
     """The source's way is not known: from its printed values and its function ours lie within a quarter of its own."""
     changed = NOMINAL.scaled(*(1.0 + 0.01 * float(row[key]) for key in ("crank_percent", "rod_percent")))
@@ -127,7 +128,7 @@ def test_rod_weighs_four_times_as_much_in_the_tables_function():
     assert weight["tabulated"] == pytest.approx(weight["printed"], rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("size", "number", "table"),
     [
         *((0.1, 6, 22), (0.1, 7, 35), (0.1, 11, 220), (0.1, 15, 1400)),
