@@ -131,7 +131,7 @@ def _flashes(T: float, p_d: float, supply: float, latent: float, c_oil: float) -
     if most <= 0.0:
         return p_d * np.linspace(LOWEST, 1.0, POINTS), np.zeros(POINTS)
     begins = least == 0.0  # below p_d
-    flash = least + (most - least) * np.cos(np.linspace(0.0, np.pi / 2.0, POINTS - begins)) ** 2
+    flash = most + (least - most) * np.sin(np.linspace(0.0, np.pi / 2.0, POINTS - begins)) ** 2
     coldest = (T - solubility.LOW) * c_oil / latent
     if flash[-2] < coldest < flash[1]:
         flash[1 + np.argmin(np.abs(flash[1:-1] - coldest))] = coldest
