@@ -169,7 +169,7 @@ def compared(point: Point, theirs: dict[str, float]) -> Row:
         TOLERANCE,
         "cross-code",
         basis="both integrated to 1e-8 or better a step",
-        note=f"of {worst}; {shown} {ours[shown]:.8f} here, {theirs[shown]:.8f} there",
+        note=f"of {worst}; {shown.replace('_', ' ')} {ours[shown]:.8f} here, {theirs[shown]:.8f} there",
     )
 
 
