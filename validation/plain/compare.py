@@ -1,25 +1,39 @@
-"""The package against plain.py, the paper's equations written a second time, at three points."""
+"""The package against plain.py and cylinder.py, the equations written a second time, at three points and two."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees
+from math import degrees, pi
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from screwsim.build import build_gas
+from CoolProp.CoolProp import PropsSI
+
+from screwsim.build import WIDTH, build_gas
 from screwsim.scene import Scene, load
 from screwsim.study.validation import Comparison, Row, equal, read_table, sibling, solved
 
 TOLERANCE = 1e-6
 ACCURACIES = (1e-3, 3e-4, 1e-4, 1e-5)
-WIDTH = 1e-6  # of the regularised root, over the line's pressure: numerics.accuracy gives it
 TIGHT = ("numerics.accuracy=1e-6", "numerics.rtol=1e-9", "numerics.error=none")
+HEAT = {"annand": (0.575, 0.7, 0.0), "destoop": (0.6, 0.8, 0.6)}  # a, b, c of S30
+CYLINDERS = {  # by name, changes of configs/slider_crank/air.yaml
+    "reeds, rings, walls": (),
+    "ideal valves, rings, walls by Destoop": (
+        "effects.reed_valves=off",
+        "effects.check_valves={suction_area: 52 cm^2, discharge_area: 40 cm^2}",
+        "effects.cylinder_heat.correlation=destoop",
+    ),
+}
 TITLE = "Package against the equations in plain Python"
-CITATION = "validation/plain/plain.py: equations of Chernov et al. 2015, docs/model.md, integrated by scipy's LSODA"
+CITATION = (
+    "validation/plain/plain.py: equations of Chernov et al. 2015, docs/model.md, and cylinder.py: "
+    "docs/reference/slider-crank.md, integrated by scipy's LSODA"
+)
 ABOUT = (
-    "plain.py shares no line with the package. Both have the stated width of the root near equal pressures, 1e-6 of "
-    "the line's pressure. All figures of the paper's machine are compared; the one that differs most is shown."
+    "plain.py and cylinder.py share no line with the package, but the numbers of the scene, k and R of the gas. Both "
+    "have the stated width of the root near equal pressures. All figures of the paper's machine, and of a cylinder of "
+    "air, are compared; the one that differs most is shown."
 )
 
 
@@ -66,7 +80,7 @@ def machine_of(scene: Scene) -> Any:
         pump_loss=p["oil_pump"].pressure_loss,
         acceleration_factor=p["hydromechanical"].acceleration_factor,
         mechanical_fraction=p["mechanical"].fraction,
-        width=WIDTH,
+        width=WIDTH * scene.numerics.accuracy,
     )
 
 
@@ -74,6 +88,50 @@ def plain_figures(machine: Any) -> dict[str, float]:
     """Return the figures of plain.py."""
     plain = sibling(Path(__file__).parent / "plain.py")
     return plain.figures(machine, plain.close(machine))
+
+
+def cylinder_of(scene: Scene) -> Any:
+    """Return the numbers of a scene as cylinder.py wants them."""
+    plain = sibling(Path(__file__).parent / "cylinder.py")
+    m, gas, operation = scene.machine, build_gas(scene), scene.operation
+    p = {name: active.parameters for name, active in scene.effects.items()}
+    reed, ideal, ring, wall = (p.get(name) for name in ("reed_valves", "check_valves", "ring_leakage", "cylinder_heat"))
+    sides = ("suction", "discharge")
+    parts = ("port_area", "perimeter", "stop", "mass", "stiffness", "preload")
+    made = (plain.Reed(*(getattr(reed, f"{side}_{part}") for part in parts)) for side in sides)
+    p_s, T_s = operation.suction.pressure, operation.suction.temperature
+    at = ("T", max(T_s, wall.wall_temperature), "P", p_s, scene.gas.fluid)
+    return plain.Cylinder(
+        bore=m.bore,
+        crank=m.crank_radius,
+        rod=m.rod_length,
+        offset=m.offset,
+        clearance=m.clearance,
+        k=gas.k,
+        R=gas.R,
+        omega=operation.speed,
+        p_s=p_s,
+        T_s=T_s,
+        p_d=operation.discharge.pressure,
+        mu=(reed or ideal).flow_coefficient,
+        areas=(ideal.suction_area, ideal.discharge_area) if ideal else (0.0, 0.0),
+        reeds=tuple(made) if reed else None,
+        damping=reed.damping_ratio if reed else 0.0,
+        seat=reed.seat_restitution if reed else 0.0,
+        stop=reed.stop_restitution if reed else 0.0,
+        force=reed.force_coefficient if reed else 1.0,
+        ring=ring.flow_coefficient * pi * m.bore * ring.gap,
+        T_wall=wall.wall_temperature,
+        heat=HEAT[wall.correlation],
+        gas=(PropsSI("L", *at), PropsSI("V", *at), PropsSI("PRANDTL", *at)),
+        mechanical_fraction=p["mechanical"].fraction,
+        width=WIDTH * scene.numerics.accuracy,
+    )
+
+
+def cylinder_figures(machine: Any) -> dict[str, float]:
+    """Return the figures of cylinder.py."""
+    return sibling(Path(__file__).parent / "cylinder.py").figures(machine)
 
 
 class Point(NamedTuple):
@@ -93,10 +151,17 @@ def points(here: Path) -> list[Point]:
     return found
 
 
+def cylinder_points(here: Path) -> list[Point]:
+    """Return the points of a cylinder."""
+    scene_file = here.parents[1] / "configs" / "slider_crank" / "air.yaml"
+    return [Point(f"cylinder, {name}", (scene_file, (*changes, *TIGHT))) for name, changes in CYLINDERS.items()]
+
+
 def compared(point: Point, theirs: dict[str, float]) -> Row:
     """Return the row of the figure that differs most."""
     name, ours = point.name, dict(solved(*point.asked).performance)
     worst = max(theirs, key=lambda figure: abs(ours[figure] / theirs[figure] - 1.0))
+    shown = "isothermal_efficiency" if "isothermal_efficiency" in theirs else "volumetric_efficiency"
     return equal(
         f"{name}: largest difference of {len(theirs)} figures",
         abs(ours[worst] / theirs[worst] - 1.0),
@@ -104,8 +169,7 @@ def compared(point: Point, theirs: dict[str, float]) -> Row:
         TOLERANCE,
         "cross-code",
         basis="both integrated to 1e-8 or better a step",
-        note=f"of {worst}; isothermal efficiency {ours['isothermal_efficiency']:.8f} here, "
-        f"{theirs['isothermal_efficiency']:.8f} there",
+        note=f"of {worst}; {shown.replace('_', ' ')} {ours[shown]:.8f} here, {theirs[shown]:.8f} there",
     )
 
 
@@ -131,4 +195,5 @@ def compare(here: Path) -> Comparison:
     theirs = [plain_figures(machine_of(load(*point.asked))) for point in every]
     rows = [compared(*each) for each in zip(every, theirs, strict=True)]
     rows += [kept_row(*every[1].asked, theirs[1], accuracy) for accuracy in ACCURACIES]
+    rows += [compared(each, cylinder_figures(cylinder_of(load(*each.asked)))) for each in cylinder_points(here)]
     return Comparison(TITLE, CITATION, ABOUT, rows)

@@ -251,16 +251,17 @@ SUMS = ("work", "net_suction", "out", "out_T", "oil_out", "oil_out_T")
 def all_flows(a: Machine, found: Sequence[Laws], places: Sequence[Place], suction: Place, line: Place) -> float:
     """Let all flows at once happen, with the laws of all chambers; return the net one from suction."""
     eps_s, eps_d = a.width * a.p_s, a.width * a.p_d
-    eps_gap = max(eps_s, eps_d)
     net = 0.0
     for j, (here, area) in enumerate(zip(places, found, strict=True)):
         net += exchange(a, a.mu_port * area.suction, here, suction, eps_s)
         exchange(a, a.mu_port * area.discharge, here, line, eps_d)
         ahead = places[j + 1] if j + 1 < a.alive else line  # beyond 720° lies the discharge line
-        exchange(a, a.mu_gap * area.tip, here, ahead, eps_gap)
-        exchange(a, a.mu_gap * area.other, here, ahead, eps_gap)
+        between = 0.5 * a.width * (here.p + ahead.p)
+        exchange(a, a.mu_gap * area.tip, here, ahead, between)
+        exchange(a, a.mu_gap * area.other, here, ahead, between)
         if j < a.lobes:
-            exchange(a, a.mu_gap * area.across, here, places[j + a.lobes], eps_gap)
+            across = places[j + a.lobes]
+            exchange(a, a.mu_gap * area.across, here, across, 0.5 * a.width * (here.p + across.p))
     return net
 
 

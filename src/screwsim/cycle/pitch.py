@@ -1,7 +1,9 @@
 """One pitch of all chambers of a closed cycle: pressure and slope of the volume by angle (docs/model.md M144).
 
 What the shaft and the bearings feel repeats every lobe pitch. Pressures come from the dense output of the last
-history, slopes from the volume law itself; nothing is compiled for it.
+history, slopes from the volume law itself; nothing is compiled for it. Curves are shown at evenly spaced angles. Means
+and harmonics are integrals between the ends of all steps, where a port opens and a pressure has its corner: of one
+male lobe, even angles took the gas at 0°, which expands within a degree, for half a degree too much of force.
 """
 
 from collections.abc import Callable
@@ -17,6 +19,29 @@ Array = np.ndarray
 POINTS = 360  # of a pitch: 0.25° with four lobes
 ASIDE = 1e-6  # rad, beside the end of a step, and of a difference of volumes
 NEAR = 17  # points around an extreme, between those beside it
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)  # of each part of a pitch between the ends of steps
+
+
+class Within(NamedTuple):
+    """Nodes of a quadrature over one pitch, with no step's end inside any of its parts; columns as those of `Pitch`.
+
+    phase (nodes,): share of the pitch that the youngest chamber has gone; weight (nodes,), which add up to 1.
+    """
+
+    phase: Array
+    weight: Array
+    pressure: Array
+    slope: Array
+    male_slope: Array | None
+
+    def mean(self, curve: Array) -> float:
+        """Return the mean of a curve at the nodes."""
+        return float(self.weight @ curve)
+
+    def harmonics(self, curve: Array, count: int) -> list[float]:
+        """Return the amplitudes of the first `count` harmonics of a curve at the nodes (M147)."""
+        turned = np.exp(-2j * np.pi * np.arange(1, count + 1)[:, None] * self.phase)
+        return (2.0 * np.abs(turned @ (self.weight * curve))).tolist()
 
 
 class Pitch(NamedTuple):
@@ -36,6 +61,7 @@ class Pitch(NamedTuple):
     high_pressure: float
     at: Callable[[Array], tuple[Array, Array]]
     steps: Array
+    within: Callable[[], Within]
 
     def extremes(self, *curves: Callable[[Array, Array], Array]) -> list[tuple[float, float]]:
         """Return the lowest and the highest value over a pitch of curves of all chambers' pressures and slopes.
@@ -65,10 +91,19 @@ def pitch_of(
     found = life.states_at(grid.T.ravel())
     pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
-    at = partial(_at, life, geometry.pitch, geometry.chambers)
-    return Pitch(
-        angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, life.times[: life.steps].copy()
-    )
+    at, steps = partial(_at, life, geometry.pitch, geometry.chambers), life.times[: life.steps].copy()
+    within = lru_cache(maxsize=1)(partial(_within, geometry, at, steps))
+    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, steps, within)
+
+
+def _within(geometry: MachineGeometry, at: Callable[[Array], tuple[Array, Array]], steps: Array) -> Within:
+    """Return nodes between the ends of all steps, and between even angles, as many as chambers leave of `POINTS`."""
+    even = np.linspace(0.0, geometry.pitch, POINTS // geometry.chambers + 1)
+    ends = np.unique(np.concatenate([even, np.mod(steps, geometry.pitch)]))
+    half = 0.5 * np.diff(ends)[:, None]
+    angle = (ends[:-1, None] + half * (1.0 + NODES)).ravel()
+    male = geometry.male_slope(angle[:, None] + geometry.pitch * np.arange(geometry.chambers))
+    return Within(angle / geometry.pitch, (half * WEIGHTS).ravel() / geometry.pitch, *at(angle), male)
 
 
 def _at(life: Trajectory, pitch: float, chambers: int, angle: Array) -> tuple[Array, Array]:

@@ -75,7 +75,8 @@ def load_on_male(parameters: Parameters, figures) -> float:
     if parameters.load == "stated":
         return hypot(parameters.radial_load or 0.0, parameters.axial_load or 0.0)
     pitch = figures.pitch()
-    excess = float((pitch.pressure - pitch.low_pressure).sum(axis=1).mean())
+    within = pitch.within()
+    excess = within.mean((within.pressure - pitch.low_pressure).sum(axis=1))
     return abs(excess) * hypot(parameters.radial_area or 0.0, parameters.axial_area or 0.0)
 
 

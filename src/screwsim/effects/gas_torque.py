@@ -81,18 +81,14 @@ def _pressing(excess: np.ndarray) -> np.ndarray:
     return excess.sum(axis=1)
 
 
-def harmonics(values: np.ndarray, count: int) -> list[float]:
-    """Return the amplitudes of the first `count` harmonics of a curve over one pitch (M147)."""
-    return (2.0 / len(values) * np.abs(np.fft.rfft(values))[1 : count + 1]).tolist()
-
-
 def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None, float | None]:
     """Return the mean torques on male and female shaft [N m]; `ratio`: female over male lobes (M145)."""
     share = parameters.male_share
     if pitch.male_slope is not None:
-        excess = pitch.pressure - pitch.low_pressure
-        work = float((excess * pitch.slope).sum())
-        share = float((excess * pitch.male_slope).sum()) / work if work != 0.0 else None
+        within = pitch.within()
+        excess = within.pressure - pitch.low_pressure
+        work = within.mean(_work(excess, within.slope))
+        share = within.mean(_work(excess, within.male_slope)) / work if work != 0.0 else None
     if share is None:
         return None, None
     return share * pitch.torque_mean, (1.0 - share) * pitch.torque_mean * ratio
@@ -129,9 +125,12 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         (low, high), (_, most) = pitch.extremes(
             lambda p, slope: _work(p - pitch.low_pressure, slope), lambda p, _: _pressing(p - pitch.low_pressure)
         )
-        values: list[float | None] = [pitch.torque_mean, high - low, *harmonics(torque(pitch), len(WHICH))]
+        within = pitch.within()
+        excess = within.pressure - pitch.low_pressure
+        values: list[float | None] = [pitch.torque_mean, high - low]
+        values += within.harmonics(_work(excess, within.slope), len(WHICH))
         values += on_rotors(parameters, pitch, ratio)
-        mean = float(_pressing(pitch.pressure - pitch.low_pressure).mean())
+        mean = within.mean(_pressing(excess))
         for area in (areas[way] for way in FORCES):
             values += [None, None] if area is None else [area * mean, area * most]
         return dict(zip(names_of(FIGURES), values, strict=True))

@@ -37,6 +37,8 @@ from screwsim.numerics.roots import brentq
 from screwsim.outputs import HELD, Figure, Scale
 from screwsim.outputs.customary import in_bar, in_celsius
 
+Array = np.ndarray
+
 NAME = "refrigerant_solubility"
 PLENUM, SEPARATOR = "oil_gas", "separator"
 BROUGHT = 0.1  # of the gas that the oil brings dissolved: errors of what flashes over time count at least over that
@@ -58,10 +60,11 @@ FIGURES = (
         by_held=True,
     ),
 )
-POINTS = 25  # of the table over pressure
+POINTS = 81  # of the table over pressure
 LOWEST = 0.02  # of the separator's pressure: below it, what flashes is held
+RISE = 1e-6  # of a pressure to the next row, at the least: next to no gas, two contents have one pressure (M195)
 HIGHEST = 370.0  # [K], below the critical temperature
-STEP = 5.0  # [K] between the temperatures at which CoolProp is asked
+STEP = 1.0  # [K] between the temperatures at which CoolProp is asked
 LEAST, MOST = 1e-6, 20.0  # [kg/kg] of the tables of a solution: beyond them, equilibrium is held
 ROWS = 401  # of those tables
 APART = 5.0  # [K] at the least between the temperatures that tell the heat of solution
@@ -116,8 +119,30 @@ def _content(T_separator: float, T: float, p_d: float, c_oil: float) -> OilConte
     supply = content(p_d, T_separator)
     p_sat = constants.dew_pressure(solubility.FLUID, T)
     latent = constants.wet_enthalpy(solubility.FLUID, p_sat, 1.0) - constants.wet_enthalpy(solubility.FLUID, p_sat, 0.0)
-    pressure = p_d * np.linspace(LOWEST, 1.0, POINTS)
-    return OilContent(pressure, np.array([flashed(p, T, supply, latent, c_oil) for p in pressure]), latent)
+    return OilContent(*_flashes(T, p_d, supply, latent, c_oil), latent)
+
+
+def _flashes(T: float, p_d: float, supply: float, latent: float, c_oil: float) -> tuple[Array, Array]:
+    """Return pressures [Pa] up to p_d and what flashes at each (M196), in `POINTS` rows.
+
+    Rows are dense in what flashes where it begins and where it ends, and their pressures follow from it without a
+    search. One stands where the oil comes to the coldest temperature of the solubility.
+    """
+    least, most = (flashed(p, T, supply, latent, c_oil) for p in (p_d, LOWEST * p_d))
+    if most <= 0.0:
+        return p_d * np.linspace(LOWEST, 1.0, POINTS), np.zeros(POINTS)
+    begins = least == 0.0  # below p_d
+    flash = most + (least - most) * np.sin(np.linspace(0.0, np.pi / 2.0, POINTS - begins)) ** 2
+    coldest = (T - solubility.LOW) * c_oil / latent
+    if flash[-2] < coldest < flash[1]:
+        flash[1 + np.argmin(np.abs(flash[1:-1] - coldest))] = coldest
+    at = [LOWEST * p_d]
+    for each in flash[1:]:
+        pressure = equilibrium_pressure(supply - each, max(T - each * latent / c_oil, solubility.LOW))
+        at.append(max(pressure, at[-1] * (1.0 + RISE)))
+    if begins:
+        at, flash = [*at, max(p_d, at[-1] * (1.0 + RISE))], np.append(flash, 0.0)
+    return np.array(at), flash
 
 
 def equilibrium_pressure(ratio: float, T: float) -> float:

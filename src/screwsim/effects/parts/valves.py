@@ -26,10 +26,10 @@ def port_area(phi, area):
 
 def valve_works(pitch) -> tuple[float, float]:
     """Return the work [J] of a turn that pressure below suction costs, and pressure above discharge (S24)."""
-    under = np.maximum(pitch.low_pressure - pitch.pressure, 0.0) * np.maximum(pitch.slope, 0.0)
-    over = np.maximum(pitch.pressure - pitch.high_pressure, 0.0) * np.maximum(-pitch.slope, 0.0)
-    step = 2.0 * np.pi / len(pitch.angle)
-    return step * float(under.sum()), step * float(over.sum())
+    within = pitch.within()
+    under = np.maximum(pitch.low_pressure - within.pressure, 0.0) * np.maximum(within.slope, 0.0)
+    over = np.maximum(within.pressure - pitch.high_pressure, 0.0) * np.maximum(-within.slope, 0.0)
+    return 2.0 * np.pi * within.mean(under.sum(axis=1)), 2.0 * np.pi * within.mean(over.sum(axis=1))
 
 
 def valve_losses() -> Reading:
