@@ -153,6 +153,7 @@ def sensitivity(
 def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
     from screwsim.printing import print_json
+    from screwsim.printing.tables import say_title
     from screwsim.printing.uncertain import check_document, print_check
     from screwsim.study.progress import for_terminal
     from screwsim.study.uncertain import checked, uncertainty
@@ -163,7 +164,7 @@ def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     if as_json:
         print_json({**linear.as_json(), "sampled": check_document(linear)})
     else:
-        say(scene.title)
+        say_title(scene.title)
         print_check(linear)
     ended = linear.slopes.result.status == "ok" and not linear.message
     return OK if ended else NOT_ALL_OK

@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.figures.engineering import engineering
 from screwsim.printing import shown_name, write_json
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
 from screwsim.results.kept import keep_other_documents
@@ -37,7 +37,7 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
 
 def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Print the coefficients of each map with errors and envelope."""
-    say(wrapped(results.attributes["title"]))
+    say_title(results.attributes["title"])
     say(wrapped(FORMULA))
     say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
     say(wrapped("left-out error: the largest at a point of the fit to the others"))
@@ -93,7 +93,7 @@ def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, A
 
 def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     """Print the figures of the map at each point, in customary units."""
-    say(wrapped(results.attributes["title"]))
+    say_title(results.attributes["title"])
     for each in points:
         temperatures = (each.evaporating_temperature, each.condensing_temperature)
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
