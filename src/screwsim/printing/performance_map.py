@@ -16,7 +16,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, keep_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import FORMULA, NAMES, PerformanceMap, conditions
+from screwsim.study.performance_map import ELECTRICAL, FORMULA, NAMES, SHAFT, PerformanceMap, conditions
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
@@ -41,6 +41,8 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     say(wrapped(FORMULA))
     say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
     say(wrapped("left-out error: the largest at a point of the fit to the others"))
+    if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
+        say(wrapped("power: what the motor draws (--figure shaft_power for that at its shaft)"))
     for each in maps:
         say()
         if each.values:
