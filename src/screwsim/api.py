@@ -105,9 +105,10 @@ def datasheet(
 
 
 @takes()
-def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES) -> list[_map.PerformanceMap]:
+def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_map.PerformanceMap]:
     """Return the ten-coefficient maps of a sweep over both temperatures, one for each point of its other axes.
 
+    Without figures they are the electrical power (of a machine without a motor that of its shaft), flow and capacity.
     The results are the path of a sweep's file or what `open_results` returns; run the sweep first with
     `screwsim.run_sweep(scene, "map.h5")`.
     """

@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, loads
 from screwsim.study.map_points import evaluate_map
-from screwsim.study.performance_map import PerformanceMap, performance_maps, polynomial
+from screwsim.study.performance_map import PerformanceMap, performance_maps, polynomial, usual_figures
 from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs" / "r134a"
@@ -127,6 +128,13 @@ def test_a_file_without_the_axes_is_refused_with_the_remedy(tmp_path):
 def test_a_figure_that_is_not_there_leaves_no_points(tmp_path):
     with pytest.raises(UsageError, match=r"0 of 16 points are ok and have all figures"):
         performance_maps(swept(tmp_path, *AXES))  # the fake has no cooling capacity
+
+
+@pytest.mark.parametrize(("there", "power"), [((), "shaft_power"), (("electrical_power",), "electrical_power")])
+def test_the_power_that_is_mapped_is_what_a_motor_draws_where_there_is_one(there, power):
+    """EN 12900 and AHRI 540 rate the power input, of open compressors that of the shaft."""
+    results = SimpleNamespace(performance=dict.fromkeys(("shaft_power", *there)))
+    assert usual_figures(results) == (power, "gas_mass_flow", "cooling_capacity")
 
 
 def test_an_empty_map_covers_nothing():

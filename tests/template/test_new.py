@@ -12,10 +12,10 @@ from screwsim.build import build_parts
 from screwsim.effects.parts.rating import STANDARDS
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.plausible import leaks_told
-from screwsim.study.sized import NEAR, sized
+from screwsim.study.sized import NEAR, sized, with_steady_port
 from screwsim.study.sized import told as sized_told
 from screwsim.study.validation import sibling
-from screwsim.template import KINDS, asked_of, new_scene, refrigeration
+from screwsim.template import KINDS, asked_of, new_scene, refrigeration, sizes
 
 ROOT = Path(__file__).parents[2]
 templates = sibling(ROOT / "docs" / "tools" / "templates.py")
@@ -44,7 +44,7 @@ def mean_curves():
 @pytest.mark.parametrize(("fluid", "followed"), [("R134a", True), ("R407C", False), ("R454B", False)])
 def test_two_phases_are_followed_of_pure_fluids_alone(fluid, followed):
     """On cooled oil gas may condense; two phases of a mixture differ in composition, and such a scene was refused."""
-    scene = scene_of("refrigeration", fluid=fluid, condition="25/70 degC, 20 K", displacement="600 m^3/h")
+    scene = scene_of("refrigeration", fluid=fluid, condition="-10/60 degC, 20 K", displacement="600 m^3/h")
     assert scene.gas.equilibrium == followed
 
 
@@ -100,6 +100,50 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
     assert 0.65 <= found.performance.shaft_power / scene.effects["motor"].parameters.rated_power <= 0.95
     valve = scene.effects["air_package"].parameters.minimum_pressure_valve.pressure
     assert valve < scene.operation.discharge.pressure
+
+
+@pytest.mark.parametrize(
+    ("kind", "stated"),
+    [
+        ("air", {"condition": "0 bar(g)/10 bar(g)", "vi": 2.0}),
+        ("heat_pump", {"fluid": "R513A", "condition": "51/69 degC, 20 K", "vi": 2.45}),
+        ("booster", {"fluid": "R290", "condition": "5/28.8 bar, 10 degC"}),
+        ("expander", {"fluid": "Water", "condition": "20/3.59 bar, 220 degC"}),
+        ("reciprocating", {"fluid": "R454B"}),
+    ],
+)
+def test_templates_that_had_no_solution_or_warned_run(kind, stated):
+    """A ratio far from the pressures', a thermostat above what leaves, oil below the dew, wet steam, no transport."""
+    figures(kind, **stated)
+
+
+def test_a_motor_takes_what_a_built_in_ratio_costs_that_the_pressures_do_not_call_for():
+    """R22 from 41 to 68 °C with 2.98 in place of 1.8, and an economizer's gas: 1.4 of the motor's power before."""
+    asked = asked_of("R22", "4637 m^3/h", 2.98, None, None, "41/68 degC, 0 K", economizer=True)
+    scene = screwsim.loads(new_scene("heat_pump", asked))
+    result = screwsim.simulate(scene, trace=False)
+    assert (result.status, result.warnings) == ("ok", ())
+    assert 0.7 < result.performance.shaft_power / scene.effects["motor"].parameters.rated_power < 1.1
+
+
+def test_work_beyond_the_matching_ratio_is_that_of_constant_volume():
+    """Ideal gas, k = 1.4: with a ratio of 1 the work is p_d − p_s over the suction's volume; none where it matches."""
+    assert sizes.beyond_matching(8.0, 1.4, None) == 1.0
+    assert sizes.beyond_matching(8.0, 1.4, 8.0 ** (1 / 1.4)) == pytest.approx(1.0)
+    full = 7.0 / sizes.isentropic_work(1.4, 1.0, 1.0, 8.0)
+    assert sizes.beyond_matching(8.0, 1.4, 1.0 + 1e-9) == pytest.approx(full)
+
+
+def test_a_motor_that_is_stated_turns_the_first_size_that_is_tried():
+    """A search from 600 m³/h ended where 22 kW should have turned six times as much."""
+    asked = asked_of("R407C", None, 5.28, None, None, "-9/38 degC, 5 K", motor="22 kW")
+    assert sized("heat_pump", asked).result.performance.shaft_power == pytest.approx(22e3, rel=5e-3)
+
+
+def test_an_economizer_without_a_steady_draw_is_refused():
+    asked = asked_of("R454B", "600 m^3/h", None, None, None, "-29/-8 degC, 20 K", economizer=True)
+    with pytest.raises(UsageError, match=r"^--economizer: no temperature is found .*or no --economizer\)$"):
+        with_steady_port(new_scene("refrigeration", asked))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -269,6 +313,15 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
             "--condition whose ends are farther apart, or no --economizer)",
         ),
         (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),
+        (["booster", "--fluid", "Ethylene"], "--fluid Ethylene: CoolProp has no viscosity of it, which its gaps need"),
+        (
+            ["booster", "--fluid", "Hydrogen", "--condition", "1/1.8 bar, 10 degC", "--speed", "6000 rpm"],
+            "--speed 6000 rpm: films of oil take 7 times the work on so light a gas (lower, or higher pressures)",
+        ),
+        (
+            ["booster", "--fluid", "R290", "--condition", "20/42 bar, 60 degC"],
+            "--condition: R290 of 42 bar condenses below 96 °C, about as warm as it leaves",
+        ),
         (["booster", "--slide"], "--slide: is of refrigeration and heat_pump, which it unloads"),
         (["heat_pump", "--variable-speed"], "--variable-speed: is of air, whose sheet it is of"),
         (["booster", "--flow", "7 m^3/min"], "--flow: is of an air package's sheet (write screwsim new air"),

@@ -89,6 +89,10 @@ def new(
             say(wrapped(line), err=output is None)  # where the scene itself goes to the screen
     else:
         text = new_scene(kind, asked)
+        if asked.economizer:
+            from screwsim.study.sized import with_steady_port
+
+            text = with_steady_port(text)
     if output is None:
         say(text.rstrip("\n"))
         return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -60,7 +61,8 @@ def optimum(
 def performance_map(
     results_file: Annotated[str, argument("OUT.h5", "Results of a sweep.")],
     figures: Annotated[
-        Texts, option("NAME", "What is fitted (default: power, mass flow, cooling capacity).", "--figure")
+        Texts,
+        option("NAME", "What is fitted (default: electrical or shaft power, mass flow, cooling capacity).", "--figure"),
     ] = None,
     points: Annotated[
         Texts,
@@ -85,13 +87,13 @@ def performance_map(
     )
     from screwsim.results import open_results
     from screwsim.study.map_points import points_at
-    from screwsim.study.performance_map import FIGURES, performance_maps
+    from screwsim.study.performance_map import performance_maps
 
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
     if output is not None:
         keep_other_maps(output)
-    maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
+    maps = performance_maps(results, tuple(dict.fromkeys(figures or ())))
     found = points_at(results, maps, points or ())
     if output is not None:
         write_maps(output, results, maps)
@@ -115,7 +117,10 @@ def sensitivity(
     figures: Annotated[
         Texts, option("NAME", "Of what (default: efficiency, mass flow; --local: all).", "--figure")
     ] = None,
-    samples: Annotated[int, option("N", "Base samples, a power of two.")] = 256,
+    samples: Annotated[
+        int | None,
+        option("N", "Base samples, a power of two (default: 256; 32 of one path); solutions are N (paths + 2)."),
+    ] = None,
     seed: Annotated[int, option("N", "Seed of samples and confidence intervals.", min=0)] = 1,
     output: Annotated[File, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
     overrides: Overrides = None,
@@ -133,9 +138,10 @@ def sensitivity(
         raise UsageError(f"{places[0]}: a path without a range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing import show
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
+    from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import told_efficiency
     from screwsim.study.progress import for_terminal
-    from screwsim.study.sensitivity import read_ranges
+    from screwsim.study.sensitivity import cost_told, read_ranges, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
@@ -143,6 +149,9 @@ def sensitivity(
     if not names and (told := told_efficiency(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
     ranges, progress = read_ranges(scene, paths or ()), for_terminal("sensitivity")
+    samples = usual_samples(len(ranges)) if samples is None else samples
+    if sys.stderr.isatty():
+        say(wrapped(f"sensitivity: {cost_told(len(ranges), samples)}"), err=True)
     found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=progress)
     if output is not None and not found.message:
         write_sensitivity(output, found)
@@ -153,6 +162,7 @@ def sensitivity(
 def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
     from screwsim.printing import print_json
+    from screwsim.printing.tables import say_title
     from screwsim.printing.uncertain import check_document, print_check
     from screwsim.study.progress import for_terminal
     from screwsim.study.uncertain import checked, uncertainty
@@ -163,7 +173,7 @@ def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     if as_json:
         print_json({**linear.as_json(), "sampled": check_document(linear)})
     else:
-        say(scene.title)
+        say_title(scene.title)
         print_check(linear)
     ended = linear.slopes.result.status == "ok" and not linear.message
     return OK if ended else NOT_ALL_OK

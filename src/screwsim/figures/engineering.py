@@ -43,8 +43,11 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
 
 
 def figure_text(figure: Figure | str, value: float) -> str:
-    """Return a performance figure [SI] with its unit for people."""
-    return " ".join(engineering(figure, value)).strip()
+    """Return a performance figure [SI] with its unit for people, as a sentence has it: a temperature in °C."""
+    about = declared(figure) if isinstance(figure, str) else figure
+    if about.units == "K":
+        return f"{value - ZERO_CELSIUS:z.2f} °C"
+    return " ".join(engineering(about, value)).strip()
 
 
 def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
@@ -58,5 +61,7 @@ def read_in(figure: Figure, size: float) -> tuple[float, str, float]:
 
 
 def error_text(name: str, value: float, error: float) -> str:
-    """Return the error of a figure relative to it; in its unit where it is larger than the figure."""
+    """Return the error of a figure relative to it; in its unit where it is larger than the figure, or is of °C."""
+    if declared(name).units == "K":
+        return f"{error:.0e} K" if error < 1e-3 else f"{error:.1g} K"
     return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else figure_text(name, error)

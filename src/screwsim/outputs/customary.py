@@ -72,5 +72,6 @@ def small(value: float | None) -> str:
 
 
 def raised(text: str) -> str:
-    """Return a text with the powers of its units as they are printed: cm³, W/(m² K). A scene is written with cm^3."""
+    """Return a text with its units as they are printed: cm³, W/(m² K), °C. A scene is written with cm^3 and degC."""
+    text = re.sub(r"\bdegC\b", "°C", text)
     return re.sub(r"(?<=[a-z])\^([23])(?![0-9])", lambda found: "²³"[int(found[1]) - 2], text)

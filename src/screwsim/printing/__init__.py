@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
+from screwsim.outputs.customary import raised
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
-from screwsim.study.inputs import shown_condition
+from screwsim.study.inputs import shown_value
 from screwsim.study.sweep import SweepSummary
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
     console = Console(highlight=False, markup=False, emoji=False)
     doubted = no_machine(result)
     if title or doubted:
-        first = ": ".join(filter(None, (title, doubted)))
+        first = ": ".join(filter(None, (raised(title), doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # in the first line, whatever its length
     if changed:
         console.print(wrapped(printable(", ".join(changed))))
@@ -281,7 +282,7 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
     """
 
     def where(values: Mapping[str, Any]) -> str:
-        return ", ".join(f"{path} = {shown_condition(scene, path, value)}" for path, value in values.items())
+        return ", ".join(f"{path} = {shown_value(scene, path, value)}" for path, value in values.items())
 
     counts = f"{document['cases']} cases: {_counts(document)}"
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""

@@ -21,7 +21,7 @@ from screwsim.study.calibration.hypotheses import CHANCE, by_chance
 from screwsim.study.calibration.judge import CORRELATED, WEAK
 from screwsim.study.calibration.scene import BEGINS, fitted_text
 from screwsim.study.calibration.solve import Calibration, Compared
-from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
 _ABOUT_TOLERANCES = f"{TOLERANCE}: half of a 95 % interval, twice a standard deviation (prior: none leaves it out)"
@@ -153,7 +153,6 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
     scene, path = found.fit.scene, parameter.path
     known = found.certainty
     error = None if known is None else known.errors[index]
-    value, unit = in_customary(scene, path, found.values[path])
     width = ""
     if error is not None:
         width = f"{error * found.scale * _per_unit(found, parameter):.2g}"
@@ -161,7 +160,7 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
         width = f"{known.border[index]} bound"
     low, high = spread(found, index)
     good = "" if low is None or high is None else " … ".join(_number(found, path, each) for each in (low, high))
-    return [short_names(found)[index], f"{value:.4g} {unit}".strip(), width, good]
+    return [short_names(found)[index], shown_value(scene, path, found.values[path], 4), width, good]
 
 
 def _tolerance(found: Calibration, parameter: Parameter) -> str:
@@ -169,7 +168,7 @@ def _tolerance(found: Calibration, parameter: Parameter) -> str:
     prior, path = parameter.prior, parameter.path
     if prior is None or not prior.of_scene:
         return "none (left out)" if parameter.unheld and path in found.fit.scene.uncertain else ""
-    mean = f"{in_customary(found.fit.scene, path, prior.mean)[0]:.4g}"
+    mean = shown_number(found.fit.scene, path, prior.mean)
     if prior.logarithmic:
         return f"{mean} ×/÷ {prior.tolerance:.3g}"
     return f"{mean} ± {prior.tolerance * _per_unit(found, parameter):.3g}"
@@ -181,7 +180,7 @@ def short_names(found: Calibration) -> list[str]:
 
 
 def _number(found: Calibration, path: str, value: float) -> str:
-    return f"{in_customary(found.fit.scene, path, value)[0]:.3g}"
+    return shown_number(found.fit.scene, path, value, 3)
 
 
 def _per_unit(found: Calibration, parameter: Parameter) -> float:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from screwsim.outputs import Figure
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
@@ -62,7 +62,7 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
     say("\n".join(plain_table(heads, [_cells(a, b, each) for each in found.figures], 1)))
     many = any(each.at for each in found.figures) and found.common > 1
-    text = "change and error (both estimates together; up to twice that is none) are relative to A"
+    text = "change and error (both estimates together; up to twice that is none) are relative to A, of temperatures K"
     say(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
     places: dict[str, list[str]] = {}
     for each in found.figures:
@@ -80,17 +80,15 @@ def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
     if each.a is None or each.b is None:
         return [shown_name(each.figure), "", "", "", "", "", differ]
     about = (a if each.figure in a.performance else b).figure(each.figure)
-    (one, unit), (other, other_unit) = (_shown(about, value) for value in (each.a, each.b))
+    if about.units == "K":
+        one, other = (f"{value - ZERO_CELSIUS:z.2f}" for value in (each.a, each.b))
+        change = f"{each.change:+.1e} K" if each.change else "0"
+        return [shown_name(each.figure), one, other, "°C", change, f"{each.error or 0.0:.0e} K", differ]
+    (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))
     other = other if other_unit == unit else f"{other} {other_unit}"  # 900 W against 1.1 kW
     relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
     error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
     return [shown_name(each.figure), one, other, unit, relative, error, differ]
-
-
-def _shown(figure: Figure, value: float) -> tuple[str, str]:
-    """Return number and unit, a temperature in K alone."""
-    number, unit = engineering(figure, value)
-    return number, unit.partition(" (")[0]
 
 
 def _where(results: Results, at: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ from screwsim.export.inputs import plain
 from screwsim.export.loads import Exported, unit_of
 from screwsim.export.table import Table
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.screen import say
 
 
@@ -26,8 +26,7 @@ def map_document(table: Table, files: Sequence[str]) -> dict[str, Any]:
 
 def print_map(table: Table, files: Sequence[str]) -> None:
     """Print a map for people, SI units."""
-    if table.title:
-        say(wrapped(table.title))
+    say_title(table.title)
     rows = [
         [one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))]
         for one, nodes in zip(table.inputs, table.grid.nodes, strict=True)
@@ -70,7 +69,7 @@ def print_polynomials(
 
 def print_loads(found: Exported, result: Result, files: Sequence[str]) -> None:
     """Print means and the first harmonics of each curve, and the files."""
-    say(wrapped(found.title or "loads"))
+    say_title(found.title or "loads")
     say(wrapped(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz"))
     rows = [
         [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]

@@ -10,7 +10,7 @@ from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import DIGITS, Found, Question
 
 MOST_NOTES = 4  # of rows, printed
@@ -137,9 +137,8 @@ def _width(scene: Scene, path: str, width: float | None) -> str:
     """Return a difference of a path's values in its customary unit."""
     if width is None:
         return ""
-    zero, unit = in_customary(scene, path, 0.0)
-    number, _ = in_customary(scene, path, width)
-    return f"{number - zero:.1g}" + (f" {unit}" if unit else "")
+    per, unit = unit_of_change(scene, path, 1.0)  # as the value, not in µm
+    return f"{per * width:.1g} {unit}".strip()
 
 
 def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:

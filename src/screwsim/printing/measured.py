@@ -9,7 +9,7 @@ from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.screen import printable, say
-from screwsim.study.inputs import in_customary, shown_value, unit_of_change
+from screwsim.study.inputs import shown_number, shown_value, unit_of_change
 from screwsim.study.measured import AGREES, Compared, Comparison, Explanation
 
 MOST = 8  # explanations that are printed; all are in --json
@@ -90,8 +90,8 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
     heads += ["of tolerance"] * tolerant + ["leaves"] * several
     rows = []
     for each in found.explanations[:MOST]:
-        now, _ = in_customary(scene, each.path, each.value)
-        cells = [each.path, f"{now:.4g}", shown_value(scene, each.path, each.wanted, 4), _change(scene, each)]
+        now = shown_number(scene, each.path, each.value)
+        cells = [each.path, now, shown_value(scene, each.path, each.wanted, 4), _change(scene, each)]
         if tolerant:
             cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
         rows.append([*cells, *([f"{100.0 * each.left:.0f} %"] if several else [])])

@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.figures import declared
-from screwsim.figures.engineering import engineering, error_text, shown_name
+from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.results.warned import kinds_of
 from screwsim.screen import say
-from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimize import Optimum, Question, Reach
 from screwsim.study.seek import DIGITS
 
@@ -74,7 +73,7 @@ def print_optimize(found: Optimum) -> None:
     ranges = ", ".join(_range(asked, i) for i in range(len(asked.spans)))
     say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
     for bound in asked.bounds:
-        say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {_text(bound.figure, bound.value)}"))
+        say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}"))
     tell(asked.points.told)
     say()
     if found.status != "ok":
@@ -107,7 +106,7 @@ def _print_best(found: Optimum) -> None:
     say("\n".join(plain_table(["", "best", "as good"], rows, 1)))
     value, error = found.aims[row, 0], found.errors[row, 0]
     say()
-    say(f"{shown_name(aim.figure)} {_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
+    say(f"{shown_name(aim.figure)} {figure_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
     if not asked.points.single:
         say()
         say("\n".join(_points(found)))
@@ -118,14 +117,14 @@ def _print_best(found: Optimum) -> None:
             say(wrapped(f"{path} does next to nothing: over all of its range values as good were found"))
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
-        say(wrapped(f"another local optimum at {where}: {_text(aim.figure, height)}"))
+        say(wrapped(f"another local optimum at {where}: {figure_text(aim.figure, height)}"))
 
 
 def _reach(found: Optimum, path: str, reach: Reach) -> str:
     if reach.low == reach.high:
         return "no other"
-    low, high = (in_customary(found.asked.scene, path, end)[0] for end in (reach.low, reach.high))
-    return f"{low:.5g} … {high:.5g}"
+    low, high = (shown_number(found.asked.scene, path, end, 5) for end in (reach.low, reach.high))
+    return f"{low} … {high}"
 
 
 def _points(found: Optimum) -> Iterator[str]:
@@ -142,7 +141,7 @@ def _points(found: Optimum) -> Iterator[str]:
     for each in found.points:
         cells = [each.point.name, f"{each.point.weight / total:.3g}"]
         cells += [shown_value(asked.scene, path, each.values[path]) if path in each.values else "" for path in paths]
-        rows.append([*cells, *(_text(name, each.result.performance[name], short=True) for name in there)])
+        rows.append([*cells, *(figure_text(name, each.result.performance[name]) for name in there)])
     yield from plain_table([*heads, *(shown_name(name) for name in there)], rows, 1)
 
 
@@ -174,7 +173,7 @@ def _front_cells(found: Optimum, row: int) -> list[str]:
     aims, errors = found.aims[row], found.errors[row]
     largest = max(error / abs(aim) for aim, error in zip(aims, errors, strict=True) if aim)
     values = found.values_at(row)
-    cells = [_text(aim.figure, value) for aim, value in zip(asked.aims, aims, strict=True)]
+    cells = [figure_text(aim.figure, value) for aim, value in zip(asked.aims, aims, strict=True)]
     return [*cells, f"{largest:.0e}", *(shown_value(asked.scene, path, values[path], 4) for path in values), str(row)]
 
 
@@ -189,10 +188,3 @@ def _counts(found: Optimum) -> Iterator[str]:
     rest = sum(found.reasons.values()) - sum(count for _, count in shown)
     if rest:
         yield f"{rest}: other reasons"
-
-
-def _text(name: str, value: float, short: bool = False) -> str:
-    number, unit = engineering(name, value)
-    if short and declared(name).units == "K":
-        return unit.partition("(")[2].rstrip(")")  # degrees Celsius alone
-    return f"{number} {unit}".strip()

@@ -12,7 +12,7 @@ from screwsim.printing.tables import plain_table, say_title, tell, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimum import Best, Question
 
 
@@ -55,12 +55,12 @@ def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> li
     if row.value is None or row.figure is None or row.error is None:
         return [*head, row.status, "", "", "", "", str(row.solutions)]
     number, unit = engineering(asked.figure, row.figure)
-    low, high = (in_customary(scene, asked.path, end)[0] for end in (row.low, row.high))
+    low, high = (shown_number(scene, asked.path, end) for end in (row.low, row.high))
     mark = {"lower border": " <", "upper border": " >"}.get(row.place or "", "")
     return [
         *head,
         shown_value(scene, asked.path, row.value, 4) + mark,
-        f"{low:.4g} … {high:.4g}",
+        f"{low} … {high}",
         f"{number} {unit}".strip(),
         f"{row.error / abs(row.figure):.0e}" if row.figure else "",
         f"{row.accuracy:.0e}",

@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.figures.engineering import engineering
 from screwsim.printing import shown_name, write_json
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
 from screwsim.results.kept import keep_other_documents
@@ -16,7 +16,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, keep_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import FORMULA, NAMES, PerformanceMap, conditions
+from screwsim.study.performance_map import ELECTRICAL, FORMULA, NAMES, SHAFT, PerformanceMap, conditions
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
@@ -37,10 +37,12 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
 
 def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Print the coefficients of each map with errors and envelope."""
-    say(wrapped(results.attributes["title"]))
+    say_title(results.attributes["title"])
     say(wrapped(FORMULA))
     say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
     say(wrapped("left-out error: the largest at a point of the fit to the others"))
+    if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
+        say(wrapped("power: what the motor draws (--figure shaft_power for that at its shaft)"))
     for each in maps:
         say()
         if each.values:
@@ -93,7 +95,7 @@ def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, A
 
 def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     """Print the figures of the map at each point, in customary units."""
-    say(wrapped(results.attributes["title"]))
+    say_title(results.attributes["title"])
     for each in points:
         temperatures = (each.evaporating_temperature, each.condensing_temperature)
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)

@@ -130,7 +130,7 @@ def write_plan(path: Path, found: Plan) -> str:
 
 def _head(scene: Scene, path: str, found: Plan) -> str:
     value = next(each.point.values[path] for each in found.steps if path in each.point.values)
-    unit = in_customary(scene, path, value)[1]
+    unit = in_customary(scene, path, value)[1].replace("°C", "degC")
     return f"{path} [{unit}]" if unit else path
 
 

@@ -20,7 +20,7 @@ from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.posterior import UNTOLD
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.columns import Column, first_line, keep_other_columns, write_columns
-from screwsim.study.inputs import in_customary
+from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
 SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"
@@ -87,9 +87,9 @@ def _print_spreads(fit: Calibration, found: Posterior) -> None:
     scene = fit.fit.scene
     rows = []
     for each in found.parameters:
-        low, median, high = (in_customary(scene, each.name, value) for value in (each.low, each.median, each.high))
+        low, high = (shown_number(scene, each.name, value) for value in (each.low, each.high))
         share = "" if each.of_prior is None else f"{each.of_prior:.2f}"
-        rows.append([each.name, f"{median[0]:.4g} {median[1]}".strip(), f"{low[0]:.4g} … {high[0]:.4g}", share])
+        rows.append([each.name, shown_value(scene, each.name, each.median, 4), f"{low} … {high}", share])
     say("\n".join(plain_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)))
     say()
     rows = [[shown_name(each.name), *_width(found, each.name)] for each in found.discrepancies]

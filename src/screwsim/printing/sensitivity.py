@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_unit
+from screwsim.figures.engineering import figure_text, figure_unit
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.derivatives import DIFFERENCES
-from screwsim.printing import engineering, shown_name
+from screwsim.printing import shown_name
 from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene, leaf_of
@@ -52,7 +52,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
 def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     """Print a table a figure: the inputs with the largest total index first."""
     say_title(scene.title)
-    samples = f"{found.samples} samples of {len(found.ranges)} inputs, seed {found.seed}"
+    samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
     say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:
         say(wrapped(found.message))
@@ -81,11 +81,12 @@ def _head(shares: Shares) -> str:
     name = shown_name(shares.figure)
     if shares.mean is None or shares.deviation is None:
         return f"{name}: {shares.message}"
-    mean, unit = engineering(shares.figure, shares.mean)
+    mean = figure_text(shares.figure, shares.mean)
     if shares.message:
-        return f"{name}: {mean} {unit}, {shares.message}"
-    factor = float(mean) / shares.mean if shares.mean and declared(shares.figure).units != "K" else 1.0
-    text = f"{name}: mean {mean} {unit}, standard deviation {factor * shares.deviation:.2g} {unit.partition(' ')[0]}"
+        return f"{name}: {mean}, {shares.message}"
+    factor, unit = figure_unit(declared(shares.figure), shares.mean)
+    deviation = f"{factor * shares.deviation:.2g} {'points' if unit == '%' else unit}".rstrip()
+    text = f"{name}: mean {mean}, standard deviation {deviation}"
     if shares.noise is not None and shares.noise > NOISY:
         text += f"; numerical errors may make {shares.noise:.0%} of the variance (tighten numerics.accuracy)"
     return text

@@ -6,6 +6,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name, small
 from screwsim.outputs import Result
+from screwsim.outputs.customary import raised
 from screwsim.printing import no_machine
 from screwsim.printing.tables import plain_table, tell, wrapped
 from screwsim.screen import printable, say
@@ -36,7 +37,7 @@ def first_figures(performance: Mapping[str, Any]) -> list[str]:
 
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
     """Print title, status, the first warnings, ten figures with their numerical errors, if any, the balances."""
-    first = ": ".join(filter(None, (title, no_machine(result))))
+    first = ": ".join(filter(None, (raised(title), no_machine(result))))
     if first:
         say(_cut(printable(first), 1))
     if changed:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from screwsim.figures.engineering import engineering, engineering_temperature, quantity, shown_name, small
 from screwsim.outputs import EFFICIENCY, STAGES
+from screwsim.printing.tables import say_title
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -19,8 +20,7 @@ OF_STAGES = ("gas_mass_flow", "shaft_power", "volumetric_efficiency", "isentropi
 
 def print_stages(title: str, found: ChainResult) -> None:
     """Print the figures of a chain, and some of both its stages."""
-    if title:
-        say(title)
+    say_title(title)
     say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
     for warning in found.warnings:
         say(textwrap.fill(f"warning: {warning}", WIDTH - 1, subsequent_indent="  "))

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+from screwsim.outputs.customary import raised
 from screwsim.printing.tables import wrapped
 from screwsim.results.atomic import keep_others, write_csv
 from screwsim.solve.start_up import StartUp
@@ -32,7 +33,7 @@ ROWS = (
 
 def text(title: str, found: StartUp) -> str:
     """Return the figures of a start-up for a terminal."""
-    lines = [title] if title else []
+    lines = [raised(title)] if title else []
     lines.append(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
     lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
     if found.figures:

@@ -51,8 +51,8 @@ def wrapped(text: str) -> str:
 
 
 def say_title(title: str) -> None:
-    """Print a title in lines that fit, where there is one."""
-    tell(filter(None, [title]))
+    """Print a title in lines that fit, where there is one, its units as they are printed."""
+    tell(filter(None, [raised(title)]))
 
 
 def tell(texts: Iterable[str]) -> None:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from screwsim.figures import declared
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.scene import Scene
@@ -53,9 +55,15 @@ def _spreads(found: Tolerances) -> list[str]:
     rows = []
     for each in found.spreads:
         values = (each.nominal, each.low, each.high)
-        (nominal, unit), (low, _), (high, _) = (engineering(each.figure, value) for value in values)
+        (nominal, unit), (low, _), (high, _) = (_in_unit(each.figure, value) for value in values)
         spread = f"{100.0 * each.deviation / abs(each.nominal):.4f}"
         shares = (f"{100.0 * share:.0f}" for share in each.shares.values())
         rows.append((shown_name(each.figure), nominal, unit, spread, low, high, *shares))
     shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
     return plain_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
+
+
+def _in_unit(name: str, value: float) -> tuple[str, str]:
+    """Return a figure as number and unit, a temperature in °C."""
+    number, unit = engineering(name, value)
+    return (f"{value - ZERO_CELSIUS:z.2f}", "°C") if declared(name).units == "K" else (number, unit)

@@ -17,6 +17,7 @@ from screwsim.machine.protocol import END_GAP, GAPS
 from screwsim.machine.rotors import leakage
 from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
+from screwsim.outputs.customary import raised
 from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
 from screwsim.results.atomic import make_folder, write_text
@@ -91,7 +92,7 @@ def _longest_line(laid: Laid) -> float:
 def table_text(scene: Scene) -> str:
     """Return the coefficients as lines for people."""
     found = coefficients(scene)
-    lines = [scene.title, ""] if scene.title else []
+    lines = [raised(scene.title), ""] if scene.title else []
     faired = laid_of(scene).rotors.chain.faired
     lines += [f"measured points: {faired}", ""] if faired else []
     for name, (value, unit, meaning) in found.items():
@@ -121,7 +122,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
     machine = twin_screw(scene.machine)
     ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
     tables = folder / "table"
-    texts = {folder / "rotors.html": page(laid, scene.title)}
+    texts = {folder / "rotors.html": page(laid, raised(scene.title))}
     texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
     keep_other_beginnings(texts)
     written = draw_rotors(laid.rotors, ratio, folder, axial, machine.slide_valve)

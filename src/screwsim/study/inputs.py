@@ -11,6 +11,7 @@ from screwsim.outputs.display import value_text
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
 
+CELSIUS = "°C"
 STEPS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}  # kinds without a range of values
 
 
@@ -68,24 +69,34 @@ def shown_figure(name: str, value: float) -> str:
 
 
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
-    """Return a value [SI] of a path with its customary unit."""
+    """Return a value [SI] of a path with its customary unit; a temperature in °C, as finely as in K."""
     number, unit = in_customary(scene, path, value)
+    if unit == CELSIUS:
+        return f"{celsius_digits(number, digits)} {CELSIUS}"
     return f"{number:.{digits}g} {raised(unit)}".strip() if isinstance(number, float) else str(number)
 
 
-def shown_condition(scene: Scene, path: str, value: Any) -> str:
-    """Return a value [SI] of a path as people state an operating point: temperatures in °C."""
-    kind = leaf_of(scene, path).dimension
-    if kind is not None and kind.name == "temperature":
-        return f"{value - ZERO_CELSIUS:z.2f}".rstrip("0").rstrip(".") + " °C"
-    return shown_value(scene, path, value)
+def shown_number(scene: Scene, path: str, value: Any, digits: int = 4) -> str:
+    """Return a value [SI] of a path as `shown_value` does, without its unit."""
+    number, unit = in_customary(scene, path, value)
+    if unit == CELSIUS:
+        return celsius_digits(number, digits)
+    return f"{number:.{digits}g}" if isinstance(number, float) else str(number)
+
+
+def celsius_digits(number: float, digits: int) -> str:
+    """Return degrees Celsius with the decimals that so many digits of usual temperatures in K have."""
+    text = f"{number:z.{max(digits - 3, 1)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
-    """Return a value [SI] of a path as a number in its customary unit, and that unit."""
+    """Return a value [SI] of a path as a number in its customary unit, and that unit: of temperatures °C."""
     kind = leaf_of(scene, path).dimension
     if kind is None:
         return (float(value), "") if isinstance(value, int | float) else (value, "")
+    if kind.name == "temperature":
+        return round(float(value) - ZERO_CELSIUS, 9) + 0.0, CELSIUS
     return to_customary(kind, float(value)), customary_unit(kind)
 
 

@@ -16,7 +16,7 @@ from screwsim.scene.fields import leaf_paths, unknown
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import ZERO_CELSIUS, Refused
 from screwsim.scene.values import convert
-from screwsim.study.performance_map import FIGURES, PerformanceMap, performance_maps
+from screwsim.study.performance_map import PerformanceMap, performance_maps
 
 EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
 ALIKE = 1e-9  # relative, of a value of another axis and that of a map
@@ -36,7 +36,7 @@ def evaluate_map(
     results: Results | str | os.PathLike[str],
     evaporating_temperature: float,
     condensing_temperature: float,
-    figures: Sequence[str] = FIGURES,
+    figures: Sequence[str] = (),
     **others: Any,
 ) -> dict[str, float]:
     """Return figures [SI] of a sweep's map at evaporating and condensing temperature [K].

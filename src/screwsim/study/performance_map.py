@@ -23,7 +23,8 @@ Array = np.ndarray
 TERMS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))  # powers of S and D
 FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
 NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
-FIGURES = ("shaft_power", "gas_mass_flow", "cooling_capacity")
+SHAFT, ELECTRICAL = "shaft_power", "electrical_power"
+FIGURES = ("gas_mass_flow", "cooling_capacity")  # beside the power
 VALUES = 4  # distinct temperatures that a cubic needs
 WORST_CONDITION = 1e6  # of the fit in centred and scaled temperatures; a full grid has about 10
 _CONDITIONS = (SUPERHEAT, SUBCOOLING, QUALITY, SUPERHEAT_S, "oil_supply.temperature", "oil_supply.ratio")
@@ -79,8 +80,17 @@ def polynomial(coefficients: Sequence[float], S: Array, D: Array) -> Array:
     return sum((c * S**i * D**j for c, (i, j) in zip(coefficients, TERMS, strict=True)), np.zeros(np.shape(S)))
 
 
-def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list[PerformanceMap]:
+def usual_figures(results: Results) -> tuple[str, ...]:
+    """Return what is mapped where nothing is asked for: the power that is paid for, flow and capacity.
+
+    EN 12900 and AHRI 540 rate a compressor with its motor by the electrical power, an open one by that of its shaft.
+    """
+    return (ELECTRICAL if ELECTRICAL in results.performance else SHAFT, *FIGURES)
+
+
+def performance_maps(results: Results, figures: Sequence[str] = ()) -> list[PerformanceMap]:
     """Return a map for each point of the axes other than both temperatures; raise UsageError when none can be had."""
+    figures = figures or usual_figures(results)
     figures = tuple(dict.fromkeys(figure_named(text, results.figures, results.error) for text in figures))
     varied = results.varied
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in varied]

@@ -23,6 +23,7 @@ from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 CONFIDENCE = 0.95
+SAMPLES, ALONE = 256, 32  # base samples of several inputs; of one, which makes all of the variance
 NOISY = 0.01  # share of the variance that numerical errors may have made
 
 
@@ -106,12 +107,26 @@ def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
     return tuple(found.values())
 
 
+def usual_samples(inputs: int) -> int:
+    """Return the base samples of a study in which nothing else is asked for."""
+    return SAMPLES if inputs > 1 else ALONE
+
+
+def cost_told(inputs: int, samples: int) -> str:
+    """Return in a line how many solutions a study takes, and what fewer or more samples do."""
+    count, many = samples * (inputs + 2), f"{inputs} input{'s' * (inputs > 1)}"
+    told = f"{count} solutions, {samples} samples × ({many} + 2)"
+    if inputs == 1:
+        return f"{told}; one input alone makes all of the variance: mean and deviation are what this tells"
+    return f"{told} (--samples: a quarter of them doubles the widths of the intervals, four times as many halve them)"
+
+
 def sensitivity(
     scene: Scene,
     ranges: Sequence[Range],
     figures: Sequence[str] = (),
     *,
-    samples: int = 256,
+    samples: int | None = None,
     seed: int = 1,
     jobs: int | None = None,
     simulate: Simulate | None = None,
@@ -121,6 +136,7 @@ def sensitivity(
 
     Without figures those are `usual_efficiency` and the gas mass flow.
     """
+    samples = usual_samples(len(ranges)) if samples is None else samples
     named = tuple(figures) or (usual_efficiency(scene), "gas_mass_flow")
     figures = tuple(dict.fromkeys(figure_of(scene, figure) for figure in named))
     if samples < 2 or samples & (samples - 1):

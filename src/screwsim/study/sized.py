@@ -15,13 +15,18 @@ from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.template import Asked, kind_of, new_scene
 from screwsim.template.gas import INVERTER
-from screwsim.template.sizes import rpm
+from screwsim.template.sizes import flow_text, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
 COOLS, HEATS = "cooling_capacity", "heating_capacity"
 NEAR, TRIES = 1e-3, 8  # of what is stated, within which it is met, and how many sizes are tried
 FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are round, so that sizes jump: what is met by how much after so many tries
 FAST = 40.0  # [m/s] of the tips, above which films of oil cost points of efficiency (docs/how-to/new-machine.md)
+TIGHTER = 1e-4  # accuracy where the default does not do
+UNSTEADY = (
+    "--economizer: no temperature is found at which its port draws its vapour (a --condition whose ends are farther "
+    "apart, another --vi, or no --economizer)"
+)
 HEAVY, LIGHT = 1.15, 0.6  # loads of a motor (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly fit
 
 
@@ -47,19 +52,42 @@ def sized(kind: str, asked: Asked) -> Sized:
     option, figure, wanted = next((*names, wanted) for *names, wanted in goals if wanted is not None)
     flow = about.first(asked)
     for count in range(TRIES):
-        text = _text(kind, replace(asked, flow=flow, sought=option), option)
-        scene = loads(text)
-        result = simulate(scene, trace=False)
+        found = solved(_text(kind, replace(asked, flow=flow, sought=option), option))
+        result = found.result
         value = result.performance.get(figure)
+        if asked.economizer and result.status == "not_closed":
+            raise UsageError(UNSTEADY)
         if result.status != "ok" or not value or value <= 0.0:
             why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
-            raise UsageError(f"{option}: the machine of the size that is tried does not run: {why}")
+            what = f"the machine of {flow_text(flow)} that is tried does not run: {why}"
+            raise UsageError(f"{option}: {what} (another {option}, --speed, --vi or --condition)")
         if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
-            return Sized(text, scene, result)
+            return found
         flow *= wanted / value
     raise UsageError(
         f"{option}: no size was found that gives {shown_figure(figure, wanted)} (--displacement states one)"
     )
+
+
+def solved(text: str) -> Sized:
+    """Return a new scene with its result; with a tighter accuracy in it where what it finds is left open without."""
+    scene = loads(text)
+    result = simulate(scene, trace=False)
+    if result.status == "not_closed":
+        told = "its default leaves open what is found with the cycle"
+        tighter = f"{text.rstrip()}\n\nnumerics: {{accuracy: {TIGHTER:g}}}    # {told}\n"
+        closed = simulate(loads(tighter), trace=False)
+        if closed.status == "ok":
+            return Sized(tighter, loads(tighter), closed)
+    return Sized(text, scene, result)
+
+
+def with_steady_port(text: str) -> str:
+    """Return the text of a scene whose economizer's port draws steadily; raise UsageError where none is found."""
+    text, _, result = solved(text)
+    if result.status != "ok":
+        raise UsageError(UNSTEADY)
+    return text
 
 
 def _text(kind: str, asked: Asked, option: str) -> str:
@@ -95,7 +123,8 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
     rotors = 1e3 * scene.machine.rotor_diameter
     assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings by that size"]
     if package:
-        assumed += ["4 kg of oil per kg of air", "losses of a typical package, a fan of 4 % of the motor"]
+        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
+        assumed += ["losses of a typical package, a fan of 4 % of the motor"]
         assumed += [f"an inverter that loses {100.0 * INVERTER:g} % of it"] if asked.variable else []
     else:
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses that were fitted to machines like it"]

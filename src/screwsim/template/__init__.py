@@ -42,13 +42,17 @@ class Kind(NamedTuple):
     written: Callable[[Asked], str]
     takes: tuple[str, ...] = ()
     cools: str = ""
-    first: Callable[[Asked], float] = refrigeration.first_flow
+    first: Callable[[Asked], float] = gas.first_flow
 
 
 KINDS = {
-    "refrigeration": Kind(refrigeration.cooling, MOTOR + CAPACITY + LIQUID + SLIDE, "cooling_capacity"),
-    "heat_pump": Kind(refrigeration.heating, MOTOR + CAPACITY + LIQUID + SLIDE, "heating_capacity"),
-    "air": Kind(gas.air, MOTOR + SHEET + SPEEDS, first=gas.first_flow),
+    "refrigeration": Kind(
+        refrigeration.cooling, MOTOR + CAPACITY + LIQUID + SLIDE, "cooling_capacity", refrigeration.first_cooling
+    ),
+    "heat_pump": Kind(
+        refrigeration.heating, MOTOR + CAPACITY + LIQUID + SLIDE, "heating_capacity", refrigeration.first_heating
+    ),
+    "air": Kind(gas.air, MOTOR + SHEET + SPEEDS),
     "booster": Kind(gas.booster),
     "expander": Kind(gas.expander),
     "reciprocating": Kind(reciprocating.reciprocating),
@@ -77,6 +81,14 @@ def new_scene(kind: str, asked: Asked) -> str:
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
         port = refrigeration.refused_port(what) if asked.economizer else ""
+        port = port or _no_viscosity(what, asked)
         such = f"such {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
         raise UsageError(port or f"{such} cannot be: {what or place}") from None
     return text
+
+
+def _no_viscosity(what: str, asked: Asked) -> str:
+    """Return that the gaps' viscosity of a gas is not known; empty of a fault of another kind."""
+    if ".gas_viscosity: " not in what:
+        return ""
+    return f"--fluid {asked.fluid}: CoolProp has no viscosity of it, which its gaps need (choose a gas near to it)"

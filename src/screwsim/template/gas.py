@@ -18,7 +18,8 @@ from screwsim.template.refrigeration import OILS_FOR
 RPM = math.pi / 30.0
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; an expander's: what a filled inlet gives
 DRY = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
-AIR_OIL = 4.0  # kilograms per kilogram of air that leave oil some 30 K warmer (validation/cagi)
+AIR_OIL = 4.0  # kilograms per kilogram of air that leave oil some 30 K warmer (validation/cagi), at the least
+HOTTEST = 40.0  # [K] by which the oil of an air package is warmed at the most: assumed
 LEAVES, WARMED = 353.15, 30.0  # [K]: what leaves a booster, and by how much its oil is warmed
 LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # kilograms per kilogram of gas; of the displaced volume (air packages: 0.5 %)
 UNCOOLED = 0.75  # of the way from the suction to where nothing is cooled, that gas and oil leave at most
@@ -34,6 +35,9 @@ FAN = 0.04  # of the motor
 INVERTER = 0.03  # of the motor, that an inverter loses at the point of its class: 97 % as configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on a sheet of a package of variable speed
 WIDE = 110  # columns of a comment
+DAMP = 1.3  # of the outlet's pressure: an ideal gas is this much drier than a real one, for an estimate
+DRAGGED = 4.0  # times the work without loss, beyond which friction makes no booster
+ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] over the dew point that its separator stays; of the critical temperature
 SOLIDITY = 0.63  # of end faces, as the text of flooded machines has it
 
 
@@ -108,14 +112,18 @@ def air(asked: Asked) -> str:
     flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
-    taken = max(gas_flow * duty.work / ETA, gas_flow * _package_work(duty) + BROUGHT * _friction(size, speed, oil))
+    worse = sizes.beyond_matching(duty.ratio, duty.k, asked.ratio)
+    friction = BROUGHT * _friction(size, speed, oil)
+    taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
+    carried = _carried(duty, taken / gas_flow, oil)
     rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **_speeds(asked, rated, speed),
         "flooded": texts.flooded(size, LEAVES),
         "oil": oil,
-        "bore": sizes.mm(sizes.bore(AIR_OIL * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
+        "bore": sizes.mm(sizes.bore(carried * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
+        "carried": f"{carried:g}",
         "free_air": f"{60.0 * (asked.free_air or LAMBDA * flow):.3g} m^3/min",
         "sheet": _sheet(asked),
         "named": _titled(asked, flow, speed),
@@ -123,6 +131,13 @@ def air(asked: Asked) -> str:
         "fan": f"{FAN * rated:.2g} kW",
     }
     return texts.filled("air", values)
+
+
+def _carried(duty: Duty, taken: float, oil: str) -> float:
+    """Return the kilograms of oil per kilogram of air that carry off a work [J/kg], warmed by `HOTTEST` at most."""
+    left = taken - duty.R * duty.k / (duty.k - 1.0) * (LEAVES - duty.T)
+    heat_capacity = OILS[oil].heat_capacity_at(LEAVES - 0.5 * HOTTEST)
+    return max(AIR_OIL, math.ceil(2.0 * left / (heat_capacity * HOTTEST)) / 2.0)
 
 
 def _package_work(duty: Duty) -> float:
@@ -190,6 +205,33 @@ def _condenses(fluid: str, duty: Duty) -> bool:
     return limits is not None and duty.T < limits.T_critical and constants.dew_pressure(fluid, duty.T) < duty.at.high
 
 
+def _wet(fluid: str, duty: Duty) -> bool:
+    """Tell whether a gas that expands without loss comes near to where it condenses at the outlet."""
+    limits, coldest = constants.limits(fluid), duty.T * (duty.at.high / duty.at.low) ** ((duty.k - 1.0) / duty.k)
+    if limits is None or not limits.T_triple < coldest < limits.T_critical:
+        return False
+    return constants.dew_pressure(fluid, coldest) < DAMP * duty.at.high
+
+
+def _booster_leaves(fluid: str, duty: Duty, warmed: float) -> float:
+    """Return the temperature [K] to which a booster's oil cools: below what `warmed` [K] makes uncooled, above the dew.
+
+    Raise UsageError where there is none.
+    """
+    leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + UNCOOLED * warmed - ZERO_CELSIUS) / 5.0))
+    limits = constants.limits(fluid)
+    if limits is None or not _condenses(fluid, duty):
+        return leaves
+    dew = constants.saturation_temperature(
+        fluid, min(duty.at.high, 0.999 * constants.dew_pressure(fluid, NEARLY * limits.T_critical))
+    )
+    dry = ZERO_CELSIUS + 5.0 * math.ceil((dew + ABOVE_DEW - ZERO_CELSIUS) / 5.0)
+    if dry > duty.T + warmed:
+        what = f"{fluid} of {duty.at.high_text} condenses below {dew - ZERO_CELSIUS:.0f} °C, about as warm as it leaves"
+        raise UsageError(f"--condition: {what} (warmer gas, or a lower pressure)")
+    return max(leaves, dry)
+
+
 def booster(asked: Asked) -> str:
     """Return the scene of a screw that sucks gas at pressure: a fuel-gas booster, or a second stage."""
     fluid = asked.fluid or "Methane"
@@ -199,7 +241,12 @@ def booster(asked: Asked) -> str:
     c_p = duty.R * duty.k / (duty.k - 1.0)
     gas_flow = LAMBDA * flow * duty.density
     taken = max(duty.work / ETA, duty.work / COMPRESSING + FRICTION * _friction(size, speed, oil) / gas_flow)
-    leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + UNCOOLED * taken / c_p - ZERO_CELSIUS) / 5.0))
+    if taken > DRAGGED * duty.work:
+        what = (
+            f"films of oil take {taken / duty.work:.0f} times the work on so light a gas (lower, or higher pressures)"
+        )
+        raise UsageError(f"--speed {sizes.rpm(speed)}: {what}")
+    leaves = _booster_leaves(fluid, duty, taken / c_p)
     left = taken - c_p * (leaves - duty.T)
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
     ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * WARMED)) / 2.0
@@ -227,6 +274,7 @@ def expander(asked: Asked) -> str:
         **_motor(sizes.motor_for(inlet * duty.density * duty.work)),
         "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
         "fluid": fluid,
+        "two_phase": ", two_phase: equilibrium" if _wet(fluid, duty) and not is_mixture(fluid) else "",
         "gap": sizes.um(DRY * size.clearance),
     }
     return texts.filled("expander", values)

@@ -2,6 +2,7 @@
 
 import math
 
+from screwsim.fluid.description import is_mixture
 from screwsim.inputs.faults import UsageError
 from screwsim.template import sizes
 from screwsim.template.asked import Asked, refused
@@ -35,6 +36,14 @@ def reciprocating(asked: Asked) -> str:
     return _text(fluid, duty, s, faster, flow, speed)
 
 
+def _wall(fluid: str, T: float) -> str:
+    """Return the line of the heat between gas and wall [K]; of a blend why there is none."""
+    if is_mixture(fluid):
+        return f"  # No cylinder_heat: CoolProp has no transport properties of blends, as {fluid} is one.\n"
+    told = "between the gas that comes and the gas that goes"
+    return f"  cylinder_heat: {{wall_temperature: {T:.0f} K}}    # {told}\n"
+
+
 def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: float) -> str:
     wide = s * math.sqrt(faster)  # of a port's lengths: as much wider as the piston is faster
     stiff = s**3 * (speed / SPEED) ** 2  # reeds follow the crank as those of the known machine do
@@ -61,7 +70,7 @@ def _text(fluid: str, duty: Duty, s: float, faster: float, flow: float, speed: f
         "discharge_mass": f"{0.2 * s**3:.3g} g",
         "discharge_stiffness": f"{600.0 * stiff:.3g} N/m",
         "ring": sizes.um(1e-6 * s),
-        "wall": f"{T_s + WALL * (duty.hottest - T_s):.0f} K",
+        "wall": _wall(fluid, T_s + WALL * (duty.hottest - T_s)),
         "rated": f"{rated:g} kW",
         "efficiency": sizes.motor_efficiency(rated),
     }

@@ -81,6 +81,17 @@ def isentropic_work(k: float, gas_constant: float, T: float, ratio: float) -> fl
     return k / (k - 1.0) * gas_constant * T * (ratio ** ((k - 1.0) / k) - 1.0)
 
 
+def beyond_matching(pressures: float, k: float, ratio: float | None) -> float:
+    """Return the work of compressing by a built-in volume ratio, then at constant volume, over that without loss.
+
+    An ideal gas, for estimates of powers; 1 of None, a ratio that the pressures call for.
+    """
+    if ratio is None or pressures <= 1.0:
+        return 1.0
+    built_in = (ratio ** (k - 1.0) - 1.0) / (k - 1.0) + pressures / ratio - 1.0
+    return max(built_in / isentropic_work(k, 1.0, 1.0, pressures), 1.0)
+
+
 def matching(ratio: float, k: float, share: float, low: float = 1.8, high: float = 5.0) -> float:
     """Return the built-in volume ratio of a pressure ratio, within what machines are sold with, to a tenth."""
     return min(max(round(share * ratio ** (1.0 / k), 1), low), high)

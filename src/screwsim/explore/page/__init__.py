@@ -7,6 +7,7 @@ from typing import Any
 from screwsim.explore.changes import Base
 from screwsim.explore.controls import document as controls
 from screwsim.explore.machine import document as machine
+from screwsim.outputs.customary import raised
 
 _SCRIPTS = [
     f"{name}.js" for name in ("number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
@@ -26,7 +27,7 @@ def page_text(base: Base, slopes: bool = True) -> str:
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     scripts = [*(_shared(each) for each in _SHARED), *(_own(each) for each in _SCRIPTS)]
     return environment.from_string(_own("page.html")).render(
-        title=base.scene.title or base.file,
+        title=raised(base.scene.title) or base.file,
         file=base.file,
         version=__version__,
         style=_shared("theme.css") + _own("page.css"),
@@ -42,7 +43,7 @@ def document(base: Base) -> dict[str, Any]:
 
     return {
         "file": base.file,
-        "title": base.scene.title,
+        "title": raised(base.scene.title),
         **controls(base),
         "machine": machine(base.scene.machine),
         "figures": [about_figure(figure) for figure in known().values()],

@@ -41,6 +41,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     from plotly.offline import get_plotlyjs
 
     from screwsim import __version__
+    from screwsim.outputs.customary import raised
     from screwsim.report.page import data, tables
     from screwsim.report.page.best import best, is_optimisation
     from screwsim.report.page.pack import compressed
@@ -52,7 +53,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     template = environment.from_string(_source("page.html"))
     return template.render(
         policy=_POLICY,
-        title=results.attributes["title"],
+        title=raised(results.attributes["title"]),
         style=_source("theme.css") + _source("page.css"),
         script="\n".join(_source(each) for each in _SCRIPTS),
         library=compressed(get_plotlyjs()),

@@ -289,12 +289,12 @@ def _hypotheses(
         also = tuple(map(parameter.value, one.others())) if isinstance(one, Profile) else ()
         why = "" if isinstance(one, Profile) else UNSOLVED if i in likely else UNLIKELY
         changes = (_change(parameter, before, one.estimate, one.interval(LEVEL)),)
-        rows.append(Hypothesis(changes, float(chance), one.log_evidence, one.misfit, count - 1, why, also))
+        rows.append(Hypothesis(changes, float(chance), one.log_evidence, float(one.misfit), count - 1, why, also))
     for (pair, one), chance in zip(doubles.items(), chances[1 + len(singles) :], strict=True):
         ends = zip(pair, one.places, one.intervals, strict=True)
         changes = tuple(_change(fit.parameters[i], before, place, interval) for i, place, interval in ends)
         why = "" if one.solved else UNLIKELY
-        rows.append(Hypothesis(changes, float(chance), one.log_evidence, one.misfit, count - 2, why))
+        rows.append(Hypothesis(changes, float(chance), one.log_evidence, float(one.misfit), count - 2, why))
     return rows, {pair: one.residuals for pair, one in doubles.items()}
 
 

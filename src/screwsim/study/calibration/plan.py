@@ -34,7 +34,7 @@ from screwsim.study.calibration.machine import (
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate, why_not
 from screwsim.study.each import each
-from screwsim.study.inputs import shown_condition
+from screwsim.study.inputs import shown_value
 from screwsim.study.progress import Progress
 from screwsim.study.sensitivity import Range, read_ranges
 from screwsim.study.workers import DIED
@@ -47,7 +47,7 @@ NONE_DELIVERS = "at no candidate anything is delivered (candidates at a higher s
 
 def point_name(scene: Scene, values: Mapping[str, Any]) -> str:
     """Return the name of a candidate: its values [SI] as people state them."""
-    return ", ".join(shown_condition(scene, path, value) for path, value in values.items())
+    return ", ".join(shown_value(scene, path, value) for path, value in values.items())
 
 
 @dataclass(frozen=True)

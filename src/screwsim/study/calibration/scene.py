@@ -26,7 +26,7 @@ def fitted_text(found: Calibration, folder: Path) -> str:
         *above, last = keys(path)
         for name in above:
             node = node.setdefault(name, {})
-        node[last] = shown_value(fit.scene, path, value, DIGITS)
+        node[last] = shown_value(fit.scene, path, value, DIGITS).replace("°C", "degC")
     title = fit.title or fit.scene.title
     lines = [
         f"{BEGINS} {os.path.basename(fit.name)}; {told(found)}.",

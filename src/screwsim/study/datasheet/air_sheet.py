@@ -6,6 +6,7 @@ from typing import Any
 from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import CFM, PSI, WEIGHTS
 from screwsim.figures.engineering import quantity
+from screwsim.outputs.customary import raised
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS
@@ -42,7 +43,7 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
-        title=scene.title,
+        title=raised(scene.title),
         lines=list(_lines(scene, rated)),
         tables=[Table("Points", HEADS, rows), *([year_table(rated, shares)] if shares else [])],
         verdict=_verdict(rated.regulation),

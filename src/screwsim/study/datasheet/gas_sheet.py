@@ -5,6 +5,7 @@ from typing import Any
 
 from screwsim.figures.engineering import quantity
 from screwsim.fluid import constants
+from screwsim.outputs.customary import raised
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import EVAPORATING
@@ -66,7 +67,7 @@ def gas_sheet(rated: Rating) -> Sheet:
         notes[-1:-1] = [NORMAL, *([PACKAGE] if scene.gas.name.lower() == "air" else [])]
     return Sheet(
         heading=heading,
-        title=scene.title,
+        title=raised(scene.title),
         lines=list(_lines(rated)),
         tables=list(_tables(rated)),
         verdict=None,

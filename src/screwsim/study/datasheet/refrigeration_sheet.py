@@ -11,6 +11,7 @@ from typing import Any
 from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import raised
 from screwsim.scene import Scene, value_at
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
@@ -60,7 +61,7 @@ def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
     """Return the sheet of a rating, of a heat pump with what its condenser gives."""
     return Sheet(
         heading="Refrigeration compressor, rating by evaporating and condensing temperature",
-        title=rated.asked.scene.title,
+        title=raised(rated.asked.scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
         verdict=None,
