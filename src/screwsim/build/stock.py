@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from screwsim.build.own import declared
 from screwsim.effects.base import Around, ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Site, Wall
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
@@ -98,7 +99,7 @@ class Stock:
         known = self._built.setdefault(name, {})
         key = id(active), id(geometry), *_stamps(active.parameters), *numbers.items()
         found = known.get(key)
-        return found or keep(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
+        return found or keep(known, key, _Built(active, geometry, _built(name, active, numbers, geometry)))
 
 
 _files = Remembered(files_in)  # of a machine, an effect's parameters or all effects
@@ -129,9 +130,10 @@ def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
     return {name: [part for part in items if acts(part)] for name, items in effects.items()}
 
 
-def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
+def _built(name: str, active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
-    built = list(active.effect.build(active.parameters, geometry))
+    built = active.effect.build(active.parameters, geometry)
+    built = declared(built) if "." in name else list(built)
     if active.effect.numbers is not None:
         built = [_with(part, numbers) if isinstance(part, Numbered) else part for part in built]
     if not geometry.expands:
