@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from screwsim.build.own import declared
 from screwsim.effects.base import Around, ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Site, Wall
+from screwsim.fluid.consistency import inconsistency
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.models import Asked, find_gas_model, lacking
@@ -182,7 +183,18 @@ def asked_of(scene: Scene) -> Asked:
 def _dry_gas(scene: Scene) -> Gas:
     said = scene.gas
     gas = find_gas_model(said.model).make(asked_of(scene))
-    missing = lacking(gas) if "." in said.model else []
+    if "." in said.model:
+        _check_own(gas, lines(scene))
+    return gas
+
+
+def _check_own(gas: Gas, at: Lines) -> None:
+    """Raise TypeError where a gas of the user's own lacks a function or contradicts itself."""
+    missing = lacking(gas)
     if missing:
         raise TypeError(f"its gas has no {', '.join(missing)}")
-    return gas
+    if type(gas).__hash__ is None:
+        raise TypeError("its gas has no hash: make it a frozen dataclass")
+    wrong = inconsistency(gas, at.p_s, at.T_s, at.p_d)
+    if wrong:
+        raise TypeError(wrong)
