@@ -35,7 +35,10 @@ def thin(phi, dead, pocket, closes, life):
     return pocket_volume(phi, dead, pocket, closes, life) - 2.0 * dead
 
 
-NARROW_FROM, NARROW_TO = math.radians(100.1), math.radians(100.4)  # between two of the angles that are looked at when a scene is loaded
+NARROW_FROM, NARROW_TO = (
+    math.radians(100.1),
+    math.radians(100.4),
+)  # between two of the angles that are looked at when a scene is loaded
 
 
 @kernel
