@@ -1,5 +1,6 @@
 """The package as a program uses it: what is taken as a scene, values changed, how figures show themselves."""
 
+import copy
 import json
 import pickle
 import subprocess
@@ -303,3 +304,21 @@ def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
     found = screwsim.sensitivities(scene, result=made(scene))
     assert set(found.method.values()) == {"differences"} and "effects.ring_leakage.gap" in found.values
     assert list(found.derivatives["shaft_power"].values()) == pytest.approx([3.0] * len(found.values))
+
+
+@pytest.mark.parametrize("of", ["effects", "sweep", "uncertain"])
+def test_a_loaded_scene_does_not_change_in_place(of):
+    """Its text and what was built of it would say another machine than is simulated."""
+    scene = screwsim.load(POINT.with_name("uncertain.yaml"))
+    mapping = getattr(scene, of)
+    first = next(iter(mapping))
+    for change in (
+        lambda: mapping.pop(first),
+        lambda: mapping.update({first: None}),
+        lambda: mapping.__setitem__(first, None),
+        mapping.clear,
+    ):
+        with pytest.raises(TypeError, match="a scene does not change: with_ and without make another one"):
+            change()
+    again = pickle.loads(pickle.dumps(scene)), copy.deepcopy(scene)
+    assert [getattr(each, of) == mapping and type(getattr(each, of)) is type(mapping) for each in again] == [True, True]

@@ -174,6 +174,9 @@ REFUSED = {
     "while y < x:\n        x = 0.5 * x\n    return y\n    y = 2.0": "y is not known",
     "return math.sqrt(x, key=1)": "arguments by name are not compiled",
     "return 2.0 // x": "// of floats is not compiled",
+    "if x > 0.0:\n        return x": "it may end without a return",
+    "for i in range(3):\n        return x": "it may end without a return",
+    "while x > 0.0:\n        return x": "it may end without a return",
 }
 
 

@@ -1,12 +1,17 @@
 """A user's own effect that returns what cannot be makes the case failed, with effect, value and place."""
 
 import json
+import re
 import sys
+from dataclasses import replace
 
 import pytest
 from scenes import make, scene_dict
 
 from screwsim import simulate
+from screwsim.build.own import declared
+from screwsim.effects.base import FlowPath
+from screwsim.numerics.kernel import kernel
 from screwsim.scene import loads
 from screwsim.simulate import simulate_many
 
@@ -56,6 +61,36 @@ def test_what_cannot_be_fails_the_case_and_is_named(name):
     assert result.message.startswith(f"effects.{NAME}: {words}")
     assert result.message.endswith(", which cannot be; mend that module")
     assert "\n" not in result.message
+
+
+@kernel
+def hole(phi, size):
+    return size
+
+
+HOLE = FlowPath("suction", area=hole, values={"size": 1e-6}, breakpoints=(1.0,))
+NO_PARTS = {
+    "nothing": (None, "build returned None, not a list of parts"),
+    "one part": (HOLE, "build returned a FlowPath, not a list of parts"),
+    "a word": ([HOLE, "leak"], "build returned 'leak' among its parts, not one of screwsim.effects.base"),
+    "a function": (
+        [replace(HOLE, area=hole.function)],
+        "area of its FlowPath is the function hole, no kernel: put @ker",
+    ),
+    "text for a number": ([replace(HOLE, values={"size": "big"})], "values of its FlowPath holds size = 'big', which"),
+    "text for angles": ([replace(HOLE, breakpoints="4")], "breakpoints of its FlowPath holds '4', which is no number"),
+}
+
+
+@pytest.mark.parametrize("name", NO_PARTS)
+def test_what_is_no_part_of_an_effect_is_refused(name):
+    built, words = NO_PARTS[name]
+    with pytest.raises(TypeError, match=re.escape(words)):
+        declared(built)
+
+
+def test_parts_of_an_effect_are_taken_as_they_are():
+    assert declared((HOLE,)) == [HOLE]
 
 
 def test_a_later_case_of_a_sweep_does_not_suffer_from_one_that_failed():

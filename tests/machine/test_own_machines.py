@@ -67,6 +67,12 @@ FLAWS = {
     "swept": "its swept_volume is 0.0016 m³, and its volume changes by 0.0008 m³",
     "thin": "its volume is -1.5e-05 m³ at 0 deg, which cannot be",
     "slope": "its volume_slope is not the slope of its volume up to 4 deg",
+    "speed": "its surface_speed is nan m/s at 1 rad/s, which cannot be",
+    "port": "the area of its suction port is -1.12305e-05 m² at 0.5 deg, which cannot be",
+    "behind": "its tip gap leads 0 pitches ahead, of 6 in a life",
+    "beyond": "its tip gap leads 7 pitches ahead, of 6 in a life",
+    "short": "the size of its tip gap is -0.2 at 38 deg, which cannot be",
+    "disorder": "the angles of its tip gap do not increase, at 30 deg",
 }
 
 
@@ -82,8 +88,8 @@ def test_a_geometry_that_fails_is_refused():
     )
 
 
-def test_a_port_of_less_than_nothing_fails_the_case():
-    result = simulate(blower(kind=WRONG, flaw="port", accuracy=1e-2))
+def test_a_port_of_less_than_nothing_at_a_few_angles_fails_the_case():
+    result = simulate(blower(kind=WRONG, flaw="pierced", accuracy=1e-2))
     assert result.status == "failed"
     assert result.message.startswith("effects.suction_port: its area is -")
     assert result.message.endswith(", which cannot be; mend that module")

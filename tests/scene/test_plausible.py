@@ -115,6 +115,13 @@ def rough(folder, volumes, angles=ANGLES):
     return scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[table]))
 
 
+def test_a_table_of_the_swept_volume_that_keeps_some_of_it_is_warned_of(tmp_path):
+    """With 600 cm³ of `volume.max` such a machine sweeps 480 cm³."""
+    (warning,) = rough(tmp_path, SMOOTH + 1.5e-4)
+    assert warning.startswith("machine.volume.file: the smallest volume of the table is 20.00% of its largest, and ")
+    assert "write it as machine.volume.min" in warning
+
+
 def test_a_volume_that_goes_to_and_fro_from_row_to_row_is_warned_of(tmp_path):
     (warning,) = rough(tmp_path, TEETH)
     assert warning.startswith("machine.volume.file: the slope of the volume jumps to and fro from row to row, at ")

@@ -42,6 +42,12 @@ def gappy(scene: Scene) -> Result:
     return result_of(None) if d < 0.3 else parabola(scene)
 
 
+def flat(scene: Scene) -> Result:
+    """Return the same for every d, within the wanted accuracy."""
+    accuracy = scene.numerics.accuracy
+    return result_of(0.7 + 1e-3 * accuracy * math.sin(1e3 * scene.oil_supply.ratio), accuracy)
+
+
 def raising(scene: Scene) -> Result:
     """Raise above d = 5."""
     if scene.oil_supply.ratio > 5.0:

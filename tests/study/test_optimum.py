@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from study_fakes import deadly, gappy, parabola, raising, rough, two_tops
+from study_fakes import deadly, flat, gappy, parabola, raising, rough, two_tops
 
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
@@ -110,6 +110,24 @@ def test_a_border_of_the_range_that_is_no_machine_is_no_end_of_the_question():
     with pytest.raises(UsageError, match="male_span"):
         build_parts(case(whole, 0))
     assert question(whole, "machine.built_in_volume_ratio", "shaft_power").low == 2.2
+
+
+def test_a_figure_that_the_path_does_not_change_has_its_best_anywhere():
+    (row,) = best_of(flat)
+    assert row.place == "anywhere"
+    assert row.low == pytest.approx(0.1) and row.high == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("first", "last"), [(0.31, 0.69), (0.46, 0.48)])
+def test_the_best_may_lie_where_values_begin_to_fail(first, last):
+    """A hole over a third of the range, whose edge is the best that is left, and one between two points."""
+
+    def hill(x: float) -> Point:
+        return Point(x, math.nan if first < x < last else 1.0 - abs(x - 0.4), 1e-9)
+
+    top = highest(hill, 0.0, 1.1, count=12 if last > 0.5 else 15)
+    expected = first if first < 0.4 else 0.4
+    assert top is not None and top.point.x == pytest.approx(expected, abs=2e-4)
 
 
 def test_failed_solutions_leave_a_partial_result():

@@ -1,11 +1,19 @@
 """Faults of modules of the user's own: gases, machines, effects, which a scene names."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import fields
+from numbers import Real
 from traceback import walk_tb
+from types import FunctionType
+from typing import Any, get_args
 
+from screwsim.effects.base import Part
 from screwsim.inputs.faults import UsageError
+from screwsim.numerics.kernel import Kernel
 from screwsim.scene.types import Scene
+
+MOST_SHOWN = 60  # characters of a value in a message
 
 
 def blamed(error: BaseException, own: Iterable[str]) -> str | None:
@@ -32,3 +40,35 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
         text = lines[0] if lines else ""
         what = f"cannot be built or compiled ({type(error).__name__}: {text}); mend that module"
         raise UsageError(f"{', '.join(own)}: {what}") from error
+
+
+def declared(built: Any) -> list[Any]:
+    """Return the parts that `build` of an effect of the user's own returned; raise TypeError where they are none."""
+    if not isinstance(built, Sequence) or isinstance(built, str):
+        raise TypeError(f"build returned {_shown(built)}, not a list of parts")
+    for part in built:
+        if not isinstance(part, get_args(Part)):
+            raise TypeError(f"build returned {_shown(part)} among its parts, not one of screwsim.effects.base")
+        for each in fields(part):
+            wrong = _wrong(str(each.type), getattr(part, each.name))
+            if wrong:
+                raise TypeError(f"{each.name} of its {type(part).__name__} {wrong}")
+    return list(built)
+
+
+def _wrong(kind: str, value: Any) -> str:
+    """Return what is wrong with a field of a part, of the kind that its class declares; '' where nothing is."""
+    if "Kernel" in kind and value is not None and not isinstance(value, Kernel):
+        return f"is {_shown(value)}, no kernel: put @kernel of screwsim.numerics.kernel above its def"
+    if kind == "Mapping[str, float]":
+        wrong = [f"{name} = {_shown(number)}" for name, number in value.items() if not isinstance(number, Real)]
+    elif kind == "Sequence[float]":
+        wrong = [_shown(number) for number in value if not isinstance(number, Real)]
+    else:
+        wrong = [_shown(value)] if kind == "float" and not isinstance(value, Real) else []
+    return f"holds {wrong[0]}, which is no number" if wrong else ""
+
+
+def _shown(value: Any) -> str:
+    text = f"the function {value.__name__}" if isinstance(value, FunctionType) else repr(value)
+    return text if len(text) <= MOST_SHOWN else f"a {type(value).__name__}"

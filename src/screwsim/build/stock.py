@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from screwsim.build.own import declared
 from screwsim.effects.base import Around, ChamberState, FlowPath, HeatRate, LineLeak, Made, Scaled, Site, Wall
+from screwsim.fluid.consistency import inconsistency
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.models import Asked, find_gas_model, lacking
@@ -98,7 +100,7 @@ class Stock:
         known = self._built.setdefault(name, {})
         key = id(active), id(geometry), *_stamps(active.parameters), *numbers.items()
         found = known.get(key)
-        return found or keep(known, key, _Built(active, geometry, _built(active, numbers, geometry)))
+        return found or keep(known, key, _Built(active, geometry, _built(name, active, numbers, geometry)))
 
 
 _files = Remembered(files_in)  # of a machine, an effect's parameters or all effects
@@ -129,9 +131,10 @@ def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
     return {name: [part for part in items if acts(part)] for name, items in effects.items()}
 
 
-def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
+def _built(name: str, active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
-    built = list(active.effect.build(active.parameters, geometry))
+    built = active.effect.build(active.parameters, geometry)
+    built = declared(built) if "." in name else list(built)
     if active.effect.numbers is not None:
         built = [_with(part, numbers) if isinstance(part, Numbered) else part for part in built]
     if not geometry.expands:
@@ -180,7 +183,18 @@ def asked_of(scene: Scene) -> Asked:
 def _dry_gas(scene: Scene) -> Gas:
     said = scene.gas
     gas = find_gas_model(said.model).make(asked_of(scene))
-    missing = lacking(gas) if "." in said.model else []
+    if "." in said.model:
+        _check_own(gas, lines(scene))
+    return gas
+
+
+def _check_own(gas: Gas, at: Lines) -> None:
+    """Raise TypeError where a gas of the user's own lacks a function or contradicts itself."""
+    missing = lacking(gas)
     if missing:
         raise TypeError(f"its gas has no {', '.join(missing)}")
-    return gas
+    if type(gas).__hash__ is None:
+        raise TypeError("its gas has no hash: make it a frozen dataclass")
+    wrong = inconsistency(gas, at.p_s, at.T_s, at.p_d)
+    if wrong:
+        raise TypeError(wrong)

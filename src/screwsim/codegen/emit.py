@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from screwsim.codegen.expressions import NONE, Expressions
 from screwsim.codegen.kinds import ARRAYS, FLOAT, INTEGER, NOTHING, TRUTH, Kind, Value, joined
 from screwsim.codegen.program import CannotCompile, constant
+from screwsim.numerics.kernel import nodes
 
 if TYPE_CHECKING:
     from screwsim.codegen.library import Library
@@ -20,6 +21,23 @@ if TYPE_CHECKING:
 
 LONG = 1000  # lines of a function beyond which it stays one of its own
 MOST_PASSES = 3  # after which a variable that is not known is never given a value
+
+
+def leaves(statements: Sequence[ast.stmt]) -> bool:
+    """Tell whether a function is left by a return wherever these statements end."""
+    for each in statements:
+        match each:
+            case ast.Return():
+                return True
+            case ast.If(body=body, orelse=orelse) if leaves(body) and leaves(orelse):
+                return True
+            case ast.While(test=ast.Constant(value=True), body=body) if not _breaks(body):
+                return True
+    return False
+
+
+def _breaks(statements: Sequence[ast.stmt]) -> bool:
+    return any(isinstance(each, ast.Break) for each in nodes(*statements))
 
 
 class Emitter(Expressions):
@@ -48,6 +66,8 @@ class Emitter(Expressions):
             self.passes += 1
             parameters = self._write()
         returned = self.returns or NOTHING
+        if returned != NOTHING and not leaves(self.node.body):
+            raise self.fail(self.node, "it may end without a return")
         self._end(returned)
         apart = " noinline" if len(self.lines) > LONG else ""  # compiled once, not into each of its callers
         head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"

@@ -1,17 +1,33 @@
 """The registry of machines: the built-in kinds by name, those of a user's own by the dotted name of their module."""
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
+from numbers import Real
 
 import numpy as np
 
 from screwsim.inputs.faults import Fault
 from screwsim.machine import twin_screw as _twin_screw
-from screwsim.machine.protocol import MachineGeometry, MachineKind, MachineSettings
+from screwsim.machine.profile_law import Interface
+from screwsim.machine.protocol import (
+    BLOW_HOLE,
+    CONTACT_GAP,
+    END_GAP,
+    PORTS,
+    TIP_GAP,
+    AreaLaw,
+    MachineGeometry,
+    MachineKind,
+    MachineSettings,
+    VolumeKernels,
+)
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank import cylinder as _slider_crank
 from screwsim.numerics.trial import found_in
 
+Array = np.ndarray
+GAPS = TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP
 STEP = math.radians(0.5)  # at which a law of the user's own is looked at
 GAUSS = np.array((-1.0, 1.0)) / math.sqrt(3.0)
 SLACK = 1e-6  # of the largest volume
@@ -53,16 +69,63 @@ def _check_own(machine: MachineSettings) -> list[Fault]:
     """Return the faults of a machine of the user's own: its own, and a geometry that cannot be."""
     kind = kind_of(machine)
     try:
-        found = kind.check(machine)
-        wrong = "" if found else _impossible(kind.geometry(machine))
+        found = list(kind.check(machine))
+        wrong = "" if found else _impossible(kind.geometry(machine), kind.offers)
     except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return [Fault("machine.kind", f"{machine.kind} fails ({text}); mend that module")]
     return [Fault("machine.kind", f"{machine.kind}: {wrong}; mend that module")] if wrong else found
 
 
-def _impossible(geometry: MachineGeometry) -> str:
-    """Return in words what of a geometry cannot be, empty where all can: its angles, its volume and the slope of it."""
+def _impossible(geometry: MachineGeometry, offers: frozenset[str]) -> str:
+    """Return in words what of a geometry cannot be, empty where all can."""
+    moves = geometry.settings.surface_speed(1.0)
+    if not (isinstance(moves, Real) and math.isfinite(moves) and moves >= 0.0):
+        return f"its surface_speed is {moves!r} m/s at 1 rad/s, which cannot be"
+    ports = (("suction", geometry.suction_law), ("discharge", geometry.discharge_law)) if PORTS in offers else ()
+    gaps = [(gap, each) for gap in GAPS if gap in offers for each in geometry.interfaces(gap)]
+    wrong = (_volume(geometry), *(_port(geometry, *port) for port in ports), *(_gap(geometry, *gap) for gap in gaps))
+    return next(filter(None, wrong), "")
+
+
+def _port(geometry: MachineGeometry, name: str, law_of: Callable[[], AreaLaw | None]) -> str:
+    """Return what of the area of a port cannot be, every half degree; where its kernel asks for no state."""
+    law = law_of()
+    if law is None:
+        return f"it offers ports, and its {name}_law returns None"
+    curves = VolumeKernels(law.area, law.area, {**geometry.settings.symbols(), **law.values}, (), law.tables)
+    if not set(law.area.arguments) <= {"phi", *curves.known}:
+        return ""
+    angles = _angles(geometry.life)
+    areas = curves.along(angles)[0]
+    return _below_nothing(f"area of its {name} port", "m²", angles, areas)
+
+
+def _gap(geometry: MachineGeometry, name: str, gap: Interface) -> str:
+    """Return what of a gap cannot be: the chamber it leads to, its angles, its lengths."""
+    chambers, angles, lengths = geometry.life / geometry.pitch, gap.table.angle, gap.table.value
+    if not (_whole(gap.offset) and 1 <= gap.offset <= chambers):
+        return f"its {name} leads {gap.offset} pitches ahead, of {chambers:g} in a life"
+    if not np.all(np.diff(angles) > 0.0):
+        first = float(angles[1:][np.argmin(np.diff(angles) > 0.0)])
+        return f"the angles of its {name} do not increase, at {_degrees(first)}"
+    return _below_nothing(f"size of its {name}", "", angles, lengths)
+
+
+def _below_nothing(what: str, unit: str, angles: Array, values: Array) -> str:
+    wrong = np.flatnonzero(~(np.isfinite(values) & (values >= -ROUNDING * np.nanmax(np.abs(values), initial=0.0))))
+    if not len(wrong):
+        return ""
+    at = int(wrong[0])
+    return f"the {what} is {values[at]:.6g} {unit} at {_degrees(float(angles[at]))}, which cannot be".replace("  ", " ")
+
+
+def _angles(life: float) -> Array:
+    return np.linspace(0.0, life, 1 + math.ceil(life / STEP))
+
+
+def _volume(geometry: MachineGeometry) -> str:
+    """Return what cannot be of the angles of a geometry, of its volume and of the slope of that."""
     life, pitch, at = geometry.life, geometry.pitch, geometry.injection_angle
     if not (0.0 < pitch <= life and _whole(life / pitch)):
         return f"its life of {_degrees(life)} is no whole number of pitches of {_degrees(pitch)}"
@@ -72,7 +135,7 @@ def _impossible(geometry: MachineGeometry) -> str:
         return f"its injection_angle of {_degrees(at)} is not {where}"
     law = geometry.volume_law()
     inside = [at for at in law.breakpoints if 0.0 < at < life]
-    ends = np.union1d(np.linspace(0.0, life, 1 + math.ceil(life / STEP)), inside)
+    ends = np.union1d(_angles(life), inside)
     half = 0.5 * np.diff(ends)
     nodes = np.add.outer(ends[:-1] + half, np.zeros(2)) + np.outer(half, GAUSS)
     V, slope = law.along(ends)[0], law.along(nodes.ravel())[1].reshape(nodes.shape)

@@ -77,7 +77,7 @@ class VolumeKernels:
     mirror: float | None = None
 
     @cached_property
-    def _numbers(self) -> dict[str, Any]:
+    def known(self) -> dict[str, Any]:
         """What stands behind the arguments of the kernels, tables packed into one array."""
         TAB, start = np.zeros(1), {}
         for name, curve in self.tables.items():
@@ -87,7 +87,7 @@ class VolumeKernels:
 
     def along(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return V [m³] and dV/dφ [m³/rad] at angles [rad], in plain Python."""
-        known = self._numbers
+        known = self.known
         sign, at = (1.0, angle) if self.mirror is None else (-1.0, self.mirror - angle)
         found = []
         for law in (self.volume, self.slope):

@@ -6,6 +6,7 @@ are not known; that takes some milliseconds.
 
 import math
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -76,9 +77,12 @@ def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array
 def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
     """Return an area [m²]; NaN where Python raises what compiled code goes on with."""
     try:
-        return path.area(*arguments)
+        found = path.area(*arguments)
     except (ArithmeticError, ValueError):
         return math.nan
+    if not isinstance(found, Real):
+        raise TypeError(f"kernel {path.area.__name__} returned {found!r}, which is no area")
+    return float(found)
 
 
 def _called(names: Sequence[str], known: Mapping[str, float], phi: float, TAB: Array) -> list[float | Array]:

@@ -74,6 +74,8 @@ def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> It
     if row.place in ("lower border", "upper border"):
         option = "--from" if row.place == "lower border" else "--to"
         yield f"{where}at the {row.place} of the range, a better one may lie beyond: widen it ({option})"
+    if row.place == "anywhere":
+        yield f"{where}{asked.path} does next to nothing: over all of its range values as good were found"
     for value, figure in row.others:
         shown = figure_text(asked.figure, figure)
         yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"

@@ -21,6 +21,7 @@ from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
 
 FLUID = "gas.fluid"
+KIND = "machine.kind"
 IN_RADIANS = math.radians(4.0 * math.pi)  # the last row of an area over 720 deg whose angles are written in radians
 ROUNDED = math.radians(0.01)  # by which the last row of a table may miss the end of the life
 LEAST_SPAN = 0.5  # of a chamber's life, which a table of its volume covers at the least
@@ -31,9 +32,12 @@ def cross_check(scene: Scene) -> list[Fault]:
     stated = stated_faults(scene)
     if stated:
         return stated
+    machine = check_machine(scene.machine)
+    if any(fault.path == KIND for fault in machine):
+        return machine  # a module of the user's own is wrong: no size or speed can be asked of it
     operation = check_operation(scene)
     found = [
-        *check_machine(scene.machine),
+        *machine,
         *size_faults(scene),
         *operation,
         *([] if operation else _expander(scene)),

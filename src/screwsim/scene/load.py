@@ -18,6 +18,7 @@ from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
+from screwsim.scene.fixed import Fixed
 from screwsim.scene.mapped import DICT, yaml_text
 from screwsim.scene.model_errors import BLOCK, read_model_error
 from screwsim.scene.sections import find_kind, read_effects, read_section
@@ -323,10 +324,10 @@ def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
-    scene = settled(replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder))
+    scene = settled(replace(scene, effects=Fixed(effects), sweep=Fixed(sweep), joints=joints, folder=folder))
     uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
     named = read_model_error(root.value.get(BLOCK), problems)
-    scene = replace(scene, uncertain=uncertain, correlated=correlated, model_error=named)
+    scene = replace(scene, uncertain=Fixed(uncertain), correlated=correlated, model_error=named)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

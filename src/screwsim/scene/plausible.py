@@ -36,6 +36,7 @@ from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
 MEANT = "is it meant?"
+LEFT = 1e-3  # of its largest volume, which a table hardly keeps: the displacement is off by as much
 USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
 ROUGH = 0.25  # of its largest, by which the slope of a table hardly jumps to and fro: digits cut off make half of that
 PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
@@ -130,7 +131,17 @@ def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield that the volume of a table goes to and fro, with which its gas would be worked on in jerks."""
     law = getattr(scene.machine, "volume", None)  # of a machine of one's own it may be anything
     if isinstance(law, VolumeLaw) and law.file is not None:
-        yield from _of_table(*read_curve(str(law.file), VOLUME))
+        angles, volumes = read_curve(str(law.file), VOLUME)
+        yield from _left(volumes)
+        yield from _of_table(angles, volumes)
+
+
+def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
+    """Yield that a table of what is swept keeps some of it: the displacement is counted by its largest volume."""
+    share = float(np.min(volumes) / np.max(volumes))
+    if share > LEFT:
+        what = f"the smallest volume of the table is {share:.2%} of its largest, and that is swept only where it is 0"
+        yield "machine.volume.file", f"{what} (take it out of all rows, and write it as machine.volume.min)"
 
 
 @Remembered

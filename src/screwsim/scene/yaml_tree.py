@@ -5,6 +5,7 @@ Scalars follow YAML 1.2: `1e-3` is a number and `no` a word. Faults are collecte
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from screwsim.scene.syntax import not_yaml
 
 MOST_NODES = 1_000_000  # of one text, every alias written out
 MOST_LEVELS = 32
+MOST_DIGITS = 4000  # of a whole number, more than which Python may not read: no float is so large
 _LONGEST_PATH = 200  # letters of a path that a fault shows
 _LONE = re.compile("[\ud800-\udfff]")
 _CORE = "tag:yaml.org,2002:"  # what YAML itself knows; any other tag asks for a program to run
@@ -244,8 +246,8 @@ def scalar(tag: str, text: str) -> Any:
             return int(digits, 0) if digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b") else int(digits)
         if kind == "float":
             return float(text.replace("_", "").replace(".inf", "inf").replace(".nan", "nan"))
-    except ValueError:  # e.g. more digits than an int may have, .Inf
-        return text
+    except ValueError:  # e.g. .Inf
+        return math.inf if kind == "int" and len(text) > MOST_DIGITS else text
     if kind == "bool":
         return text.lower() == "true"
     return None if kind == "null" else text

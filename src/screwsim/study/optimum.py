@@ -20,6 +20,7 @@ from screwsim.study.workers import DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # searched where nothing states a range
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search goes over the logarithm
+IDLE = 0.9  # of the range over which all is as good: the path does next to nothing
 NARROW = 0.01  # of the range: how well the place is wanted, each way
 TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, where the error leaves the place less certain
 
@@ -54,16 +55,16 @@ class Question:
 class Best:
     """The best value at one point of the other axes; all in SI units.
 
-    `place` is inside, or the border of the range at which the best lies: then a better one may lie beyond. Between
-    `low` and `high` the figure is within its estimated `error` (absolute) of the best. `accuracy` is what was asked of
-    the last solutions, `failed` the number of those of the `solutions` that failed or did not close; `warnings` are
-    those of the best one.
+    `place` is inside, or the border of the range at which the best lies: then a better one may lie beyond; anywhere
+    where the path does next to nothing to the figure. Between `low` and `high` the figure is within its estimated
+    `error` (absolute) of the best. `accuracy` is what was asked of the last solutions, `failed` the number of those
+    of the `solutions` that failed or did not close; `warnings` are those of the best one.
     """
 
     values: Mapping[str, Any]
     status: str  # ok | failed
     message: str = ""
-    place: str | None = None  # inside | lower border | upper border
+    place: str | None = None  # inside | lower border | upper border | anywhere
     value: float | None = None
     figure: float | None = None
     error: float | None = None
@@ -146,8 +147,14 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
         finer = highest(trials.point, *bracket, count=1 + COARSE // 2)
         if finer is None:
             break
-        top = replace(finer, others=top.others)
+        top = replace(finer, others=top.others, **_as_far(top, finer, bracket))
     return _told(case_values(rest, number), asked, trials, top, ends)
+
+
+def _as_far(before: Top, finer: Top, bracket: tuple[float, float]) -> dict[str, float]:
+    """Return how far all is as good: as before where a finer search saw no end of it within its bracket."""
+    low = before.low if finer.low <= bracket[0] else finer.low
+    return {"low": low, "high": before.high if finer.high >= bracket[1] else finer.high}
 
 
 def _uncertain(top: Top, ends: tuple[float, float]) -> bool:
@@ -219,6 +226,8 @@ def _told(
     near = 2e-4 * (ends[1] - ends[0])
     place = "lower border" if top.point.x - ends[0] < near else "inside"
     place = "upper border" if ends[1] - top.point.x < near else place
+    if top.high - top.low > IDLE * (ends[1] - ends[0]):  # what does next to nothing lies at a border by chance
+        place = "anywhere"
     return Best(
         values,
         "ok",

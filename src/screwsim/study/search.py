@@ -5,7 +5,7 @@ place is known: `Top` says within which interval the function is within its erro
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -47,15 +47,29 @@ def highest(function: Function, first: float, last: float, count: int = COARSE) 
     if len(good) < 3:
         return None
     tops = []
-    for number in _peaks(good):
-        bracket = good[max(number - 1, 0)].x, good[min(number + 1, len(good) - 1)].x
+    for bracket, peak in _brackets(tried):
         seen = _refined(function, bracket, good, RESOLUTION * (last - first))
-        tops.append((max([good[number], *seen], key=lambda point: point.y), bracket, seen))
+        tops.append((max([peak, *seen], key=lambda point: point.y), bracket, seen))
     tops.sort(key=lambda top: -top[0].y)
     best, bracket, _ = tops[0]
     known = [*good, *(point for _, _, seen in tops for point in seen)]
     low, high = (_reach(best, known, sign) for sign in (-1.0, 1.0))
     return Top(best, low, high, bracket, tuple(top[0] for top in tops[1:]))
+
+
+def _brackets(tried: Sequence[Point]) -> Iterator[tuple[tuple[float, float], Point]]:
+    """Yield each local maximum with its neighbours: the best may lie where points begin to have no value."""
+    last = len(tried) - 1
+    begins = [number for number in range(last + 1) if _valued(tried, number) and not _valued(tried, number - 1)]
+    for begin in begins:
+        end = next(number for number in range(begin, last + 1) if not _valued(tried, number + 1))
+        for peak in _peaks(tried[begin : end + 1]):
+            number = begin + peak
+            yield (tried[max(number - 1, 0)].x, tried[min(number + 1, last)].x), tried[number]
+
+
+def _valued(points: Sequence[Point], number: int) -> bool:
+    return 0 <= number < len(points) and math.isfinite(points[number].y)
 
 
 def _peaks(points: Sequence[Point]) -> list[int]:

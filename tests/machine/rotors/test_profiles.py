@@ -54,6 +54,19 @@ def test_an_exported_lobe_gives_the_same_machine(pairs, name):
     assert check_profile(rotors.pair, chain) == []
 
 
+@pytest.mark.parametrize("angle", [0.1, -0.5, 2.0])
+def test_a_lobe_whose_frame_is_turned_is_the_same_lobe(pairs, angle):
+    """Its phase is that of its tip, which lies on the centre line at ψ = 0, however its points were laid down."""
+    rotors = pairs["b"]
+    first, last = rotors.chain.edges
+    x, y = (line[first : last + 1 : 2] for line in rotors.chain.male())
+    turned = math.cos(angle) * x - math.sin(angle) * y, math.sin(angle) * x + math.cos(angle) * y
+    cut, again = (sections(rotors.pair, imported.from_male(rotors.pair, *points)) for points in ((x, y), turned))
+    phi = np.linspace(-1.5, 4.0, 50)
+    expected, found = (part.volume(phi, rotors.wrap, rotors.length) for part in (cut, again))
+    assert found == pytest.approx(expected, abs=2e-5 * rotors.largest[1])
+
+
 def test_a_rack_in_points_gives_the_leading_flank(pairs):
     """The rack of (b) mirrored on its trailing side: a symmetric rotor whose leading contact is that of (b)."""
     pair, rho, alpha, r5 = PAIR, 18 * MM, 35 * DEG, 3 * MM

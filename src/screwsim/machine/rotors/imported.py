@@ -19,6 +19,7 @@ POINTS = 4001  # points of the curve, at least
 CORNER = math.radians(40.0)  # points that turn more than this are a corner, not a curve
 CLOSED = 1e-3  # of the centre distance: how far from the root circle a curve may end
 LOOP = 5e-3  # of the centre distance: shorter loops of contact on a rotor are noise of the points and are cut off
+TURNED = 0.02  # rad: a tip that is nearer to the x axis of its points lies on it, and its land about it
 NOISE = 1e-3  # rad: contact that runs back by less, outside the tip, is noise of the points and is straightened
 
 
@@ -84,7 +85,8 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
 def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     """Return the chain of a male lobe: points [m] in the male frame, counter-clockwise, root → tip → root.
 
-    The x axis is the lobe's: it lies on the centre line at ψ = 0. What the points leave of the pitch is root circle.
+    At ψ = 0 the lobe's tip lies on the centre line; what of its frame is turned by more is turned back. What the points
+    leave of the pitch is root circle.
     """
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
@@ -97,9 +99,14 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
             "the curve or the centre_distance)"
         )
     psi = angle - np.arccos(np.clip(reach, -1.0, 1.0))
-    psi -= 2.0 * math.pi * round(psi[np.argmax(np.hypot(x, y))] / (2.0 * math.pi))
+    tip = int(np.argmax(np.hypot(x, y)))
+    psi -= 2.0 * math.pi * round(psi[tip] / (2.0 * math.pi))
     c, s = np.cos(psi), np.sin(psi)
-    return closed(pair, (psi, c * x + s * y, c * y - s * x))
+    contact, turned = (c * x + s * y, c * y - s * x), math.atan2(y[tip], x[tip])
+    if abs(turned) > TURNED:
+        psi -= turned
+        psi -= 2.0 * math.pi * round(psi[tip] / (2.0 * math.pi))
+    return closed(pair, (psi, *contact))
 
 
 def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
