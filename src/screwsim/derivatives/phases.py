@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.derivatives.pitch import Numbers, Pitch
-from screwsim.derivatives.slices import CORNERED, NODES, Crossing
+from screwsim.derivatives.slices import CORNERED, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 
 Array = np.ndarray
@@ -81,28 +81,14 @@ def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Cro
                 middle = 0.5 * (low + high)
                 there = pitch.phases_of(life.states_at(np.array([start + middle])))[0]
                 low, high = (middle, high) if there == phases[k] else (low, middle)
-            yield Crossing(high, CORNERED)
-
-
-def phases_at(pitch: Pitch, Y: Array) -> Array:
-    """Return the phases of all chambers at the nodes (slices, NODES, chambers)."""
-    chambers = pitch.N // pitch.n
-    if not pitch.has_phases:
-        return np.zeros((pitch.count, NODES, chambers), int)
-    return pitch.phases_of(np.ascontiguousarray(Y).reshape(-1, pitch.n)).reshape(pitch.count, NODES, chambers)
+            yield Crossing(high, CORNERED, 0.0)
 
 
 def borders(pitch: Pitch, Y: Array) -> list[Border]:
-    """Return the borders that chambers pass, each at the end of the slice that is nearest."""
-    if not pitch.has_phases:
-        return []
-    phases = phases_at(pitch, Y).reshape(-1, pitch.N // pitch.n)
-    found = []
-    for m, chamber in np.argwhere(np.diff(phases, axis=0)).tolist():
-        k = max(0, (m - 1) // NODES)  # from the second node of a slice to the first behind it is at its end
-        border = _border(pitch, Y, k, chamber, phases[m : m + 2]) if k + 1 < pitch.count else None
-        found += [] if border is None else [border]
-    return found
+    """Return the borders that chambers pass, each at the end of a slice."""
+    passed = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()
+    found = (_border(pitch, Y, k, chamber, pitch.phases[k : k + 2]) for k, chamber in passed)
+    return [each for each in found if each is not None]
 
 
 def _border(pitch: Pitch, Y: Array, k: int, chamber: int, phases: Array) -> Border | None:
