@@ -16,11 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.derivatives.pitch import Numbers, Pitch
-from screwsim.derivatives.slices import CORNERED, Crossing
+from screwsim.derivatives.slices import BEFORE, CORNERED, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 
 Array = np.ndarray
 PLACED = 1e-10  # rad: how well a border is placed
+ENDS = 1e-7, 1e-5  # rad: how near before a border a slice may end, and how far, to stay where it is
+JUMP = 3e-5  # rad: the slice behind a border, in which a change of the states jumps
 SHIFT = 1e-7  # of numbers ...
 BESIDE = 1e-5  # ... and of the density, for differences of what they make of a border
 NEAREST, FARTHEST = 1e-8, 1e-2  # of a temperature: how near to it a border is looked for, and how far
@@ -74,14 +76,26 @@ def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Cro
     if not pitch.has_phases:
         return
     every = pitch.phases_of(states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
-    for start, phases in zip((float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist(), every, strict=True):
+    for chamber, phases in enumerate(every):
+        start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
             low, high = float(angles[k]), float(angles[k + 1])
             while high - low > PLACED:
                 middle = 0.5 * (low + high)
                 there = pitch.phases_of(life.states_at(np.array([start + middle])))[0]
                 low, high = (middle, high) if there == phases[k] else (low, middle)
-            yield Crossing(high, CORNERED, 0.0)
+            yield Crossing(_as_it_stands(pitch, chamber, high), CORNERED, JUMP)
+
+
+def _as_it_stands(pitch: Pitch, chamber: int, angle: float) -> float:
+    """Return the angle [rad] of a border, or that by which slices end before it already, where they end near enough.
+
+    Behind that end the gas is held in its other phase, by whose rates it is found: it would go to and fro.
+    """
+    end = int(np.searchsorted(pitch.slices.edges, angle)) - 1
+    at = float(pitch.slices.edges[end])
+    passes = end > 0 and pitch.phases[end - 1, chamber] != pitch.phases[end, chamber]
+    return at + BEFORE * CORNERED if passes and ENDS[0] < angle - at < ENDS[1] else angle
 
 
 def borders(pitch: Pitch, Y: Array) -> list[Border]:

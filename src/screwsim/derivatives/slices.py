@@ -46,18 +46,18 @@ RING = 0.3  # widths of a layer: the first slices on both sides of where a flow 
 AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
 WIDER = 2.5  # ... and each next one over the one before
 BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
-CORNERED = 1e-2  # rad: what a corner or a jump of a rate counts as
+CORNERED = 1e-2  # rad: what a corner or a jump of a rate counts as; the slice before it ends 1e-6 rad from it
 
 
 class Crossing(NamedTuple):
     """Where a flow turns round or a rate jumps [rad of the pitch], and the width [rad] of the layer that counts as.
 
-    A slice ends `before` it, in widths of that layer.
+    Where a change of the states jumps there, the slice behind is as short as `jump` [rad]: polynomials do not.
     """
 
     angle: float
     layer: float
-    before: float = BEFORE
+    jump: float = 0.0
 
 
 class Slices(NamedTuple):
@@ -133,15 +133,15 @@ def ringed(
     if math.isfinite(peak):
         around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
-    for angle, layer, before in crossings:
-        at, first, wider = angle - before * layer, growth[0] * RING * layer, growth[1] * WIDER
+    for angle, layer, jump in crossings:
+        at, first, wider = angle - BEFORE * layer, growth[0] * RING * layer, growth[1] * WIDER
         after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
         room = float(edges[after] - edges[after - 1])
         count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(wider))))
         reach = first * wider ** np.arange(count)
         segment = int(np.clip(np.searchsorted(seams, at), 1, len(seams) - 1))
         low, high = seams[segment - 1] + LEAST, seams[segment] - LEAST
-        ring = np.concatenate([at - reach[::-1], [at], at + reach])
+        ring = np.concatenate([at - reach[::-1], [at, *([at + jump] if jump else [])], at + reach])
         ring = ring[(ring > low) & (ring < high)]
         if len(ring):
             kept = kept[(kept < ring[0]) | (kept > ring[-1])]
