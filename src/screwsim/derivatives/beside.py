@@ -92,9 +92,9 @@ def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Ar
     return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
 
 
-def _one_behind_the_other(found: Sequence[Sequence[Array]]) -> list[Array]:
+def _one_behind_the_other(found: Sequence[Sequence[Array]]) -> Sequence[Array]:
     """Return arrays of several runs of slices as one each."""
-    return [np.concatenate(each) if len(each) > 1 else each[0] for each in zip(*found, strict=True)]
+    return found[0] if len(found) == 1 else [np.concatenate(each) for each in zip(*found, strict=True)]
 
 
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
