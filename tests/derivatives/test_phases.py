@@ -3,14 +3,20 @@
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from closed_points import closed_scene
 from test_against_differences import all_differenced
 
 import screwsim
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
+from screwsim.derivatives import nearby
+from screwsim.derivatives.beside import rates
+from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.phases import border_temperature
 from screwsim.derivatives.pitch import Numbers
+from screwsim.model.slots import S_RHO, S_T
 from screwsim.study.local import sensitivities
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -19,6 +25,7 @@ HUMID = (
     "effects.separator=off",
     "oil_supply.temperature=325 K",
 )
+SETTLES = 15  # iterations until slices and states stand: 11, and 106 where nodes go to and fro over the border
 PASSED = 3e-4  # slices of the default accuracy; without the jump at the border 1.2e-2 and 1.8e-2
 
 
@@ -35,6 +42,33 @@ def test_a_change_passes_the_border_of_the_phases_as_cycles_do(humid):
     assert found.method[path] == "exact"
     for figure, slope in slopes.items():
         assert found.relative(figure, path) == pytest.approx(slope, rel=PASSED), figure
+
+
+def test_the_cycle_settles_on_the_border_of_the_phases(humid, monkeypatch):
+    asked, size_of = [], nearby.size_of
+    monkeypatch.setattr(nearby, "size_of", lambda *of: asked.append(1) or size_of(*of))
+    cycle = closed_scene(humid, QUICK)
+    assert np.diff(cycle.pitch.phases, axis=0).any()  # there is a border
+    assert 0 < len(asked) <= SETTLES
+
+
+def test_a_chamber_keeps_the_phase_of_its_slice(humid):
+    cycle = closed_scene(humid, QUICK)
+    pitch = cycle.pitch
+    (k, chamber), *_ = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()  # at the end of slice k it is passed
+    T, rho = chamber * pitch.n + np.array([S_T, S_RHO])
+    sides = []
+    for by in (-1e-9, 1e-9):
+        Y = cycle.nodes.copy()
+        at = border_temperature(pitch, *Y[k, -1, [T, rho]].tolist(), pitch.numbers)
+        Y[k, -1, T] = at * (1.0 + by)
+        phase = pitch.phases_of(Y[k, -1].reshape(-1, pitch.n))[chamber]
+        sides.append((phase, pitch.rates(Y)[0][k, -1, T], rates(pitch, Y)[0][k, -1, T]))
+    (dry, *below), (fog, *above) = sides
+    assert dry != fog
+    behind = pitch.rates_in(pitch.phases[k + 1], k + 1, cycle.nodes[k, -1])[0][T]
+    assert above == pytest.approx(below, rel=1e-5)
+    assert abs(behind / above[0] - 1.0) > 0.1  # what it would be in the other phase
 
 
 def test_at_the_border_vapour_is_saturated(humid):

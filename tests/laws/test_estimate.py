@@ -1,5 +1,6 @@
 """The estimated error of the figures against the true one, and that work rises with what is asked."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -250,6 +251,14 @@ def test_a_flow_that_is_nothing_errs_over_what_the_machine_displaces():
     some, none = ({"gas_mass_flow": flow, "volumetric_efficiency": flow / 0.2} for flow in (2e-8, 0.0))
     assert relative_errors(Figures(some), Figures(none))["gas_mass_flow"] == pytest.approx(2e-8 / 0.02)
     assert relative_errors(Figures(none), Figures(none))["gas_mass_flow"] == 0.0
+
+
+def test_a_swing_errs_by_no_less_than_its_curves_amplitudes_make_of_it():
+    """Two curves may agree at their lowest and highest point by chance: the finer life's torque does there."""
+    scene = load(CONFIGS / "paper" / "point.yaml", ["effects.gas_torque={}", "operation.speed=3000 rpm"])
+    error = simulate(scene, trace=False).error
+    amplitudes = [error[f"gas_torque_harmonic_{k}"] for k in range(1, 5)]
+    assert 0.0 < math.sqrt(2.0 * sum(each**2 for each in amplitudes)) <= error["gas_torque_peak_to_peak"]
 
 
 @pytest.mark.parametrize("name", ["specific_power", "cop", "cooling_capacity", "heating_cop", "economizer_flow_ratio"])

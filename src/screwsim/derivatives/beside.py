@@ -49,9 +49,9 @@ class Laid(NamedTuple):
 
     @classmethod
     def parts(cls, whole: Array, part: int) -> Laid:
-        """Return parts of an array, so many rows a lane; rows that are missing at the end are its last ones again."""
+        """Return parts of an array, so many rows a lane; rows that are missing at the end are its last one again."""
         missing = LANES * part - len(whole)
-        whole = np.concatenate([whole, whole[len(whole) - missing :]]) if missing else np.ascontiguousarray(whole)
+        whole = np.concatenate([whole, *[whole[-1:]] * missing]) if missing else np.ascontiguousarray(whole)
         at, step = address(whole), part * whole.strides[0]
         return cls([at + step * lane for lane in range(LANES)], (part, *whole.shape[1:]), whole)
 
@@ -80,11 +80,21 @@ def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Ar
     if entry is None:
         return pitch.rates(Y, edges)
     slices, many = pitch.slices if edges is None else pitch.slices._replace(edges=edges), pitch.count * NODES
-    part = -(-many // LANES)
-    nodes = slices.angles.ravel(), np.repeat(slices.middles, NODES), Y.reshape(many, -1)
-    found = _in_lanes(pitch, Nodes(*(Laid.parts(each, part) for each in nodes)), [pitch.numbers] * LANES, entry)
-    f, g = (np.moveaxis(each, -1, 0).reshape(LANES * part, -1)[:many] for each in found)
+    asked, numbers = (slices.angles.ravel(), slices.middles[pitch.of_nodes], Y.reshape(many, -1)), [pitch.numbers]
+    found = []
+    for rows in pitch.runs(pitch.of_nodes):
+        some = rows.stop - rows.start
+        part = -(-some // LANES)
+        nodes = Nodes(*(Laid.parts(each[rows], part) for each in asked))
+        lanes = _in_lanes(pitch, nodes, numbers * LANES, entry)
+        found.append([np.moveaxis(each, -1, 0).reshape(LANES * part, -1)[:some] for each in lanes])
+    f, g = _one_behind_the_other(found)
     return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
+
+
+def _one_behind_the_other(found: Sequence[Sequence[Array]]) -> Sequence[Array]:
+    """Return arrays of several runs of slices as one each."""
+    return found[0] if len(found) == 1 else [np.concatenate(each) for each in zip(*found, strict=True)]
 
 
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
@@ -101,9 +111,12 @@ def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[s
             angles = slices.angles.ravel()
             moved = [each.edges for each in now]
             own = [angles if e is None else slices._replace(edges=e).angles.ravel() for e in moved]
-            nodes = Nodes(Laid.each(own), Laid.each([middles] * len(now)), Laid.each([y] * len(now)))
-            rows = _in_lanes(pitch, nodes, [each.numbers for each in now], entry)
-            found = [each.reshape(*shape, -1, LANES) for each in rows]
+            lanes = []
+            for rows in pitch.runs(pitch.of_nodes):
+                laid = ([each[rows] for each in every] for every in (own, [middles] * len(now), [y] * len(now)))
+                nodes = Nodes(*(Laid.each(every) for every in laid))
+                lanes.append(_in_lanes(pitch, nodes, [each.numbers for each in now], entry))
+            found = [each.reshape(*shape, -1, LANES) for each in _one_behind_the_other(lanes)]
         else:
             found = [empty(*shape, size, LANES) for size in (pitch.N, pitch.q)]
             for i, (numbers, edges) in enumerate(now):
@@ -133,7 +146,6 @@ def _in_lanes(pitch: Pitch, nodes: Nodes, numbers: Sequence[Numbers], entry: Any
     """Return rates at the nodes (nodes, …, lanes) of each lane, with its numbers; all lanes have as many."""
     machinery = pitch.machinery
     port_states, work = machinery.coupled_space()["spaces"]
-    pitch.free()
     rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
     rows["port_states"][:], rows["work"][:] = port_states[:, None], work[:, None]
     alike = all(each is numbers[0] for each in numbers)

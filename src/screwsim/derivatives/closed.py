@@ -13,7 +13,7 @@ from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
 from screwsim.derivatives.peak import peak
-from screwsim.derivatives.phases import borders, phases_at
+from screwsim.derivatives.phases import borders
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.placed import Placed
 from screwsim.derivatives.slices import (
@@ -39,7 +39,7 @@ READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside
 WIDER_INSIDE = 0.8  # ... and of how slices around a turning of a flow grow
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations ...
-STALLED = 6  # ... of which so many may come no nearer: nodes that go to and fro over a border of phases never do
+STALLED = 6  # ... of which so many may come no nearer
 CLOSED = 1e-7  # relative residual with which it is ...
 ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices, where states nearby are not found
@@ -184,9 +184,6 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
-    phases = phases_at(pitch, Y)
-    for k in np.flatnonzero((phases[1:, 0] != phases[:-1, -1]).any(axis=1)).tolist():
-        f[k + 1] = pitch.rates_in(phases[k + 1, 0], k + 1, Y[k, -1])[0]  # that begins behind the border of a phase
     defect = f + EMBEDDED @ (Y - before[:, None]) / widths[:, None]
     own = own.swapaxes(0, 1)
     matrix = (EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own

@@ -16,11 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.derivatives.pitch import Numbers, Pitch
-from screwsim.derivatives.slices import CORNERED, NODES, Crossing
+from screwsim.derivatives.slices import BEFORE, CORNERED, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 
 Array = np.ndarray
 PLACED = 1e-10  # rad: how well a border is placed
+ENDS = 1e-7, 1e-5  # rad: how near before a border a slice may end, and how far, to stay where it is
+JUMP = 3e-5  # rad: the slice behind a border, in which a change of the states jumps
 SHIFT = 1e-7  # of numbers ...
 BESIDE = 1e-5  # ... and of the density, for differences of what they make of a border
 NEAREST, FARTHEST = 1e-8, 1e-2  # of a temperature: how near to it a border is looked for, and how far
@@ -74,35 +76,33 @@ def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Cro
     if not pitch.has_phases:
         return
     every = pitch.phases_of(states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
-    for start, phases in zip((float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist(), every, strict=True):
+    for chamber, phases in enumerate(every):
+        start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
             low, high = float(angles[k]), float(angles[k + 1])
             while high - low > PLACED:
                 middle = 0.5 * (low + high)
                 there = pitch.phases_of(life.states_at(np.array([start + middle])))[0]
                 low, high = (middle, high) if there == phases[k] else (low, middle)
-            yield Crossing(high, CORNERED)
+            yield Crossing(_as_it_stands(pitch, chamber, high), CORNERED, JUMP)
 
 
-def phases_at(pitch: Pitch, Y: Array) -> Array:
-    """Return the phases of all chambers at the nodes (slices, NODES, chambers)."""
-    chambers = pitch.N // pitch.n
-    if not pitch.has_phases:
-        return np.zeros((pitch.count, NODES, chambers), int)
-    return pitch.phases_of(np.ascontiguousarray(Y).reshape(-1, pitch.n)).reshape(pitch.count, NODES, chambers)
+def _as_it_stands(pitch: Pitch, chamber: int, angle: float) -> float:
+    """Return the angle [rad] of a border, or that by which slices end before it already, where they end near enough.
+
+    Behind that end the gas is held in its other phase, by whose rates it is found: it would go to and fro.
+    """
+    end = int(np.searchsorted(pitch.slices.edges, angle)) - 1
+    at = float(pitch.slices.edges[end])
+    passes = end > 0 and pitch.phases[end - 1, chamber] != pitch.phases[end, chamber]
+    return at + BEFORE * CORNERED if passes and ENDS[0] < angle - at < ENDS[1] else angle
 
 
 def borders(pitch: Pitch, Y: Array) -> list[Border]:
-    """Return the borders that chambers pass, each at the end of the slice that is nearest."""
-    if not pitch.has_phases:
-        return []
-    phases = phases_at(pitch, Y).reshape(-1, pitch.N // pitch.n)
-    found = []
-    for m, chamber in np.argwhere(np.diff(phases, axis=0)).tolist():
-        k = max(0, (m - 1) // NODES)  # from the second node of a slice to the first behind it is at its end
-        border = _border(pitch, Y, k, chamber, phases[m : m + 2]) if k + 1 < pitch.count else None
-        found += [] if border is None else [border]
-    return found
+    """Return the borders that chambers pass, each at the end of a slice."""
+    passed = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()
+    found = (_border(pitch, Y, k, chamber, pitch.phases[k : k + 2]) for k, chamber in passed)
+    return [each for each in found if each is not None]
 
 
 def _border(pitch: Pitch, Y: Array, k: int, chamber: int, phases: Array) -> Border | None:

@@ -7,7 +7,9 @@ Its derivatives are then those of a system of equations (implicit-function theor
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,17 +60,23 @@ class Slopes(NamedTuple):
 class Pitch:
     """All chambers over one pitch on slices; the machinery is lent, and its numbers are those of the cycle.
 
-    Its tables are its own: they may be written into.
+    Its tables are its own: they may be written into. On each slice chambers are held in `phases` (slices, chambers),
+    those of the last history in its middle: slices end on the border, and no node goes to and fro over it.
     """
 
     problem: Problem
     machinery: Machinery
     slices: Slices
+    phases: Array = field(init=False)
 
     def __post_init__(self) -> None:
         c = self.machinery.composition
         self.n, self.N, self.count = self.machinery.n, c.chambers * self.machinery.n, len(self.slices.middles)
         self.q = self.machinery.nq + 1  # gas across the injection angle last
+        self.phases = np.full((self.count, c.chambers), FREE)
+        if self.has_phases:
+            middle = np.ascontiguousarray(self.read()[:, NODES // 2]).reshape(-1, self.n)
+            self.phases[:] = self.phases_of(middle).reshape(self.phases.shape)
 
     # ---- numbers -----------------------------------------------------------------------------------------------
 
@@ -137,9 +145,26 @@ class Pitch:
         """Return the rates of states and quadratures at the nodes, those of other edges where these are given."""
         slices = self.slices if edges is None else self.slices._replace(edges=edges)
         f, g = np.empty((self.count * NODES, self.N)), np.empty((self.count * NODES, self.q))
-        self.free()
-        self.machinery.together.slices__rates_at_all(*self._asked(Y, slices), f, g)
+        asked = self._asked(Y, slices)
+        for rows in self.runs(self.of_nodes):
+            self.machinery.together.slices__rates_at_all(*(e[rows] for e in asked), *self._context, f[rows], g[rows])
         return f.reshape(self.count, NODES, -1), g.reshape(self.count, NODES, -1)
+
+    @property
+    def of_nodes(self) -> Array:
+        """Of which slice each node is."""
+        return np.repeat(np.arange(self.count), NODES)
+
+    def runs(self, of: Array) -> Iterator[slice]:
+        """Yield rows, each `of` a slice, that follow each other in the same phases: chambers are held in these."""
+        held, phases = self._held(), self.phases[of]
+        ends = np.flatnonzero((phases[1:] != phases[:-1]).any(axis=1)) + 1
+        try:
+            for low, high in pairwise([0, *ends.tolist(), len(of)]):
+                held[:] = phases[low]
+                yield slice(low, high)
+        finally:
+            held[:] = FREE
 
     def rates_in(self, phases: Array, edge: int, y: Array) -> tuple[Array, Array]:
         """Return the rates of states and quadratures where a slice begins, chambers held in phases, states y."""
@@ -147,7 +172,7 @@ class Pitch:
         self._held()[:] = phases
         asked = slices.edges[edge : edge + 1], slices.middles[edge : edge + 1], np.array(y[None])
         self.machinery.together.slices__rates_at_all(*asked, *self._context, f, g)
-        self.free()
+        self._held()[:] = FREE
         return f[0], g[0]
 
     @property
@@ -163,7 +188,7 @@ class Pitch:
 
     def slopes(self, Y: Array) -> Slopes:
         """Return rates and their derivatives by the states at the nodes."""
-        *found, _ = self._slopes(*self._asked(Y, self.slices))
+        *found, _ = self._slopes(self.of_nodes, *self._asked(Y, self.slices))
         return Slopes(*(each.reshape(self.count, NODES, *each.shape[1:]) for each in found))
 
     def by_own_states(self, Y: Array, slices: Array) -> Array:
@@ -171,40 +196,47 @@ class Pitch:
 
         One chamber after the other (chambers slices, NODES, n, n).
         """
-        angles, middles = self.slices.angles[slices].ravel(), np.repeat(self.slices.middles[slices], NODES)
+        angles, of = self.slices.angles[slices].ravel(), np.repeat(slices, NODES)
         y = np.ascontiguousarray(Y[slices]).reshape(-1, self.N)
-        return self._slopes(angles, middles, y, *self._context, alone=True)[-1].reshape(-1, NODES, self.n, self.n)
+        found = self._slopes(of, angles, self.slices.middles[of], y, alone=True)[-1]
+        return found.reshape(-1, NODES, self.n, self.n)
 
     def slopes_at(self, angles: Array, y: Array) -> tuple[Array, Array]:
         """Return rates at one angle in each slice, and the derivatives of each chamber's by its own states."""
-        f, *_, own = self._slopes(angles, self.slices.middles, y, *self._context, alone=True)
+        f, *_, own = self._slopes(np.arange(self.count), angles, self.slices.middles, y, alone=True)
         return f, own.reshape(-1, len(angles), self.n, self.n)
 
-    def _slopes(self, angles: Array, *asked: Any, alone: bool = False) -> tuple[Array, ...]:
-        many, N, q, n = len(angles), self.N, self.q, self.n
+    def _slopes(self, of: Array, *asked: Array, alone: bool = False) -> tuple[Array, ...]:
+        """Return what the kernel finds at rows `of` slices: with `alone` nothing but rates and chambers by themselves.
+
+        Those by themselves are one chamber after the other (chambers, rows, n, n).
+        """
+        many, N, q, n = len(of), self.N, self.q, self.n
         rows = 1 if alone else many
-        own = empty(N // n * many, n, n) if alone else np.empty((0, n, n))
+        own = empty(N // n, many, n, n) if alone else np.empty((0, 0, n, n))
         found = np.empty((many, N)), np.empty((rows, q)), empty(rows, N, N), empty(rows, q, N), own
+        for run in self.runs(of):
+            f, *rest = (each[run] if len(each) == many else each for each in found[:-1])
+            apart = own if run == slice(0, many) or not alone else empty(N // n, run.stop - run.start, n, n)
+            self._derived(*(each[run] for each in asked), *self._context, f, *rest, apart.reshape(-1, n, n))
+            if apart is not own:
+                own[:, run] = apart
+        return found
+
+    def _derived(self, *asked: Any) -> None:
         module = self.machinery.together
         if "tangents" not in compiled.warm(module):
             with self.machinery.compiling("tangents"):
-                module.slices__derivatives_at_all(angles, *asked, *found)
-        module.slices__derivatives_at_all(angles, *asked, *found)
-        self.free()
-        return found
+                module.slices__derivatives_at_all(*asked)
+        module.slices__derivatives_at_all(*asked)
 
-    def _asked(self, Y: Array, slices: Slices) -> tuple[Any, ...]:
-        """Return angles, middles, states and context, as the kernels take them."""
-        y = np.ascontiguousarray(Y).reshape(-1, self.N)
-        return slices.angles.ravel(), np.repeat(slices.middles, NODES), y, *self._context
+    def _asked(self, Y: Array, slices: Slices) -> tuple[Array, Array, Array]:
+        """Return angles, middles and states, as the kernels take them."""
+        return slices.angles.ravel(), slices.middles[self.of_nodes], np.ascontiguousarray(Y).reshape(-1, self.N)
 
     @property
     def _context(self) -> tuple[Any, int]:
         return self.machinery.coupled_context, self.machinery.composition.n_E_all
-
-    def free(self) -> None:
-        """Let the gas of no chamber be held in a phase."""
-        self._held()[:] = FREE
 
     def _held(self) -> Array:
         """Return where the phases stand in which the gas of chambers is held."""

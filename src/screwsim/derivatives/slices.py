@@ -50,10 +50,14 @@ CORNERED = 1e-2  # rad: what a corner or a jump of a rate counts as; the slice b
 
 
 class Crossing(NamedTuple):
-    """Where a flow turns round or a rate jumps [rad of the pitch], and the width [rad] of the layer that counts as."""
+    """Where a flow turns round or a rate jumps [rad of the pitch], and the width [rad] of the layer that counts as.
+
+    Where a change of the states jumps there, the slice behind is as short as `jump` [rad]: polynomials do not.
+    """
 
     angle: float
     layer: float
+    jump: float = 0.0
 
 
 class Slices(NamedTuple):
@@ -129,7 +133,7 @@ def ringed(
     if math.isfinite(peak):
         around = np.array([peak - AROUND_PEAK, peak + AROUND_PEAK])
         added.append(around[(around > edges[0] + LEAST) & (around < edges[-1] - LEAST)])
-    for angle, layer in crossings:
+    for angle, layer, jump in crossings:
         at, first, wider = angle - BEFORE * layer, growth[0] * RING * layer, growth[1] * WIDER
         after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
         room = float(edges[after] - edges[after - 1])
@@ -137,7 +141,7 @@ def ringed(
         reach = first * wider ** np.arange(count)
         segment = int(np.clip(np.searchsorted(seams, at), 1, len(seams) - 1))
         low, high = seams[segment - 1] + LEAST, seams[segment] - LEAST
-        ring = np.concatenate([at - reach[::-1], [at], at + reach])
+        ring = np.concatenate([at - reach[::-1], [at, *([at + jump] if jump else [])], at + reach])
         ring = ring[(ring > low) & (ring < high)]
         if len(ring):
             kept = kept[(kept < ring[0]) | (kept > ring[-1])]

@@ -24,13 +24,15 @@ FORCES = ("axial", "radial")
 SWING = over("gas_torque_peak_to_peak")  # what means that pass through zero err over
 SHARED = (".male_share", "machine.profile")
 WHICH = ("the", "twice the", "three times the", "four times the")
+HARMONICS = tuple(f"gas_torque_harmonic_{k}" for k in range(1, len(WHICH) + 1))
+OF_SWING = "torque of the gas, from its lowest to its highest value"
 OF_FEMALE = "mean torque of the gas on the female rotor itself"
 FIGURES = (
     Figure("gas_torque_mean", "N m", "mean torque of the gas on the male rotor's shaft, the female's included", SWING),
-    Figure("gas_torque_peak_to_peak", "N m", "torque of the gas, from its lowest to its highest value", SWING),
+    Figure("gas_torque_peak_to_peak", "N m", OF_SWING, SWING, curve=HARMONICS),
     *(
-        Figure(f"gas_torque_harmonic_{k}", "N m", f"amplitude of the gas torque at {which} lobe frequency", SWING)
-        for k, which in enumerate(WHICH, 1)
+        Figure(name, "N m", f"amplitude of the gas torque at {which} lobe frequency", SWING)
+        for name, which in zip(HARMONICS, WHICH, strict=True)
     ),
     Figure("male_gas_torque", "N m", "mean torque of the gas on the male rotor itself", SWING, SHARED),
     Figure("female_gas_torque", "N m", f"{OF_FEMALE}, about its own axis", SWING, SHARED),

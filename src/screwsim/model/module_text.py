@@ -103,7 +103,7 @@ def _written(
     if together:
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
     slots = dict(ALL if together else ONE)
-    if together:  # derivatives by numbers of a scene are of all there is; of an ideal gas the integrator's are
+    if together:  # derivatives by numbers of a scene are of all there is; of an ideal, dry gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
         slots["all_along"] = along_network.NAME
         slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]

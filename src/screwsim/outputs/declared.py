@@ -57,7 +57,8 @@ class Figure:
     `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
     declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does,
     `by_oil`: as the flow of injected oil, `by_port`: as that through the port of its effect's plenum, `by_held`: as
-    what the oil's dissolved gas is left open by, over what flashes.
+    what the oil's dissolved gas is left open by, over what flashes. `curve`: no less than these
+    amplitudes of its curve make of it.
     `shown` is the unit in which people write it (`engineering.SCALES`), where that is not the one of its SI unit.
     """
 
@@ -70,6 +71,7 @@ class Figure:
     by_oil: bool = False
     by_port: bool = False
     by_held: bool = False
+    curve: tuple[str, ...] = ()
     shown: str = ""
 
 

@@ -6,6 +6,7 @@ all that follow would go; or the cycle closed again, finer (docs/model.md M41). 
 `solve.finer.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.estimates`.
 """
 
+import math
 from dataclasses import replace
 
 from screwsim.cycle.solution import CycleSolution, Led, Wanted
@@ -59,7 +60,20 @@ def estimated_errors(
     for each in (*lost_now, *left_open(of, cycle)):
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
+    of_curves(found, errors)
     return errors, finer.led or finer.cycle
+
+
+def of_curves(found: Figures, errors: Figures) -> None:
+    """Let what lies between two angles of a curve err by no less than its amplitudes' errors make of it.
+
+    Two curves may agree at two angles by chance. An amplitude's error is one of two parts of a harmonic's, the other is
+    that of its phase: at two angles, of any phases, they differ by the root of twice the sum of the squares.
+    """
+    for name, about in found.about.items():
+        if about.curve and errors.get(name) is not None:
+            of_curve = math.sqrt(2.0 * sum((errors[each] or 0.0) ** 2 for each in about.curve))
+            errors[name] = max(errors[name] or 0.0, of_curve)
 
 
 def _finer(asked: Asked) -> Finer:

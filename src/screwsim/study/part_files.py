@@ -89,7 +89,8 @@ def _read(path: Path, traces: bool, cases: bool) -> Table:
 
 def _figures(about: Any) -> tuple[Figure, ...]:
     """Return the figures of a part; raise TypeError where one is none."""
-    more = ({"scale": scale_of(each["scale"]), "needs": tuple(each["needs"])} for each in about["about"])
+    more = ({name: tuple(each.get(name, ())) for name in ("needs", "curve")} for each in about["about"])
+    more = (lists | {"scale": scale_of(each["scale"])} for lists, each in zip(more, about["about"], strict=True))
     found = tuple(Figure(**each | typed) for each, typed in zip(about["about"], more, strict=True))
     texts = (text for each in found for text in (each.name, each.units, each.long_name, *each.needs))
     if not all(isinstance(text, str) for text in texts):

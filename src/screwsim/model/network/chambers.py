@@ -41,14 +41,19 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
     chambers, exact = Chambers(network), Chambers(network, exact=True)
     of_one = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
     of_one += [*lines_texts(network)[1:], surroundings_together_text(network)]
-    jacobians = chambers.jacobian(), *((exact.jacobian(),) if network.varies else ())
+    jacobians = chambers.jacobian(), *((exact.jacobian(),) if _has_exact(network) else ())
     texts = chambers.rates(), *jacobians, *step_texts_together(network), *of_one
     return texts, (*network.kernels.values(), *chambers.tangents, *exact.tangents)
 
 
+def _has_exact(network: Network) -> bool:
+    """Tell whether an exact Jacobian is another than the integrator's: of a gas that varies or has two phases."""
+    return network.varies or network.phases
+
+
 def room(network: Network) -> int:
     """Return how many numbers the functions of all chambers write into their working array."""
-    n, slopes = network.chambers, len(BOTH) * len(GAS | (NOZZLE if network.varies else {}))
+    n, slopes = network.chambers, len(BOTH) * len(GAS | (NOZZLE if _has_exact(network) else {}))
     return n * (slopes + len(given(network)) * (n * len(network.states) + 2))
 
 
@@ -75,7 +80,8 @@ def given(network: Network) -> tuple[str, ...]:
 class Chambers(Cell):
     """The functions of all chambers; `work` takes what each is given, slopes of its gas, and of what it is given.
 
-    The integrator's Jacobian takes a gas's exponent and choking for constant; an `exact` one follows them.
+    The integrator's Jacobian takes a gas's exponent and choking for constant, and the phase of its states, in which it
+    is held from there on; an `exact` one follows them, and takes the phase that is held.
     """
 
     e = "e + "
@@ -87,7 +93,7 @@ class Chambers(Cell):
         # what of a port state has derivatives
         self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)
         self.of_gas = [(name, seed) for name in self.gas for seed in BOTH]
-        self.ends = "_EXACT" if exact else ""  # of the names of `work_constants`
+        self.exact, self.ends = exact, "_EXACT" if exact else ""  # of the names of `work_constants`
         self.tangents: list[Kernel] = []
 
     # ---- gaps --------------------------------------------------------------------------------------------------
@@ -284,8 +290,11 @@ class Chambers(Cell):
         self.tangents += tangent.kernels
         with to.within("for j in range(CHAMBERS)"):
             to.add("T = y[j * N + S_T]", "rho = y[j * N + S_rho]")
-            phase = held_phase(network, "j")
-            to.add(*(["phase = gas_phase(T, rho, P, TAB)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
+            held, of_states = held_phase(network, "j"), "phase = gas_phase(T, rho, P, TAB)"
+            if self.exact and network.phases:
+                to.add(f"{of_states} if {held} == FREE else int({held})")
+            else:
+                to.add(*([of_states, f"{held} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
             to.add(*(f"port_states[j * PORT_STATE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
             for name, seed in self.of_gas:
