@@ -2,16 +2,21 @@
 
 from typing import Any, NoReturn, TypeVar
 
-K, V = TypeVar("K"), TypeVar("V")
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+def _refuse(*_: Any, **__: Any) -> NoReturn:
+    raise TypeError("a scene does not change: with_ and without make another one")
+
+
+REFUSED: Any = _refuse
 
 
 class Fixed(dict[K, V]):
     """A dict that is made once; what would change it raises TypeError with the remedy."""
 
-    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("a scene does not change: with_ and without make another one")
-
-    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = REFUSED
 
     def __reduce__(self) -> tuple[type, tuple[dict[K, V]]]:
         return Fixed, (dict(self),)
