@@ -280,7 +280,7 @@ def test_a_result_that_does_not_know_its_scene_says_so():
     ("section", "change", "says"),
     [
         ("operation", {"speed": "3100 rpm"}, "operation.speed is 3000 rpm there, 3100 rpm here"),
-        ("operation", {"ambient_temperature": "300 K"}, "ambient_temperature is 298.15 K there, 300 K here"),
+        ("operation", {"ambient_temperature": "300 K"}, "ambient_temperature is 25 °C there, 26.85 °C here"),
         ("effects", {"mechanical": {"fraction": 0.1}}, "effects.mechanical is simulated here only"),
     ],
 )
