@@ -75,8 +75,9 @@ class Pitch:
         self.q = self.machinery.nq + 1  # gas across the injection angle last
         self.phases = np.full((self.count, c.chambers), FREE)
         if self.has_phases:
-            middle = np.ascontiguousarray(self.read()[:, NODES // 2]).reshape(-1, self.n)
-            self.phases[:] = self.phases_of(middle).reshape(self.phases.shape)
+            starts = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None]
+            states = self.machinery.states_at((starts + self.slices.middles).ravel())
+            self.phases[:] = self.phases_of(states).reshape(c.chambers, -1).T
 
     # ---- numbers -----------------------------------------------------------------------------------------------
 
