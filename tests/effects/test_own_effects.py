@@ -72,7 +72,7 @@ HOLE = FlowPath("suction", area=hole, values={"size": 1e-6}, breakpoints=(1.0,))
 NO_PARTS = {
     "nothing": (None, "build returned None, not a list of parts"),
     "one part": (HOLE, "build returned a FlowPath, not a list of parts"),
-    "a word": ([HOLE, "leak"], "build returned 'leak' among its parts, not one of screwsim.effects.base"),
+    "a word": ([HOLE, "leak"], "build returned 'leak' among its parts, not a FlowPath, PowerLoss or the like"),
     "a function": (
         [replace(HOLE, area=hole.function)],
         "area of its FlowPath is the function hole, no kernel: put @ker",

@@ -282,3 +282,12 @@ def test_any_numbers_survive_the_text(example, diameter, gap, tips, temperature,
 def test_a_scene_travels_between_processes(example):
     scene = loads(example)
     assert pickle.loads(pickle.dumps(scene)) == scene
+
+
+def test_null_for_an_effect_with_needed_parameters_says_how_to_leave_it_out(scene_file, example):
+    scene_file(example, "point.yaml")
+    with pytest.raises(SceneError) as error:
+        load(scene_file("base: point.yaml\neffects: {tip_leakage: null}\n", "top.yaml"))
+    (line,) = error.value.lines
+    missing = "effects.tip_leakage.gap: is missing (write gap: … mm; clearance; or tip_leakage: off to leave it out)"
+    assert line.endswith(missing)

@@ -48,7 +48,7 @@ def declared(built: Any) -> list[Any]:
         raise TypeError(f"build returned {_shown(built)}, not a list of parts")
     for part in built:
         if not isinstance(part, get_args(Part)):
-            raise TypeError(f"build returned {_shown(part)} among its parts, not one of screwsim.effects.base")
+            raise TypeError(f"build returned {_shown(part)} among its parts, not a FlowPath, PowerLoss or the like")
         for each in fields(part):
             wrong = _wrong(str(each.type), getattr(part, each.name))
             if wrong:
@@ -58,14 +58,16 @@ def declared(built: Any) -> list[Any]:
 
 def _wrong(kind: str, value: Any) -> str:
     """Return what is wrong with a field of a part, of the kind that its class declares; '' where nothing is."""
-    if "Kernel" in kind and value is not None and not isinstance(value, Kernel):
-        return f"is {_shown(value)}, no kernel: put @kernel of screwsim.numerics.kernel above its def"
+    if "Kernel" in kind:
+        right = value is None or isinstance(value, Kernel)
+        return "" if right else f"is {_shown(value)}, no kernel: put @kernel of screwsim.numerics.kernel above its def"
+    wrong: list[str] = []
     if kind == "Mapping[str, float]":
         wrong = [f"{name} = {_shown(number)}" for name, number in value.items() if not isinstance(number, Real)]
     elif kind == "Sequence[float]":
         wrong = [_shown(number) for number in value if not isinstance(number, Real)]
-    else:
-        wrong = [_shown(value)] if kind == "float" and not isinstance(value, Real) else []
+    elif kind == "float" and not isinstance(value, Real):
+        wrong = [_shown(value)]
     return f"holds {wrong[0]}, which is no number" if wrong else ""
 
 

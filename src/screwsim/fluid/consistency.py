@@ -84,6 +84,7 @@ def _works(gas: Gas, p_s: float, T_s: float, p_d: float, T_d: float) -> Iterator
     yield "its isentropic_work_of_enthalpy [J/kg]", gas.isentropic_work_of_enthalpy(p_s, p_d, h), work, 0.0
     if gas.isothermal_obstacle(p_s, p_d, T_s) is None:
         rise = gas.enthalpy(p_d, T_s) - h - T_s * (gas.entropy(p_d, T_s) - s)
-        yield "its isothermal_work [J/kg]", gas.isothermal_work(p_s, p_d, T_s), rise, 0.0
+        found = gas.isothermal_work(p_s, p_d, T_s)
+        yield "its isothermal_work [J/kg]", math.nan if found is None else found, rise, 0.0
     ideal = gas.R * T_s * math.log(p_d / p_s)
     yield "its ideal_isothermal_work [J/kg]", gas.ideal_isothermal_work(p_s, p_d, T_s), ideal, 0.0

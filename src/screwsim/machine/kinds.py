@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from numbers import Real
 
 import numpy as np
 
@@ -80,10 +79,10 @@ def _check_own(machine: MachineSettings) -> list[Fault]:
 def _impossible(geometry: MachineGeometry, offers: frozenset[str]) -> str:
     """Return in words what of a geometry cannot be, empty where all can."""
     moves = geometry.settings.surface_speed(1.0)
-    if not (isinstance(moves, Real) and math.isfinite(moves) and moves >= 0.0):
+    if not (isinstance(moves, int | float) and math.isfinite(moves) and moves >= 0.0):
         return f"its surface_speed is {moves!r} m/s at 1 rad/s, which cannot be"
     ports = (("suction", geometry.suction_law), ("discharge", geometry.discharge_law)) if PORTS in offers else ()
-    gaps = [(gap, each) for gap in GAPS if gap in offers for each in geometry.interfaces(gap)]
+    gaps = [(gap, each) for gap in GAPS if gap in offers for each in geometry.interfaces(gap) or ()]
     wrong = (_volume(geometry), *(_port(geometry, *port) for port in ports), *(_gap(geometry, *gap) for gap in gaps))
     return next(filter(None, wrong), "")
 

@@ -1,22 +1,19 @@
 """A mapping of a scene, which does not change: what was simulated is what its text says."""
 
-from typing import Any, NoReturn, TypeVar
+from typing import Any, Generic, NoReturn, TypeVar
 
 K = TypeVar("K")
 V = TypeVar("V")
 
 
-def _refuse(*_: Any, **__: Any) -> NoReturn:
-    raise TypeError("a scene does not change: with_ and without make another one")
-
-
-REFUSED: Any = _refuse
-
-
-class Fixed(dict[K, V]):
+class Fixed(dict[K, V], Generic[K, V]):
     """A dict that is made once; what would change it raises TypeError with the remedy."""
 
-    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = REFUSED
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("a scene does not change: with_ and without make another one")
 
-    def __reduce__(self) -> tuple[type, tuple[dict[K, V]]]:
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = _refuse
+    setdefault = update = _refuse  # pyright: ignore[reportAssignmentType] - of more forms than one
+
+    def __reduce__(self) -> tuple[Any, ...]:
         return Fixed, (dict(self),)

@@ -1,6 +1,7 @@
 """From nodes to the typed parts of a scene: sections and effects, with every fault at its place."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from screwsim.effects import catalogue, find_effect
@@ -103,9 +104,17 @@ def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, Active
             what = f"{shown(child.value)} is neither parameters nor off (write {name}: alone, or with parameters under "
             problems.append(Problem(child.place, path, f"{what}it: {known}; or {name}: off to leave it out)"))
             continue
+        before = len(problems)
         parameters = read_section(section, child, path, problems)
+        if child.value is None:  # who writes null may mean off
+            problems[before:] = [_or_off(each, name) for each in problems[before:]]
         active[name] = ActiveEffect(effect, parameters)
     return active
+
+
+def _or_off(problem: Problem, name: str) -> Problem:
+    remedy = f"; or {name}: off to leave it out)"
+    return replace(problem, what=problem.what[:-1] + remedy) if problem.what.endswith(")") else problem
 
 
 def is_off(value: Any) -> bool:
