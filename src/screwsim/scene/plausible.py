@@ -136,7 +136,7 @@ def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
-    """Yield that a table's volumes are scaled to what the scene states of the largest (M14)."""
+    """Yield that a table's volumes are scaled to what the scene states of the largest."""
     if law.max is None or abs(law.max - largest) <= SCALED * largest or is_derived(law.max):
         return
     held, stated = (readable_quantity(KINDS["volume"], round(each, 12)) for each in (largest, law.max))
