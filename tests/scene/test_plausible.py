@@ -128,6 +128,16 @@ def test_a_volume_that_goes_to_and_fro_from_row_to_row_is_warned_of(tmp_path):
     assert "a smoother table" in warning
 
 
+def test_a_table_that_is_scaled_to_another_size_is_warned_of(tmp_path):
+    """350 cm³ on a base that states 600 were simulated as 600 without a word; a rounding of 1 % is none."""
+    (warning,) = rough(tmp_path, SMOOTH * (350.0 / 600.0))
+    told = (
+        "machine.volume.max: 600 cm^3, to which a table that holds 350 cm^3 at most is scaled (max: 350 cm^3 keeps it)"
+    )
+    assert warning == f"{told}; is it meant?"
+    assert rough(tmp_path, SMOOTH * 1.009) == ()
+
+
 @pytest.mark.parametrize(
     ("volumes", "angles"),
     [

@@ -56,7 +56,7 @@ def _root(
 
 _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
-_FILES = (files.explore, files.rotors, files.plot, files.report, files.validate, files.schema)
+_FILES = (files.explore, files.rotors, files.plot, files.scene, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
 _MEASURED = (measured.diagnose, measured.plan, studies.tolerance, studies.startup)
 for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILES):

@@ -36,14 +36,51 @@ def rotors(
 
 
 def plot(
-    results_file: ResultsFile, folder: Annotated[Text, option("DIR", "Where the figures go.", "-o")] = None
+    results_file: ResultsFile,
+    folder: Annotated[Text, option("DIR", "Where the figures go.", "-o")] = None,
+    measured: Annotated[
+        File,
+        option("POINTS.csv", "Pressures measured in a chamber (angle_deg, pressure_bar), beside the computed ones."),
+    ] = None,
 ) -> None:
     """Draw the figures of a results file."""
     options.check_drawer(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
 
-    for path in drawn(results_file, folder):
+    if measured is None:
+        for path in drawn(results_file, folder):
+            say(path)
+        return
+    from screwsim.printing.tables import wrapped
+    from screwsim.report.indicated import check_angles, read_indicated, told
+    from screwsim.report.trace import chosen_trace
+    from screwsim.results import open_results
+
+    points, trace = read_indicated(measured), chosen_trace(open_results(results_file))
+    if trace is None:
+        raise UsageError(
+            f"{results_file}: keeps no cycle to compare (screwsim run does; a sweep with output.keep: cycle)"
+        )
+    check_angles(points, trace)
+    for path in drawn(results_file, folder, points):
         say(path)
+    say(wrapped(told(points, trace)))
+
+
+def scene(
+    results_file: ResultsFile,
+    output: Annotated[File, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
+) -> None:
+    """Write the scene that a results file holds, to simulate it again."""
+    options.check_target(output, ".yaml", ".yml")
+    from screwsim.results import open_results
+    from screwsim.results.again import scene_text
+    from screwsim.results.atomic import write_text
+
+    if output is not None and output.exists():
+        raise UsageError(f"-o {output}: is there already, and is not overwritten (choose another name, or remove it)")
+    text = scene_text(open_results(results_file))
+    say(text.rstrip("\n") if output is None else write_text(output, text))
 
 
 def report(

@@ -26,7 +26,9 @@ class VolumeLaw(ByLaw):
     max: float | None = quantity("volume", "swept volume of one chamber (law: profile finds it)", None, gt=0.0)
     min: float | None = quantity("volume", "dead volume (default: 1e-4 of max)", None, gt=0.0)
     phi_A: float | None = quantity("angle", "end of the opening branch of (16), in (0, 360 deg]", None)
-    file: str | None = file("CSV with columns angle_deg, volume_m3 (swept part; law: table)", curve=VOLUME)
+    file: str | None = file(
+        "CSV with columns angle_deg, volume_m3 (swept part, scaled to max; law: table)", curve=VOLUME
+    )
     life: float | None = quantity(
         "angle", "angle of a chamber's life, whole lobe pitches (law: table; default: 720 deg)", None, gt=0.0
     )

@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING
 from screwsim.inputs.faults import UsageError
 
 if TYPE_CHECKING:
+    from screwsim.report.indicated import Indicated
     from screwsim.results import Results
 
 __all__ = ["plot"]
 
 
-def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
+def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated | None = None) -> list[str]:
     """Write every figure that a results file has data for, and return the paths of the files.
 
-    `folder` (default: beside the file, named after its stem) is made when it is missing. Raise UsageError in one
-    line when the file is none of ours or has nothing to draw, or when the folder cannot be written.
+    `folder` (default: beside the file, named after its stem) is made when it is missing; pressures that were `measured`
+    in a chamber stand beside those of the cycle. Raise UsageError in one line when the file is none of ours or has
+    nothing to draw, or when the folder cannot be written.
     """
     from screwsim.report import categories, cycle, front, ledger, maps, outcome, samples, sweeps, torque
     from screwsim.report.style import write_all
@@ -26,7 +28,7 @@ def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
     path = Path(path)
     results = open_results(path)
     kinds = (front, sweeps, categories, maps, outcome, samples, cycle, torque, ledger)
-    plans = dict(plan for kind in kinds for plan in kind.plans(results))
+    plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
     return write_all(plans, path.with_suffix("") if folder is None else folder)

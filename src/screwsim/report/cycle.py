@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.report.annotate import label_points
+from screwsim.report.indicated import Indicated, draw_over_angle, draw_over_volume
 from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, grid, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
@@ -17,13 +18,13 @@ _BESIDE_LEGEND = 0.75  # of the width
 _NEAR = 170.0  # [degree] marks nearer than this have their texts side by side, not centred
 
 
-def plans(results: Results) -> Iterator[tuple[str, Any]]:
-    """Yield the figures of the cycle that the file keeps, of its best case in a sweep."""
+def plans(results: Results, measured: Indicated | None = None) -> Iterator[tuple[str, Any]]:
+    """Yield the figures of the cycle that the file keeps, of its best case in a sweep, beside measured pressures."""
     trace = chosen_trace(results)
     if trace is None:
         return
-    yield "pressure_volume", partial(_loop, trace)
-    yield "states", partial(_states, trace)
+    yield "pressure_volume", partial(_loop, trace, measured)
+    yield "states", partial(_states, trace, measured)
     if flow_paths(trace.values):
         yield "mass_flows", partial(_flows, trace)
     if any(name in trace.values for name in _LIFTS):
@@ -49,10 +50,12 @@ def _valves(trace: Trace) -> Any:
     return figure
 
 
-def _loop(trace: Trace) -> Any:
+def _loop(trace: Trace, measured: Indicated | None) -> Any:
     """Draw pressure over volume, with the lines' pressures and the points where oil and port come in."""
     figure = new_figure(SINGLE, 68.0)
     clipped, V, p = _draw_loop(axes := figure.subplots(), trace)
+    if measured is not None:
+        draw_over_volume(axes, measured, trace)
     note(figure, trace.title, clipped)
     _mark_loop(axes, trace, V, p)
     return figure
@@ -89,11 +92,13 @@ def _mark_loop(axes: Any, trace: Trace, V: Any, p: Any) -> None:
     label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
 
 
-def _states(trace: Trace) -> Any:
+def _states(trace: Trace, measured: Indicated | None) -> Any:
     """Draw pressure, temperatures and gas mass over the angle, one above the other."""
     figure = new_figure(SINGLE, 130.0)
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
     clipped = _pressure(upper, trace)
+    if measured is not None:
+        draw_over_angle(upper, measured)
     if _temperatures(middle, trace):
         middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     lower.plot(trace.angle, trace.values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])

@@ -114,7 +114,9 @@ def _read_file(
     except Unreadable as error:
         what = f"cannot be read: {error} (name an existing scene file, saved as UTF-8)"
         if error.hdf5:
-            what = f"is a file of results, not a scene (screwsim report {name} makes a page of it)"
+            what = (
+                f"is a file of results, not a scene (screwsim scene {name} -o again.yaml writes the one that it holds)"
+            )
         elif at is None and os.path.isfile(f"{name}.yaml"):
             what = f"cannot be read: {error} (there is {name}.yaml)"
         elif at is None and (near := _near_file(name)) is not None:

@@ -19,7 +19,7 @@ from screwsim.effects import catalogue
 from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
-from screwsim.inputs.declare import ANY, KINDS, VOLUME
+from screwsim.inputs.declare import ANY, KINDS, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.near import in_a_sentence
 from screwsim.machine.kinds import kind_of
@@ -38,6 +38,7 @@ from screwsim.scene.units import readable_quantity
 MEANT = "is it meant?"
 LEFT = 1e-3  # of its largest volume, which a table hardly keeps: the displacement is off by as much
 USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
+SCALED = 0.01  # by which the largest volume of a table may be off what is stated
 ROUGH = 0.25  # of its largest, by which the slope of a table hardly jumps to and fro: digits cut off make half of that
 PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
 
@@ -128,12 +129,13 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield that the volume of a table goes to and fro, with which its gas would be worked on in jerks."""
+    """Yield what of a table of volumes hardly is meant: that it goes to and fro, in jerks, or is another size."""
     law = getattr(scene.machine, "volume", None)  # of a machine of one's own it may be anything
     if isinstance(law, VolumeLaw) and law.file is not None:
         angles, volumes = read_curve(str(law.file), VOLUME)
         yield from _left(volumes)
         yield from _of_table(angles, volumes)
+        yield from _of_scale(law, float(np.max(volumes)))
 
 
 def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
@@ -142,6 +144,14 @@ def _left(volumes: np.ndarray) -> Iterator[tuple[str, str]]:
     if share > LEFT:
         what = f"the smallest volume of the table is {share:.2%} of its largest, and that is swept only where it is 0"
         yield "machine.volume.file", f"{what} (take it out of all rows, and write it as machine.volume.min)"
+
+
+def _of_scale(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
+    """Yield that a table's volumes are scaled to what the scene states of the largest."""
+    if law.max is None or abs(law.max - largest) <= SCALED * largest or is_derived(law.max):
+        return
+    held, stated = (readable_quantity(KINDS["volume"], round(each, 12)) for each in (largest, law.max))
+    yield "machine.volume.max", f"{stated}, to which a table that holds {held} at most is scaled (max: {held} keeps it)"
 
 
 @Remembered

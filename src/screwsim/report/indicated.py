@@ -1,0 +1,96 @@
+"""Pressures that were measured in a chamber, over the angle, beside those of a computed cycle."""
+
+import os
+import re
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import read_sheet, usable
+from screwsim.report.quantities import PRESSURE, VOLUME
+from screwsim.report.style import COLOURS
+from screwsim.report.trace import Trace
+from screwsim.scene.units import Refused, parse_quantity
+
+COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
+_EXAMPLE = "write angle_deg,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
+HOLDS = 5.0  # [degree]: ends of a cycle beyond which no point may lie by more
+
+
+class Indicated(NamedTuple):
+    """Measured points: angles [degree] as the cycle counts them, absolute pressures [Pa]."""
+
+    angle: np.ndarray
+    pressure: np.ndarray
+
+
+def read_indicated(path: str | os.PathLike[str]) -> Indicated:
+    """Return the measured points of a CSV file with columns angle_deg and pressure_UNIT; raise UsageError."""
+    where = os.fspath(path)
+    with usable("name a CSV file of measured pressures", where):
+        sheet = read_sheet(path)
+    named = [name for name in sheet.names if COLUMN.fullmatch(name)]
+    if "angle_deg" not in sheet.names or len(named) != 1:
+        found = ", ".join(name for name in sheet.names if name) or "none"
+        raise UsageError(f"{where}: needs the columns angle_deg and one pressure (found: {found}; {_EXAMPLE})")
+    unit = named[0].removeprefix("pressure_")
+    rows = sheet.columns("angle_deg", named[0])
+    if not rows:
+        raise UsageError(f"{where}: has no points below its line of names (a row a point)")
+    return Indicated(*map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True)))
+
+
+def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[float, float]:
+    try:
+        angle, pressure = float(cells[0]), parse_quantity(KINDS["pressure"], f"{cells[1]} {unit}")
+    except (Refused, ValueError):
+        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are no angle and pressure (numbers)") from None
+    if not (np.isfinite(angle) and pressure > 0.0):
+        raise UsageError(f"{where}: line {line}: {cells[1]} {unit} is no absolute pressure (add the ambient one)")
+    return angle, pressure
+
+
+def check_angles(points: Indicated, trace: Trace) -> None:
+    """Raise UsageError for points that lie outside the life of the chamber."""
+    first, last = float(trace.angle[0]), float(trace.angle[-1])
+    out = points.angle[(points.angle < first - HOLDS) | (points.angle > last + HOLDS)]
+    if len(out):
+        what = (
+            f"{len(out)} of the measured angles, as {out[0]:g} deg, lie outside the cycle's {first:g} to {last:g} deg"
+        )
+        raise UsageError(f"{what} (count them from where the chamber begins to grow; docs/how-to/indicator.md)")
+
+
+def computed(points: Indicated, trace: Trace) -> np.ndarray:
+    """Return the computed pressures [Pa] at the measured angles."""
+    return np.interp(points.angle, trace.angle, trace.values["pressure"])
+
+
+def told(points: Indicated, trace: Trace) -> str:
+    """Return in words how far computed and measured pressures lie apart: mean, root mean square, largest [bar]."""
+    off = (computed(points, trace) - points.pressure) * PRESSURE.factor
+    worst = int(np.argmax(np.abs(off)))
+    return (
+        f"computed less measured at {len(off)} points: mean {off.mean():+.3g} bar, root mean square "
+        f"{np.sqrt(np.mean(off**2)):.3g} bar, largest {off[worst]:+.3g} bar at {points.angle[worst]:g} deg"
+    )
+
+
+def draw_over_angle(axes: Any, points: Indicated) -> None:
+    """Draw measured points over the angle."""
+    _draw(axes, points.angle, points.pressure, "upper left")
+
+
+def draw_over_volume(axes: Any, points: Indicated, trace: Trace) -> None:
+    """Draw measured points over the volume that the chamber has at their angles."""
+    volume = np.interp(points.angle, trace.angle, trace.values["volume"])
+    _draw(axes, volume * VOLUME.factor, points.pressure, "upper right")
+
+
+def _draw(axes: Any, x: np.ndarray, pressure: np.ndarray, corner: str) -> None:
+    y = pressure * PRESSURE.factor
+    axes.plot(x, y, "x", color=COLOURS[3], markersize=3.5, markeredgewidth=0.8, label="measured", zorder=4)
+    axes.set_ylim(top=max(axes.get_ylim()[1], 1.06 * float(y.max())))
+    axes.legend(loc=corner)

@@ -1,0 +1,75 @@
+"""Pressures that were measured beside a computed cycle: what is read, what is said, where the points lie."""
+
+import numpy as np
+import pytest
+
+from screwsim.inputs.faults import UsageError
+from screwsim.report.indicated import (
+    Indicated,
+    check_angles,
+    draw_over_angle,
+    draw_over_volume,
+    read_indicated,
+    told,
+)
+from screwsim.report.trace import Trace
+
+ANGLE = np.linspace(0.0, 720.0, 721)
+TRACE = Trace("", ANGLE, {"pressure": 1e5 + 1e3 * ANGLE, "volume": 1e-6 * ANGLE}, {}, {})
+
+
+def written(tmp_path, text):
+    path = tmp_path / "p.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("unit", "number"), [("bar", 2.0), ("kPa", 200.0), ("MPa", 0.2), ("Pa", 2e5), ("mbar", 2000)])
+def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(tmp_path, unit, number):
+    found = read_indicated(written(tmp_path, f"\ufeffangle_deg,pressure_{unit}\n100,{number}\n200,{number}\n"))
+    assert found.angle.tolist() == [100.0, 200.0]
+    assert found.pressure == pytest.approx([2e5, 2e5], rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("angle_deg;pressure_bar\n1;1,5\n", "is divided by semicolons"),
+        ("angle_deg,p\n1,2\n", r"needs the columns angle_deg and one pressure \(found: angle_deg, p; write"),
+        ("angle_deg,pressure_bar,pressure_Pa\n1,2,3\n", "needs the columns angle_deg and one pressure"),
+        ("angle_deg,pressure_bar\n", "has no points"),
+        ("angle_deg,pressure_bar\n1,x\n", "line 2: 1, x are no angle and pressure"),
+        ("angle_deg,pressure_bar\n1,-0.1\n", "line 2: -0.1 bar is no absolute pressure"),
+        ("angle_deg,pressure_bar\nnan,1\n", "line 2"),
+        ("angle_deg,pressure_bar\n1,5,2\n", "write decimal points, no decimal commas"),
+    ],
+)
+def test_what_cannot_be_read_is_told_in_one_line(tmp_path, text, what):
+    with pytest.raises(UsageError, match=what):
+        read_indicated(written(tmp_path, text))
+
+
+def test_what_is_said_is_the_difference_at_the_points():
+    points = Indicated(np.array([100.0, 300.0]), np.array([2.0e5, 3.7e5]))  # the cycle has 2 and 4 bar there
+    assert told(points, TRACE) == (
+        "computed less measured at 2 points: mean +0.15 bar, root mean square 0.212 bar, largest +0.3 bar at 300 deg"
+    )
+
+
+def test_angles_of_another_zero_are_refused():
+    with pytest.raises(UsageError, match=r"^1 of the measured angles, as -30 deg, lie outside the cycle"):
+        check_angles(Indicated(np.array([-30.0, 10.0]), np.array([1e5, 1e5])), TRACE)
+    check_angles(Indicated(np.array([-3.0, 723.0]), np.array([1e5, 1e5])), TRACE)
+
+
+def test_points_stand_at_their_pressure_angle_and_computed_volume_and_none_is_cut_off():
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    points = Indicated(np.array([100.0, 300.0]), np.array([2e5, 30e5]))
+    figure, both = pyplot.subplots(1, 2)
+    draw_over_angle(both[0], points)
+    draw_over_volume(both[1], points, TRACE)
+    for axes, x in zip(both, ([100.0, 300.0], [100.0, 300.0]), strict=True):  # degrees, and cm³ of 1 cm³ a degree
+        (line,) = axes.get_lines()
+        assert line.get_xdata() == pytest.approx(x) and line.get_ydata() == pytest.approx([2.0, 30.0])
+        assert axes.get_ylim()[1] > 30.0 and axes.get_legend() is not None
+    pyplot.close(figure)
