@@ -1,9 +1,11 @@
 """What flows back of the discharge line makes the next outflow warmer by its share: what that comes to is known."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzz_courses import KINDS, course
 from scenes import make
 
 from screwsim.cycle.balances import streams_of
@@ -13,8 +15,10 @@ from screwsim.cycle.problem import problem_of
 from screwsim.cycle.relaxation import _Turns, relax
 from screwsim.cycle.returning import FARTHEST, MOST, NOTHING, returning
 from screwsim.cycle.solution import Start
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
 from screwsim.scene import load
+from screwsim.simulate import simulate, simulate_many
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 CARRIED = {"oil.transport": "carried"}
@@ -114,3 +118,13 @@ def test_a_fast_machine_with_carried_oil_closes_in_three_turns():
     cycle = relax(problem, machinery, problem.wanted, Start(begin(problem, machinery)), last=True)
     leases.give_back(machinery)
     assert cycle.status == "ok" and cycle.turns == 3
+
+
+def test_what_a_correction_missed_of_the_line_the_next_is_taken_to_miss_as_well():
+    """A sweep whose points lie far apart: tangents of a guess's turn miss a tenth of what comes back of the line."""
+    scenes = course(KINDS["rotors"], 6, 27)[23:]
+    finer = replace(scenes[-1].numerics, accuracy=scenes[-1].numerics.accuracy / 20, error="none")
+    exact = simulate(replace(scenes[-1], numerics=finer), trace=False)
+    *_, found = simulate_many(scenes, trace=False)
+    assert found.numerics.closing == exact.numerics.closing == "histories"
+    assert worst(relative_errors(found.performance, exact.performance))[1] < 0.6 * scenes[-1].numerics.accuracy

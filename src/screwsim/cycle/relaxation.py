@@ -231,6 +231,9 @@ class _Turns:
                 work = abs(found.work) / max(abs(self.q[Q_WORK]), self.least_work)
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
                 self.left = max(told, self.gap * self._missed())
+                if self.led:  # by a linear correction, as this one is
+                    again = self.missed * self.problem.entries.change(self.made, self.met)
+                    self.left = max(self.left, HEAVIER * again)
             return found
         if not begun:
             if self.number > (1 if self.guessed else 2):
