@@ -134,7 +134,7 @@ def build(parameters: Parameters, machine) -> list[Separator]:
 
 
 def _idle(cooler: Cooler, found: Separated) -> str:
-    T, kept = found.T_mixture, cooler.discharge_temperature
+    T, kept = found.T_mixture, cooler.discharge_temperature or 0.0
     return (
         f"the oil cooler's thermostat keeps {in_celsius(kept)} at discharge, and the mixture comes to {in_celsius(T)} "
         "without any cooling; it would have to heat, and its duty is none "
