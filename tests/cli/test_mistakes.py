@@ -79,7 +79,7 @@ TWO = "describes two stages, which screwsim run and screwsim explain take (run t
         ),
         (
             ("run", "out.h5"),
-            "out.h5:1:1: is a file of results, not a scene (screwsim report out.h5 makes a page of it)",
+            "out.h5:1:1: is a file of results, not a scene (screwsim scene out.h5 -o again.yaml writes the one that it holds)",
         ),
         (("run", "smal.yaml"), "smal.yaml:1:1: cannot be read: No such file or directory; did you mean 'small.yaml'?"),
         (("run", "small"), "small:1:1: cannot be read: No such file or directory (there is small.yaml)"),
@@ -163,13 +163,13 @@ def test_a_command_that_is_none_is_told_with_those_there_are(folder, command):
 
 def test_a_value_below_zero_is_read_on_the_command_line(folder, command):
     below = ("--set", "operation.suction.temperature=-10 C")
-    assert "-10 degC" in command("explain", "small.yaml", *below).out
+    assert "-10 °C" in command("explain", "small.yaml", *below).out
     answer = command(
         "optimum", "oiled.yaml", "--path", "operation.suction.temperature", "--from", "-10 C", "--to", "-12 degC"
     )
-    assert "the range 263.15 K … 261.15 K is empty" in answer.err
+    assert "the range -10 °C … -12 °C is empty" in answer.err
     answer = command("sensitivity", "oiled.yaml", "--path", "operation.suction.temperature=-10 °C..-12 °C")
-    assert "the range 263.15 K … 261.15 K is empty" in answer.err
+    assert "the range -10 °C … -12 °C is empty" in answer.err
     answer = command("sensitivity", "oiled.yaml", "--path", "operation.suction.temperature=-10..5")
     assert answer.err == "operation.suction.temperature: '-10' has no unit (write e.g. '285 K')\n"
 

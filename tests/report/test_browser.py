@@ -299,6 +299,7 @@ def test_a_table_that_is_cut_says_so(window, pages):
     cut = "e.scrollWidth > e.clientWidth + 1, e.nextElementSibling.checkVisibility()"
     script = f"Array.from(document.querySelectorAll('.scroll'), (e) => [{cut}])"
     with Seen(window, pages["sweep with cycles"][1], size="phone") as seen:
+        seen.page.set_viewport_size({"width": 240, "height": 700})
         found = seen.page.evaluate(script)
         assert [True, True] in found and all(cut == told for cut, told in found)
     with Seen(window, pages["sweep with cycles"][1]) as seen:

@@ -309,7 +309,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         ),
         (
             ["refrigeration", "--economizer", "--condition", "0/5 degC"],
-            "--economizer: the liquid, 275.65 K, is not warmer than the 278.15 K to which it could be cooled (a "
+            "--economizer: the liquid, 2.5 degC, is not warmer than the 5 degC to which it could be cooled (a "
             "--condition whose ends are farther apart, or no --economizer)",
         ),
         (["air", "--economizer"], "--economizer: is of refrigeration and heat_pump"),

@@ -52,7 +52,7 @@ def in_celsius(T: float) -> str:
 
 def in_bar(p: float) -> str:
     """Return a pressure [Pa] in bar, six digits."""
-    return f"{1e-5 * p:.6g} bar"
+    return f"{p / 1e5:.6g} bar"
 
 
 def quantity(units: str, value: float) -> str:
