@@ -79,7 +79,8 @@ TWO = "describes two stages, which screwsim run and screwsim explain take (run t
         ),
         (
             ("run", "out.h5"),
-            "out.h5:1:1: is a file of results, not a scene (screwsim scene out.h5 -o again.yaml writes the one that it holds)",
+            "out.h5:1:1: is a file of results, not a scene "
+            "(screwsim scene out.h5 -o again.yaml writes the one that it holds)",
         ),
         (("run", "smal.yaml"), "smal.yaml:1:1: cannot be read: No such file or directory; did you mean 'small.yaml'?"),
         (("run", "small"), "small:1:1: cannot be read: No such file or directory (there is small.yaml)"),

@@ -334,7 +334,7 @@ def _wet_blends(saturated: dict[str, Any]) -> list[Case]:
             "the closing port squeezes what has condensed beyond the warm end of its table, next to the critical point",
             "failed",
             most=4_000_000,
-            says=("its two phases are followed from 203.8", "a wider discharge port"),
+            says=("its two phases are followed from -69.3", "a wider discharge port"),
         ),
         Case(
             "a wet blend in deep cold",
@@ -347,7 +347,7 @@ def _wet_blends(saturated: dict[str, Any]) -> list[Case]:
             },
             "it expands into the chamber beyond the cold end of its table of two phases",
             "failed",
-            says=("its two phases are followed from 203.8", "use warmer oil or gas"),
+            says=("its two phases are followed from -69.3", "use warmer oil or gas"),
         ),
     ]
 

@@ -118,7 +118,7 @@ def test_an_isotherm_that_condenses_gives_no_isothermal_efficiency():
 def test_a_gas_that_condenses_is_refused_with_angle_state_and_remedy():
     result = run(COLD)
     assert result.status == "failed"
-    for words in ("deg R134a condenses at", "K,", "kg/m3", "warmer oil", "gas.two_phase: equilibrium"):
+    for words in ("deg R134a condenses at", "degC,", "kg/m3", "warmer oil", "gas.two_phase: equilibrium"):
         assert words in result.message
 
 

@@ -56,8 +56,8 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
         ),
         (
             ("gas.relative_humidity=1", "operation.suction.temperature=95degC", "operation.discharge.pressure=60 bar"),
-            "gas.relative_humidity: brings so much water that it condenses above 500 K at 60 bar, where it is not "
-            "followed (drier or colder air, or a lower pressure)",
+            "gas.relative_humidity: brings so much water that it condenses above 226.85 degC at 60 bar, where it is "
+            "not followed (drier or colder air, or a lower pressure)",
         ),
     ],
 )

@@ -117,7 +117,7 @@ def rough(folder, volumes, angles=ANGLES):
 
 def test_a_table_of_the_swept_volume_that_keeps_some_of_it_is_warned_of(tmp_path):
     """With 600 cm³ of `volume.max` such a machine sweeps 480 cm³."""
-    (warning,) = rough(tmp_path, SMOOTH + 1.5e-4)
+    (warning,) = rough(tmp_path, 0.8 * SMOOTH + 1.2e-4)
     assert warning.startswith("machine.volume.file: the smallest volume of the table is 20.00% of its largest, and ")
     assert "write it as machine.volume.min" in warning
 

@@ -264,7 +264,7 @@ def test_a_cooler_that_leaves_a_liquid_is_told_of_by_its_name(tmp_path):
     path.write_text(json.dumps({"stages": [f"{LOW}.yaml", f"{HIGH_STAGE}.yaml"], "intercooler": cold}))
     found = run_stages(read_stages(path))
     assert found.status == "failed"
-    assert "the cooler leaves a liquid at 248.15 K and" in found.message
+    assert "the cooler leaves a liquid at -25 degC and" in found.message
     assert "(a higher intercooler.outlet_temperature)" in found.message
 
 

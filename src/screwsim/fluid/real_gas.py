@@ -257,7 +257,7 @@ class RealGas:
         if max(p_1, p_2) <= p_sat:
             return None
         at = f"{self.known.name} at {T - ZERO_CELSIUS:.2f} °C"
-        return f"{at} condenses at {in_bar(p_sat)}, below the discharge pressure"
+        return f"{at} condenses at {p_sat / 1e5:.4g} bar, below the discharge pressure"
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float | None:
         """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
