@@ -22,13 +22,12 @@ from screwsim.effects.parts.port_window import WindowParameters, check_window, c
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
-from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, choice, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, COOLED, Figure, Scale, power_figure
-from screwsim.outputs.customary import in_bar, in_celsius
+from screwsim.outputs.customary import celsius, in_bar, in_celsius
 
 NAME = "economizer"
 HEAT_EXCHANGER, FLASH_TANK = "heat_exchanger", "flash_tank"
@@ -151,7 +150,7 @@ class Parameters(WindowParameters, Sought):
         if ratio is None:
             return ""
         what = "at no temperature does the economizer's port draw what the liquid gives off"
-        end = f"at {x - ZERO_CELSIUS:.1f} degC, the {'lowest' if lowest else 'highest'}"
+        end = f"at {celsius(x)}, the {'lowest' if lowest else 'highest'}"
         remedy = (
             "a smaller port, or one that opens later" if ratio > 1.0 else "a larger port, or one that opens earlier"
         )

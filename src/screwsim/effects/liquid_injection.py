@@ -24,13 +24,12 @@ from screwsim.effects.parts.port_window import WindowParameters, check_window, c
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
-from screwsim.fluid.oils import ZERO_CELSIUS
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import Found, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
 from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
-from screwsim.outputs.customary import in_bar, in_celsius
+from screwsim.outputs.customary import celsius, in_bar, in_celsius
 
 NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
 DISCHARGE, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
@@ -107,7 +106,7 @@ class Parameters(WindowParameters, Sought):
         T = _at_discharge(figures)
         if T is None:
             return ""
-        comes, wanted = (f"{each - ZERO_CELSIUS:.1f} degC" for each in (T, self.discharge_temperature or 0.0))
+        comes, wanted = map(celsius, (T, self.discharge_temperature or 0.0))
         if lowest:
             what = f"the valve of injected liquid stays shut: without it the discharge comes to {comes}"
             return f"{what}, not to {wanted} (lower effects.{NAME}.discharge_temperature, or none)"

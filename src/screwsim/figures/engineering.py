@@ -5,7 +5,16 @@ One table for the screen, the figures and the page.
 
 from screwsim.figures.registry import declared
 from screwsim.outputs import EFFICIENCY, Figure
-from screwsim.outputs.customary import SCALES, ZERO_CELSIUS, digits, engineering_temperature, quantity, scale, small
+from screwsim.outputs.customary import (
+    SCALES,
+    ZERO_CELSIUS,
+    digits,
+    engineering_temperature,
+    printed_celsius,
+    quantity,
+    scale,
+    small,
+)
 
 __all__ = [
     "SCALES",
@@ -37,7 +46,7 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
     """Return a performance figure [SI] as number and unit for people: kW, bar, %, K with °C."""
     about = declared(figure) if isinstance(figure, str) else figure
     if about.units == "K":
-        return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:z.2f} °C)"
+        return f"{value:.2f}", f"K ({printed_celsius(value)} °C)"
     factor, unit = figure_unit(about, value)
     return digits(factor * value), unit
 
@@ -46,7 +55,7 @@ def figure_text(figure: Figure | str, value: float) -> str:
     """Return a performance figure [SI] with its unit for people, as a sentence has it: a temperature in °C."""
     about = declared(figure) if isinstance(figure, str) else figure
     if about.units == "K":
-        return f"{value - ZERO_CELSIUS:z.2f} °C"
+        return f"{printed_celsius(value)} °C"
     return " ".join(engineering(about, value)).strip()
 
 

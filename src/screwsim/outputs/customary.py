@@ -35,9 +35,14 @@ def scale(units: str, size: float) -> tuple[float, str]:
     return 1.0, units
 
 
+def printed_celsius(T: float) -> str:
+    """Return a temperature [K] in degrees Celsius as results have it, to a hundredth, without the unit."""
+    return f"{T - ZERO_CELSIUS:z.2f}"
+
+
 def engineering_temperature(T: float) -> str:
     """Return a temperature [K] with its degrees Celsius."""
-    return f"{T:.2f} K ({T - ZERO_CELSIUS:z.2f} °C)"
+    return f"{T:.2f} K ({printed_celsius(T)} °C)"
 
 
 def celsius(T: float) -> str:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.outputs.customary import ZERO_CELSIUS, digits, scale
+from screwsim.outputs.customary import digits, printed_celsius, scale
 
 ANGLE = "angle"
 MOST_LETTERS = 100  # of a meaning, and of a cell, in text
@@ -123,7 +123,7 @@ def customary(figure: Shown) -> str:
     if figure.percent:
         return f"{digits(100.0 * figure.value)} %"
     if figure.units == "K":
-        return f"{figure.value - ZERO_CELSIUS:z.2f} °C"
+        return f"{printed_celsius(figure.value)} °C"
     factor, unit = scale(figure.shown or figure.units, abs(figure.value))
     return "" if unit in (figure.units, si_unit(figure.units)) else f"{digits(factor * figure.value)} {unit}"
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from screwsim.outputs.customary import ZERO_CELSIUS
+from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
@@ -81,7 +81,7 @@ def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
         return [shown_name(each.figure), "", "", "", "", "", differ]
     about = (a if each.figure in a.performance else b).figure(each.figure)
     if about.units == "K":
-        one, other = (f"{value - ZERO_CELSIUS:z.2f}" for value in (each.a, each.b))
+        one, other = map(printed_celsius, (each.a, each.b))
         change = f"{each.change:+.1e} K" if each.change else "0"
         return [shown_name(each.figure), one, other, "°C", change, f"{each.error or 0.0:.0e} K", differ]
     (one, unit), (other, other_unit) = (engineering(about, value) for value in (each.a, each.b))

@@ -3,7 +3,7 @@
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.outputs.customary import ZERO_CELSIUS
+from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, say_title, wrapped
 from screwsim.scene import Scene
@@ -66,4 +66,4 @@ def _spreads(found: Tolerances) -> list[str]:
 def _in_unit(name: str, value: float) -> tuple[str, str]:
     """Return a figure as number and unit, a temperature in °C."""
     number, unit = engineering(name, value)
-    return (f"{value - ZERO_CELSIUS:z.2f}", "°C") if declared(name).units == "K" else (number, unit)
+    return (printed_celsius(value), "°C") if declared(name).units == "K" else (number, unit)
