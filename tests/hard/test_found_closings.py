@@ -119,6 +119,17 @@ def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave(
     assert (strayed[-1] / strayed[-1 - TURNED]) ** (1.0 / TURNED) == pytest.approx(found.growth, rel=0.01)
 
 
+@pytest.mark.parametrize("closing, lasts", [("coupled", False), ("auto", True)])
+def test_a_cycle_that_a_warmer_line_leaves_is_told(closing, lasts):
+    """Twenty times the delivered gas is sucked again: two cycles close, a quarter of the flow apart, and one lasts."""
+    asked = effects_space.scene_of("what flows back", 306, 21)
+    asked = replace(asked, numerics=replace(asked.numerics, closing=closing, error="none"))
+    result = simulate(asked, trace=False)
+    assert result.status == "ok", result.message
+    assert result.performance["gas_mass_flow"] == pytest.approx(2.52e-3 if lasts else 1.93e-3, rel=0.01)
+    assert any(text.startswith("the machine does not stay on this cycle") for text in result.warnings) != lasts
+
+
 def test_what_no_pitch_closes_is_searched_and_says_so():
     result = simulate(scene(LEFT_BY_PITCHES))
     assert result.status == "ok", result.message

@@ -32,6 +32,7 @@ LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
 NEXT = 1e-9  # of a pitch, from whose end on a place is that of the chamber behind
+EVEN = 1e-9  # imaginary part of an eigenvalue over its size, up to which it is real
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -45,6 +46,7 @@ class Correction(NamedTuple):
     share: float  # of the linear one: less than 1 where that were too large
     mass: float  # of the trapped gas, relative
     sums: Array  # of a life's quadratures (q,)
+    back: Array  # (u, u) what the unknowns make of themselves once the states have settled
 
     @property
     def work(self) -> float:
@@ -54,7 +56,17 @@ class Correction(NamedTuple):
     def times(self, factor: float) -> Correction:
         """Return the same correction, longer or shorter."""
         start, along, unknowns, sums = (factor * each for each in (self.start, self.along, self.unknowns, self.sums))
-        return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, sums)
+        return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, sums, self.back)
+
+
+class Lasting(NamedTuple):
+    """The change of the unknowns that lasts longest, `along` (u,) in coordinates, and by which `factor` it comes back.
+
+    That is one of an even course, with no change of sign: a real eigenvalue, above 1 where the course leads away.
+    """
+
+    factor: float
+    along: Array
 
 
 class Residual(NamedTuple):
@@ -101,7 +113,8 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
         return None
     of_states, along, of_unknowns = (share * each for each in found)
     sums = share * (given.sum(axis=0) @ weights)
-    return Correction(tangents.edges, of_states, along, of_unknowns, share, _trapped(c, of_states), sums)
+    mass = _trapped(c, of_states)
+    return Correction(tangents.edges, of_states, along, of_unknowns, share, mass, sums, back[:, 1:])
 
 
 def _trapped(c: Composition, start: Array) -> float:
@@ -127,6 +140,7 @@ class Corrections:
         self.tangents, self.last = lent, lent
         self._fresh, self._moved, self._too_large, self._far = False, np.inf, 0, False
         self._before: Array | None = None  # correction before, in coordinates
+        self._back: Array | None = None  # what the unknowns make of themselves, by the last correction
 
     @property
     def begun(self) -> bool:
@@ -194,12 +208,24 @@ class Corrections:
             tangents = found = None
         self.tangents, self.last = tangents, tangents or self.last
         if found is not None:
+            self._back = found.back
             found = self._in_full(found)
             self._far = self._fresh and float(np.abs(found.along).max()) > BEYOND
         if found is None or found.share < 1.0:
             self.tangents, self._too_large = None, self._too_large + 1
             self.able = self.able and self._too_large < TOO_OFTEN
         return found
+
+    def lasting(self) -> Lasting | None:
+        """Return what lasts longest of a change of the unknowns; None where no correction told."""
+        if self._back is None or not len(self._back):
+            return None
+        factors, along = np.linalg.eig(self._back)
+        real = np.abs(factors.imag) <= EVEN * np.abs(factors)
+        if not real.any():
+            return None
+        most = int(np.argmax(np.where(real, factors.real, -np.inf)))
+        return Lasting(float(factors[most].real), along[:, most].real / np.abs(along[:, most].real).max())
 
     def _in_full(self, found: Correction) -> Correction:
         """Return a correction with what later ones by the same tangents would add to it.

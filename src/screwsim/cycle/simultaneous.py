@@ -4,6 +4,8 @@ It evaluates each flow between chambers once, so that it conserves exactly, and 
 (docs/explanation/numerics.md).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from screwsim.cycle.balances import LEAST_WORK, residuals
@@ -153,7 +155,8 @@ class _Pitches:
         if status != FAILED:
             machinery.install_coupled()
         life, turns, impacts = machinery.trajectory.copy(), self.number / self.c.chambers, machinery.impacts
-        return CycleSolution(status, life, self.q, self.y, turns, TOGETHER, self.rtol, angle, moved, impacts=impacts)
+        found = CycleSolution(status, life, self.q, self.y, turns, TOGETHER, self.rtol, angle, moved, impacts=impacts)
+        return replace(found, lasting=self.corrections.lasting()) if status == OK else found
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:

@@ -15,6 +15,7 @@ from screwsim.outputs.variables import FAILED, OK
 
 if TYPE_CHECKING:
     from screwsim.cycle.balances import Residuals
+    from screwsim.cycle.newton import Lasting
 
 ENOUGH = 0.95  # of the bound on the balances, with which a cycle counts as closed
 HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of waveforms are finer in proportion to it ...
@@ -50,6 +51,7 @@ class CycleSolution:
     made: Array | None = None  # the same of what it made of the feedback unknowns
     left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
     missed: float = 1.0  # share of what corrections foretold by which the turn after them went elsewhere; 1: not known
+    lasting: Lasting | None = None  # what lasts longest of a change of the unknowns, where Newton's corrections told
     left_at: CycleSolution | None = None  # where another way was left, unclosed, before this one closed the cycle
 
     @property
