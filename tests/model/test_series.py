@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, make
+from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make
 
 from screwsim.build import Stock, build_parts
 from screwsim.model.compose import compose
@@ -23,6 +23,7 @@ SCENES = {
     "orifice": OIL_PORT,
     "pumped": PUMPED_PORT,
     "soluble": SOLUBLE,
+    "soluble over time": SOLUBLE_RATE,
     "room": OIL_VOLUME,
     "gaps": HELD_GAPS,
     "gas": {"gas": {"fluid": "R134a", "model": "ideal", "isentropic_exponent": 1.12}},

@@ -84,7 +84,7 @@ def dissolved(p, p_sat, lambda_12, lambda_21, tau_12, tau_21, mass_ratio):
 
 
 @kernel
-def given_off(m_oil, w, s, h, T_oil, TAB, curve, enthalpy, release, uptake, c_oil):
+def given_off(m_oil, w, s, h, T_oil, TAB, curve, enthalpy, release, uptake, oil_heat_capacity):
     """Return the gas [kg/s] that oil holding w gives off to gas of s and h, its enthalpy, its heat over c_oil (M231).
 
     `curve` gives the logarithm of what is held over the entropy of what is dissolved, whose enthalpy is constant. The
@@ -93,7 +93,7 @@ def given_off(m_oil, w, s, h, T_oil, TAB, curve, enthalpy, release, uptake, c_oi
     latent = h - enthalpy
     excess = w - math.exp(table_value(s - latent / max(T_oil, 1.0), TAB, curve))
     gas = m_oil * excess * (release if excess > 0.0 else uptake)
-    return gas, gas * h, gas * latent / c_oil
+    return gas, gas * h, gas * latent / oil_heat_capacity
 
 
 @kernel

@@ -56,7 +56,7 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     assert content is not None
     writer.network.gas_cell = identifier(part.plenum)
     if isinstance(content, OilSolution):
-        write_solution(writer, oil, content)
+        write_solution(writer, content)
         return
     curve = {"curve": (content.pressure, content.flashed)}
     call = writer.call(table_content, {}, curve, ("p", "TAB"), of="flash")
@@ -65,11 +65,10 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     writer.network.flash = call, enthalpy, latent
 
 
-def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
+def write_solution(writer: Writer, content: OilSolution) -> None:
     """Write what a chamber's oil gives off over time, and its entropy (M230–M233)."""
     z, s, rise = content.log_held, content.entropy, content.slope
-    rates = {"release": content.release, "uptake": content.uptake, "c_oil": oil.heat_capacity}
-    values = {"enthalpy": content.enthalpy, **rates}
+    values = {"enthalpy": content.enthalpy, "release": content.release, "uptake": content.uptake}
     back = slice(None, None, -1)  # entropy falls as more is dissolved
     curve = {"curve": (s[back], z[back], _ends(1.0 / rise[back]))}
     free = ("m_oil", "w", "s", "h", "T_oil", "TAB")
