@@ -3,13 +3,18 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from closed_points import closed_scene
 from known import known
 from tight import Tight, closed_tightly
 
 import screwsim
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
+from screwsim.derivatives import solving
+from screwsim.derivatives.closed import FINE
+from screwsim.derivatives.directions import Directions
 from screwsim.derivatives.solving import Found, figures_of
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
@@ -86,6 +91,17 @@ def test_the_temperature_that_an_oil_cooler_keeps_moves_the_oil_that_comes():
         assert abs(slope) > LEAST
         (path,) = found.values
         assert found.relative(figure, path) == pytest.approx(slope, rel=1e-4), figure
+
+
+def test_derivatives_stand_where_the_oils_circuit_closes():
+    """A solution leaves as much of it open as its accuracy allows: derivatives there are those of another oil."""
+    found = closed_scene(screwsim.load(PAPER, ["effects.separator={cooler: {outlet_temperature: 310 K}}"]), FINE)
+    left, settled_left = (
+        np.abs(solving._asked(solving.standing(each, Directions(each)))).max()
+        for each in (found, solving.settled(found))
+    )
+    assert left > solving.LEFT
+    assert settled_left <= solving.LEFT
 
 
 def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):

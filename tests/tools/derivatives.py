@@ -37,7 +37,7 @@ from screwsim.cycle.guess import leased  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
 from screwsim.derivatives import solving  # noqa: E402
 from screwsim.derivatives.closed import FINE, Fineness, NotClosed, collocated  # noqa: E402
-from screwsim.derivatives.solving import derivatives, figures_of  # noqa: E402
+from screwsim.derivatives.solving import derivatives, figures_of, settled  # noqa: E402
 from screwsim.inputs.faults import Impossible, SceneError, UsageError  # noqa: E402
 from screwsim.model import leases  # noqa: E402
 from screwsim.scene import Scene, cross_check, load, with_values  # noqa: E402
@@ -146,7 +146,7 @@ class Exact:
 
     def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:
         """Return derivatives [SI] by path and figure times the number at the path."""
-        cycle = collocated(self.problem, self.machinery, self.life, fineness)
+        cycle = settled(collocated(self.problem, self.machinery, self.life, fineness), None, fineness)
         found, _ = derivatives(cycle, {path: self.values[path] for path in paths})
         return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
 

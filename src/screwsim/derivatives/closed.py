@@ -103,12 +103,21 @@ class NotClosed(Exception):
     """The collocated cycle does not close."""
 
 
-def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> Closed:
-    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
+def collocated(
+    problem: Problem,
+    machinery: Machinery,
+    life: Trajectory,
+    fineness: Fineness = FINE,
+    lengths: Sequence[float] = STEPS,
+) -> Closed:
+    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found.
+
+    Slices are, to begin with, as many steps of the life long as the first of `lengths` says.
+    """
     c = machinery.composition
     machinery.composition = replace(c, TAB=c.TAB.copy())  # to be written into
     why = NotClosed()
-    for steps in STEPS:
+    for steps in lengths:
         try:
             return _collocated(problem, machinery, life, steps, fineness)
         except (NotClosed, np.linalg.LinAlgError) as error:

@@ -35,7 +35,9 @@ from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
 
 Array = np.ndarray
 STEP = 2e-7  # of its size, by which a number is shifted
-AROUND = 100.0  # [K, kPa] the size of what lies around the machine
+AROUND = 100.0  # [K, kPa] the size of what lies around the machine ...
+OF_SLICES = 2.0, 1.0  # slices of a collocated cycle in one of another that is made of it, to begin with
+LEFT = 1e-5  # [K, kPa] ... and up to which the collocated cycle may ask for another
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
 DRIVEN = "the speed follows from the drive"
 SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
@@ -81,6 +83,40 @@ def derivatives(
     return found, refused
 
 
+def settled(cycle: Closed, built: Built | None = None, fineness: Fineness = FINE) -> Closed:
+    """Return the collocated cycle at what lies around it as this one asks for that, no more than `LEFT` of it open.
+
+    A solution leaves as much open as its accuracy allows: 3 mK of the oil were 1e-4 of a derivative.
+    """
+    problem, pitch = cycle.pitch.problem, cycle.pitch
+    rows = _open(problem)
+    if not rows:
+        return cycle
+    made, series = Directions(cycle), Series(built)
+    around = [made.of(_around(problem, series, i), STEP) for i in rows]
+    moves, here = responses(cycle, around, made), _asked(standing(cycle, made))[rows]
+    asked = [_asked(placed(cycle, each, moves.by(j), made))[rows] for j, each in enumerate(around)]
+    matrix = np.array([(there - here) / each.step for there, each in zip(asked, around, strict=True)]).T
+    by = np.linalg.solve(matrix, -here)
+    if AROUND * float(np.abs(by).max()) <= LEFT:
+        return cycle
+    x = unknowns_of(problem)
+    x[rows] += by * AROUND
+    moved = _posed(problem, series, x)
+    entries = problem.entries
+    met = entries.values(entries.coordinates(cycle.met) + moves.unknowns @ by, cycle.met)
+    numbers, _ = made.numbers(moved, met)
+    pitch.put(numbers)
+    pitch.install_life(made.life + sum(each * moves.lives()[j] for j, each in enumerate(by)))
+    return collocated(moved, pitch.machinery, pitch.machinery.trajectory.copy(), fineness, OF_SLICES)
+
+
+def _asked(of: Evaluation) -> Array:
+    """Return what a cycle asks of its surroundings: changes [K, kPa] of all that may be open."""
+    asked = asked_of(of)
+    return np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4)
+
+
 def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[str, float]:
     """Return derivatives with what the surroundings add that follow."""
     if not through:
@@ -94,8 +130,7 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
 
 def _read(of: Evaluation, whole: bool) -> Sides:
     """Return what is read of an evaluation; `whole`: what it asks of around, too."""
-    asked = asked_of(of) if whole else None
-    return Sides(figures_of(of), np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4))
+    return Sides(figures_of(of), _asked(of) if whole else np.zeros(4))
 
 
 def _size(value: float) -> float:
@@ -117,15 +152,21 @@ def _around(problem: Problem, series: Series, i: int) -> Callable[[float], Probl
     """Return what poses the problem with one of the circuit's unknowns shifted by a share of its size."""
 
     def posed(by: float) -> Problem:
-        x, scene = unknowns_of(problem), problem.scene
+        x = unknowns_of(problem)
         x[i] += by * AROUND
-        if any(open_temperatures(scene)):
-            scene = filled(scene, Temperatures(*x[:2].tolist()))
-        if len(x) > 2:
-            scene = replace(scene, losses=PressureLosses(*(KPA * x[2:]).tolist()))
-        return problem_of(scene, series)
+        return _posed(problem, series, x)
 
     return posed
+
+
+def _posed(problem: Problem, series: Series, x: Array) -> Problem:
+    """Return the problem with the circuit's unknowns at x [K, kPa]."""
+    scene = problem.scene
+    if any(open_temperatures(scene)):
+        scene = filled(scene, Temperatures(*x[:2].tolist()))
+    if len(x) > 2:
+        scene = replace(scene, losses=PressureLosses(*(KPA * x[2:]).tolist()))
+    return problem_of(scene, series)
 
 
 class Found(NamedTuple):
@@ -160,6 +201,8 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Fou
     if not accurate.cycle.closed:
         return Found({}, {}, "the cycle does not close")
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
+    if fineness.estimated:
+        cycle = settled(cycle, (series.stock.lent(), series.composer.lent()), fineness)
     slopes, refused = derivatives(cycle, values, (series.stock.lent(), series.composer.lent()))
     leases.give_back(machinery)
     leave(series)
