@@ -121,7 +121,8 @@ def test_a_study_tells_what_its_answer_warns_of(study, capsys):
 
 
 def test_a_fit_tells_what_its_points_warn_of(tmp_path, capsys):
-    (tmp_path / "no_way.yaml").write_text(json.dumps({"base": PAPER, "effects": {"discharge_port": False}}))
+    no_way = {"base": PAPER, "effects": {"discharge_port": False}, "numerics": {"accuracy": 1e-3, "error": "none"}}
+    (tmp_path / "no_way.yaml").write_text(json.dumps(no_way))
     (tmp_path / "points.csv").write_text(
         "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
         "a,fit,1000,130,1\nb,fit,1200,160,1\nc,check,1100,140,1\n"
