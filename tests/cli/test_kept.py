@@ -14,9 +14,10 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 POINT = str(CONFIGS / "paper" / "point.yaml")
 FIT = str(CONFIGS / "calibration" / "leakage.fit.yaml")
 ROUGH = ["--set", "numerics.accuracy=1e-2", "--set", "numerics.error=none"]
+AS_ROUGH = [*ROUGH, "--set", "numerics.rtol=1e-3"]  # where a search would ask for more and more
 FOUND = ["--vary", "oil_supply.ratio=1..3", "--for", "discharge_temperature=20 degC"]
 STUDIES = {
-    "optimum": ["optimum", POINT, "--from", "1", "--to", "3", "--jobs", "1", *ROUGH],
+    "optimum": ["optimum", POINT, "--from", "1", "--to", "3", "--jobs", "1", *AS_ROUGH],
     "sensitivity": ["sensitivity", POINT, "--path", "oil_supply.ratio=1..3", "--samples", "2", "--jobs", "1", *ROUGH],
     "sensitivity --local": ["sensitivity", POINT, "--local", "oil_supply.ratio", *ROUGH],
     "find": ["find", POINT, *FOUND, "--jobs", "1", *ROUGH],

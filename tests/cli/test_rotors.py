@@ -36,21 +36,21 @@ class Written(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory, sketch) -> Callable[[str | Path], Written]:
-    """Return a function that gives what was written of a scene, once for all tests; figures of others than B small."""
+def written(tmp_path_factory, sketch) -> Callable[..., Written]:
+    """Return a function that gives what was written of a scene, once for all tests; figures small if not `whole`."""
 
     @cache
-    def write(scene: str) -> Written:
+    def write(scene: str, whole: bool) -> Written:
         folder = tmp_path_factory.mktemp("rotors")
         with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as stack:
             out = stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
             err = stack.enter_context(contextlib.redirect_stderr(io.StringIO()))
-            if scene != B:
+            if not whole:
                 patch.setattr(style, "write", sketch)
             code = exit_code(["rotors", scene, "-o", str(folder), "--json"])
         return Written(code, json.loads(out.getvalue()), err.getvalue(), folder)
 
-    return lambda scene: write(str(scene))
+    return lambda scene, whole=False: write(str(scene), whole)
 
 
 def test_coefficients_are_printed(capsys):
@@ -109,7 +109,7 @@ def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(written, 
 
 @pytest.mark.around
 def test_every_figure_and_file_is_written_and_the_same_again(capsys, written, tmp_path):
-    first = written(B).folder
+    first = written(B, whole=True).folder
     assert answer(capsys, B, "-o", tmp_path)[0] == 0
     files = sorted(path.relative_to(first) for path in first.rglob("*") if path.is_file())
     assert sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()) == files

@@ -2,8 +2,6 @@
 
 import json
 
-import pytest
-
 HEAVY = {"llvmlite", "CoolProp", "matplotlib", "h5py", "scipy", "pint", "numpy", "pandas", "xarray"}
 LOADED = "print(json.dumps(sorted({name.partition('.')[0] for name in sys.modules})), file=sys.stderr)"
 
@@ -12,16 +10,23 @@ def _loaded(answer) -> set[str]:
     return set(json.loads(answer.err.splitlines()[-1]))
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"]])
-def test_help_imports_nothing_heavy(python, arguments):
-    answer = python("-c", f"import json, sys; from screwsim import cli; cli.exit_code({arguments!r}); {LOADED}")
+HELP = ["--help"], ["run", "--help"], ["--version"]
+FRONT = f"""\
+import json, sys, screwsim
+{LOADED}
+from screwsim import cli
+for arguments in {HELP!r}:
+    assert cli.exit_code(arguments) == 0, arguments
+    {LOADED}
+"""
+
+
+def test_the_package_imports_nothing_and_help_nothing_heavy(python):
+    answer = python("-c", FRONT)
     assert answer.code == 0, answer.err
-    assert not _loaded(answer) & HEAVY
-
-
-def test_package_imports_nothing(python):
-    answer = python("-c", f"import json, sys, screwsim; {LOADED}")
-    assert not _loaded(answer) & (HEAVY | {"typer", "rich", "ruamel"})
+    package, *helps = ({*json.loads(line)} for line in answer.err.splitlines())
+    assert not package & (HEAVY | {"typer", "rich", "ruamel"})
+    assert len(helps) == len(HELP) and not any(loaded & HEAVY for loaded in helps)
 
 
 def test_module_is_the_command(python):
@@ -49,17 +54,13 @@ for code in {ORDERS!r}:
     screwsim = here["screwsim"]
     assert isinstance(screwsim.simulate, types.FunctionType), code
     assert pickle.loads(pickle.dumps(screwsim.simulate)) is screwsim.simulate, code
+assert all(getattr(screwsim, name) is not None for name in screwsim.__all__)
+screwsim.nonsense
 """
 
 
-def test_simulate_is_the_function_in_any_order_of_imports(python):
+def test_simulate_is_the_function_in_any_order_of_imports_and_every_public_name_is_there(python):
     answer = python("-c", EACH_ANEW)
-    assert answer.code == 0, answer.err
-
-
-def test_every_public_name_is_there(python):
-    code = "import screwsim; assert all(getattr(screwsim, n) is not None for n in screwsim.__all__); screwsim.nonsense"
-    answer = python("-c", code)
     assert answer.err.splitlines()[-1] == "AttributeError: module 'screwsim' has no attribute 'nonsense'"
 
 

@@ -81,7 +81,9 @@ def test_results_read_again_have_the_warnings_of_each_case(stored):
 NO_WAY = ["--without", "discharge_port", "--set", "numerics.accuracy=1e-3", "--set", "numerics.error=none"]
 NO_WAY_TOLD = "no port or valve leads to the discharge line out of the chambers"
 STUDIES = {
-    "optimum": ["--path", "oil_supply.ratio", "--from", "1", "--to", "3", "--jobs", "1"],
+    "optimum": [  # that does not ask for more and more
+        *("--path", "oil_supply.ratio", "--from", "1", "--to", "3", "--jobs", "1", "--set", "numerics.rtol=1e-3"),
+    ],
     "sensitivity": ["--path", "oil_supply.ratio=1..3", "--samples", "2", "--jobs", "1"],
     "sensitivity --local": ["oil_supply.ratio"],
     "find": ["--vary", "oil_supply.ratio=1..3", "--for", "shaft_power=150 kW", "--jobs", "1"],
@@ -119,7 +121,8 @@ def test_a_study_tells_what_its_answer_warns_of(study, capsys):
 
 
 def test_a_fit_tells_what_its_points_warn_of(tmp_path, capsys):
-    (tmp_path / "no_way.yaml").write_text(json.dumps({"base": PAPER, "effects": {"discharge_port": False}}))
+    no_way = {"base": PAPER, "effects": {"discharge_port": False}, "numerics": {"accuracy": 1e-3, "error": "none"}}
+    (tmp_path / "no_way.yaml").write_text(json.dumps(no_way))
     (tmp_path / "points.csv").write_text(
         "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
         "a,fit,1000,130,1\nb,fit,1200,160,1\nc,check,1100,140,1\n"

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from closed_points import closed_point
+from near_arrays import assert_near
 
 from screwsim.derivatives import beside, closed, nearby
 from screwsim.derivatives.blocks import Blocks, follow_once
@@ -26,7 +27,7 @@ def test_states_nearby_leave_less_open_than_asked_and_are_near(cycle, bound):
     assert nearby.size_of(nearby.residual(pitch, Y, start, pitch.rates(Y)[0]), Y) < bound
     pitch.install(cycle.start, cycle.nodes)
     assert nearby.near(pitch, 1e-7, nearby.Kept()) is not None
-    assert pitch.read() == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
+    assert_near(pitch.read(), cycle.nodes, rel=1e-4, abs=1e-6)
 
 
 def test_what_is_followed_solves_the_stage_equations(cycle):
@@ -101,7 +102,7 @@ def test_what_each_chamber_makes_of_itself_through_its_life_closes_the_cycle(cyc
     found = nearby.closed(pitch, off, 1e-6, nearby.Kept())
     assert found is not None
     assert nearby.open_of(pitch, found)[2] < 1e-6
-    assert found == pytest.approx(cycle.nodes, rel=1e-4, abs=1e-6)
+    assert_near(found, cycle.nodes, rel=1e-4, abs=1e-6)
     pitch.put(at)
     pitch.install(cycle.start, cycle.nodes)
 
@@ -136,7 +137,7 @@ def test_a_cycle_that_cannot_be_closed_so_leaves_the_numbers_as_they_were(cycle)
     start = pitch.begin(cycle.nodes)
     assert nearby.closed(pitch, cycle.nodes, 0.0, nearby.Kept()) is None
     assert (pitch.numbers.P == at.P).all()
-    assert pitch.begin(cycle.nodes) == pytest.approx(start, rel=0.0, abs=0.0)
+    assert_near(pitch.begin(cycle.nodes), start, rel=0.0, abs=0.0)
 
 
 @pytest.mark.parametrize("size", [5e-6, 5e-4])

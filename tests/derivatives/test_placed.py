@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from closed_points import closed_point
+from near_arrays import assert_near
 
 from screwsim.derivatives.closed import QUICK
 from screwsim.derivatives.peak import peak
@@ -41,7 +42,7 @@ def test_what_is_read_of_a_history_has_it_installed_once(cycle):
 
     life, geometry = Placed.of(pitch, fill), pitch.problem.parts.geometry
     angles = np.array([0.5, 1.0, 2.0])
-    assert life.states_at(angles) == pytest.approx(pitch.machinery.trajectory.states_at(angles), rel=ROUNDING)
+    assert_near(life.states_at(angles), pitch.machinery.trajectory.states_at(angles), rel=ROUNDING)
     assert peak(life, geometry) == pytest.approx(peak(pitch.machinery.trajectory, geometry), rel=ROUNDING)
     assert life.volume(1.0) == pitch.machinery.trajectory.volume(1.0)
     assert asked == ["a history"]
@@ -53,7 +54,7 @@ def test_a_life_of_many_columns_is_that_of_each(cycle):
     found = pitch.life(start, nodes)
     assert found.shape == (3, pitch.count * (pitch.N // pitch.n), 4, pitch.n)
     for j in range(3):
-        assert found[j] == pytest.approx(pitch.life(start[:, j], nodes[..., j]), rel=ROUNDING)
+        assert_near(found[j], pitch.life(start[:, j], nodes[..., j]), rel=ROUNDING)
     at = draw.integers(0, pitch.count)
     end = found[:, at, 1]  # of the first chamber's slices
-    assert end == pytest.approx(nodes[at, -1, : pitch.n].T, rel=ROUNDING)
+    assert_near(end, nodes[at, -1, : pitch.n].T, rel=ROUNDING)

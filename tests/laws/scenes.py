@@ -117,6 +117,7 @@ RATED: dict[str, Any] = {  # saturation temperatures in place of pressures
     },
     "oil_supply.temperature": "330 K",
 }
+RADAU = {"integrator": "scipy-radau", "error": "none"}  # as numerics: what others are held against
 DROP = object()  # as a value: the field is left out
 OIL_PORT["effects.oil_pump"] = DROP
 TOGETHER = {**ECONOMIZER, **OIL_PORT, **OIL_VOLUME}

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from each_row import each_row
+from known_figures import known_solution
 from scenes import closed, make, run
 
 from screwsim.cycle import relaxation
@@ -50,7 +51,7 @@ def test_histories_may_cost_as_much_more_as_finer_steps_do():
 def test_what_leaks_hide_of_an_error_is_counted():
     """Among chambers that live on what leaks an error is passed on for more turns than the estimate makes."""
     changes = {"operation.speed": "250 rpm", "oil_supply.ratio": 0.02}
-    exact = run({**changes, "numerics": {"accuracy": 1e-5, "closing": "coupled", "error": "none"}})
+    exact = known_solution(make({**changes, "numerics": {"accuracy": 1e-5, "closing": "coupled", "error": "none"}}))
     found = run(changes)
     assert found.numerics["closing"] == "histories" and found.performance["volumetric_efficiency"] < 0.5
     assert worst(relative_errors(found.performance, exact.performance))[1] < make(changes).numerics.accuracy
@@ -70,7 +71,7 @@ def test_a_slow_machine_is_as_accurate_as_estimated_when_it_closed_once(kind, rp
     path, changes = KINDS[kind]
     scene = load(ROOT / path, [*changes, f"operation.speed={rpm} rpm"])
     found = simulate(scene, trace=False)
-    exact = simulate(replace(scene, numerics=replace(scene.numerics, accuracy=1e-5)), trace=False)
+    exact = known_solution(replace(scene, numerics=replace(scene.numerics, accuracy=1e-5)))
     true = worst(relative_errors(found.performance, exact.performance))[1]
     told = worst(found.error)[1]
     assert true <= 1.5 * told <= 1.5 * scene.numerics.accuracy
@@ -141,7 +142,7 @@ def test_a_point_that_contracts_quickly_closes_in_three_turns():
     """What is to come after the third follows from how much less it changed than the second; the error has it."""
     scene = load(ROOT / PAPER, ["operation.speed=3000 rpm"])
     found = simulate(scene, trace=False)
-    exact = simulate(replace(scene, numerics=replace(scene.numerics, accuracy=1e-6)), trace=False)
+    exact = known_solution(replace(scene, numerics=replace(scene.numerics, accuracy=1e-6)))
     assert found.numerics.turns == 3
     assert worst(relative_errors(found.performance, exact.performance))[1] <= 1.5 * worst(found.error)[1]
 
@@ -150,7 +151,7 @@ def test_net_flow_is_taken_where_noise_between_open_chambers_does_not_count():
     """At 350 rpm the flows through the ports differ by as much as the accuracy; that across the injection is right."""
     scene = load(ROOT / "configs/paper/point.yaml", ["operation.speed=350 rpm"])
     fine = replace(scene, numerics=replace(scene.numerics, accuracy=1e-6, error="none"))
-    exact = simulate(fine, trace=False).performance.gas_mass_flow
+    exact = known_solution(fine).performance["gas_mass_flow"]
     problem = problem_of(replace(scene, numerics=replace(scene.numerics, closing="histories")))
     machinery = leased(problem)
     cycle = close(problem, machinery, problem.wanted)
@@ -171,7 +172,7 @@ def test_net_flow_is_taken_where_the_slot_of_a_slide_has_closed_too():
     at = ["operation.speed=818 rpm", "effects.slide_valve.position=0.5", "sweep=null"]
     scene = load(ROOT / "configs/control/slide_valve.yaml", at)
     found = simulate(scene, trace=False)
-    fine = simulate(replace(scene, numerics=replace(scene.numerics, accuracy=1e-5, error="none")), trace=False)
+    fine = known_solution(replace(scene, numerics=replace(scene.numerics, accuracy=1e-5, error="none")))
     off = relative_errors(found.performance, fine.performance)
     assert off["gas_mass_flow"] < 5e-5  # 3.1e-4 where it crosses the injection angle, told to be 7e-6
     assert off["oil_mass_flow"] <= found.error["oil_mass_flow"]  # told to be 9e-6, too

@@ -1,7 +1,8 @@
 """What the cycle makes beside its states, by an effect of a user: a wall's temperature, a factor on areas."""
 
 import pytest
-from scenes import BASE, make, run
+from known_figures import known_solution
+from scenes import BASE, RADAU, make, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
@@ -61,7 +62,7 @@ def test_a_factor_widens_the_areas_of_another_effect():
 
 @pytest.mark.slow
 def test_radau_finds_the_same():
-    assert change(run(wall()), run(wall(numerics={"integrator": "scipy-radau", "error": "none"}))) < ACCURACY
+    assert change(run(wall()), known_solution(make(wall(numerics=RADAU)))) < ACCURACY
 
 
 def test_explain_tells_of_them():

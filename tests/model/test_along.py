@@ -61,14 +61,14 @@ class Rates:
     def nothing(self):
         return {name: np.zeros_like(each) for name, each in self.base.items()}
 
-    def error(self, change, step):
-        """Return by how much the change of the rates differs from differences, over the largest of it."""
+    def error(self, change, found, step):
+        """Return by how much the `found` change of the rates differs from differences, over the largest of it."""
         sides = [
             self.at(**{name: self.base[name] + sign * step * change[name] for name in change}) for sign in (1.0, -1.0)
         ]
         expected = (sides[0] - sides[1]) / (2.0 * step)
         least = 1e-4 * np.abs(sides[0]).max()
-        return np.abs(self.along(change)[1] - expected).max() / max(np.abs(expected).max(), least)
+        return np.abs(found - expected).max() / max(np.abs(expected).max(), least)
 
 
 @pytest.fixture(scope="module", params=[*OF_ALL_STREAMS, *SCENES])
@@ -84,11 +84,16 @@ def indices(text):
 
 
 def worst(rates, name, at):
-    """Return the error by a number, the better one of two steps."""
+    """Return the error by a number: of the first step by which it is small enough, else the better one of two."""
     change = rates.nothing()
     size = max(np.max(np.abs(rates.base[name][..., at])), SMALL[name])
     change[name][..., at] = size
-    return min(rates.error(change, step) for step in STEPS)
+    found, errors = rates.along(change)[1], []
+    for step in STEPS:
+        errors.append(rates.error(change, found, step))
+        if errors[-1] <= AGREE:
+            break
+    return min(errors)
 
 
 def test_nothing_that_changes_changes_nothing(rates):
@@ -101,7 +106,7 @@ def test_nothing_that_changes_changes_nothing(rates):
 def test_the_change_along_each_number_is_that_of_the_rates(rates, name):
     left_out = indices(rates.c.along()) if name == "P" else set()
     found = {at: worst(rates, name, at) for at in range(rates.base[name].shape[-1]) if at not in left_out}
-    assert {at: error for at, error in found.items() if error > AGREE} == {}
+    assert {at: error for at, error in found.items() if not error <= AGREE} == {}
 
 
 def test_changes_of_all_at_once_add_up(rates):

@@ -42,6 +42,12 @@ def functions(scene):
     return {node.name: node for text in texts for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
 
 
+@cache
+def parts_of(scene):
+    """Return the parts of each function of a scene's texts, by its name: a walk through all of them takes long."""
+    return {name: tuple(ast.walk(node)) for name, node in functions(scene).items()}
+
+
 def written(scene):
     return {name: node for name, node in functions(scene).items() if name.startswith(WRITTEN)}
 
@@ -50,11 +56,15 @@ def each(kind, node):
     return [part for part in ast.walk(node) if isinstance(part, kind)]
 
 
+def each_of(kind, scene, name):
+    return [part for part in parts_of(scene)[name] if isinstance(part, kind)]
+
+
 @pytest.mark.parametrize("scene", SCENES)
 def test_nothing_is_gone_through_that_the_structure_knows(scene):
     assert len(written(scene)) > 20
-    for name, node in written(scene).items():
-        for loop in each(ast.For, node):
+    for name in written(scene):
+        for loop in each_of(ast.For, scene, name):
             spelled = ast.unparse(loop.iter)
             named = {part.id for part in each(ast.Name, loop.iter)} - {"range"}
             assert spelled == CUBIC or (named and named <= COUNTED and name.startswith("chambers__")), (name, spelled)
@@ -63,8 +73,8 @@ def test_nothing_is_gone_through_that_the_structure_knows(scene):
 @pytest.mark.parametrize("scene", SCENES)
 def test_no_kernel_goes_through_ports_gaps_or_valves(scene):
     """Counts of them say how long an array is; no loop ends there, and no table tells what each of them is."""
-    for name, node in functions(scene).items():
-        for loop in each(ast.For, node):
+    for name in functions(scene):
+        for loop in each_of(ast.For, scene, name):
             assert not {part.id for part in each(ast.Name, loop.iter)} & SIZES, (name, ast.unparse(loop.iter))
     text = compose(problem_of(load(CONFIGS / SCENES[scene][0], SCENES[scene][1:])).parts).text
     tables = re.findall(r"^(\w+) = np\.array\(", text, re.MULTILINE)
@@ -74,8 +84,8 @@ def test_no_kernel_goes_through_ports_gaps_or_valves(scene):
 @pytest.mark.parametrize("scene", SCENES)
 def test_an_index_is_a_name(scene):
     """A number in the text would be a second place where an index stands; `- 1` is the one before, `+ 1` the next."""
-    for name, node in written(scene).items():
-        for found in each(ast.Subscript, node):
+    for name in written(scene):
+        for found in each_of(ast.Subscript, scene, name):
             parts = found.slice.elts if isinstance(found.slice, ast.Tuple) else [found.slice]
             if ast.unparse(found.value) in PIECES:
                 parts = [parts[0], parts[2]]
@@ -85,8 +95,8 @@ def test_an_index_is_a_name(scene):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_what_is_chosen_by_number_is_for_python_alone(scene):
-    for name, node in functions(scene).items():
-        called = {call.func.id for call in each(ast.Call, node) if isinstance(call.func, ast.Name)}
+    for name in functions(scene):
+        called = {call.func.id for call in each_of(ast.Call, scene, name) if isinstance(call.func, ast.Name)}
         assert name in READING or not called & BY_NUMBER, (name, called & BY_NUMBER)
 
 
@@ -94,7 +104,6 @@ def test_what_is_chosen_by_number_is_for_python_alone(scene):
 def test_each_area_flow_and_line_is_stated_once_in_a_function(scene):
     """What fills a number of the surroundings, or a flow, is one statement of its name."""
     for name in ("chamber__surroundings", "chamber__path_flows"):
-        node = functions(scene)[name]
-        targets = [ast.unparse(to) for one in each(ast.Assign, node) for to in one.targets]
+        targets = [ast.unparse(to) for one in each_of(ast.Assign, scene, name) for to in one.targets]
         stored = [to for to in targets if to.startswith(("E[A_", "E[E_"))]
         assert len(set(stored)) == len(stored), name

@@ -6,6 +6,7 @@ import ast
 import importlib
 import math
 import pkgutil
+from functools import cache
 
 import numpy as np
 import pytest
@@ -95,8 +96,13 @@ RANGES = {  # where a kernel has no meaning at numbers near one
 NO_LAWS = {"context", "dense", "which", "near"}  # arguments of what steps over arrays, or searches in a cubic
 
 
+@cache
+def parts_of(source: str) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(ast.parse(source)))
+
+
 def names_in(item: Kernel) -> set[str]:
-    return {node.id for node in ast.walk(ast.parse(item.source)) if isinstance(node, ast.Name)}
+    return {node.id for node in parts_of(item.source) if isinstance(node, ast.Name)}
 
 
 def is_of_scalars(item: Kernel, seen: frozenset[str] = frozenset()) -> bool:
@@ -104,7 +110,7 @@ def is_of_scalars(item: Kernel, seen: frozenset[str] = frozenset()) -> bool:
     known = item.function.__globals__
     if NO_LAWS & set(item.arguments):
         return False
-    for node in ast.walk(ast.parse(item.source)):
+    for node in parts_of(item.source):
         if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in item.arguments:
             return False
         if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store):

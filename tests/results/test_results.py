@@ -279,10 +279,10 @@ def test_the_same_results_give_the_same_file_apart_from_its_history(tmp_path):
 
 
 def test_a_scene_longer_than_64_kb_is_stored(tmp_path):
-    ratios = ", ".join(f"{0.001 * index:.6f}" for index in range(12000))
+    ratios = ", ".join(f"{0.003 * index + 1e-12:.12f}" for index in range(4500))
     grid = scene(SCENE + f"sweep: {{oil_supply.ratio: [{ratios}]}}\n")
     assert len(grid.text) > 65536
-    save(tmp_path / "x.h5", grid, [Result("failed")] * 12000)
+    save(tmp_path / "x.h5", grid, [Result("failed")] * 4500)
     assert open_results(tmp_path / "x.h5").scene_yaml == grid.text
     assert xr.open_dataset(tmp_path / "x.h5", engine="netcdf4").attrs["scene_yaml"] == grid.text
 

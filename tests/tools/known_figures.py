@@ -1,10 +1,13 @@
-"""Figures of much finer solutions, as they are stored (`known`)."""
+"""Figures of much finer solutions, and of other integrators, as they are stored (`known`)."""
+
+from types import SimpleNamespace
 
 from known import known
 from true_error import reference
 
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, scene_text
+from screwsim.simulate import simulate
 
 ANEW = 0.1  # of the wanted accuracy: how far a reference may be another when it is found again
 
@@ -19,3 +22,20 @@ def known_reference(scene: Scene, radau: float | None = None) -> tuple[str, Figu
     what, within = "coupled" if radau is None else f"Radau, {radau:g}", ANEW * scene.numerics.accuracy
     figures = known("true_figures", what, scene_text(scene), find, within)
     return figures["status"], Figures({name: value for name, value in figures.items() if name != "status"})
+
+
+def known_solution(scene: Scene) -> SimpleNamespace:
+    """Return what has the `performance` of a scene with the integrator and accuracy that it asks for, stored or anew.
+
+    For what others are held against: scipy's Radau, or a solution far more accurate than theirs.
+    """
+    asked = scene.numerics
+
+    def find() -> dict[str, object]:
+        found = simulate(scene, trace=False)
+        assert (found.status, found.numerics.integrator) == ("ok", asked.integrator), found.message
+        return {name: float(value) for name, value in found.performance.items() if value is not None}
+
+    subject = "radau" if asked.integrator == "scipy-radau" else "true_figures"
+    what = f"{asked.integrator}, {asked.accuracy:g}"
+    return SimpleNamespace(performance=Figures(known(subject, what, scene_text(scene), find, ANEW * asked.accuracy)))
