@@ -570,7 +570,8 @@ def test_a_file_that_is_no_scene_gives_one_line(text, line):
 
 def test_a_control_character_is_told_where_it_stands():
     assert faults_of("title: a\nmachine: \x07b") == [
-        "x.yaml:2:10: is not YAML: it holds the control character U+0007 (remove it, or save the file as plain text in UTF-8)"
+        "x.yaml:2:10: is not YAML: it holds the control character U+0007 "
+        "(remove it, or save the file as plain text in UTF-8)"
     ]
 
 
