@@ -36,19 +36,22 @@ def bounded(function: Callable[..., Any], source: str, returns_one: Callable[[st
         return function, source
     node.decorator_list = []
     node.body.insert(int(ast.get_docstring(node) is not None), *ast.parse(f"{ROUNDS} = 0").body)
-    guards = [ast.parse(f"{ROUNDS} += 1\nif {ROUNDS} > {MOST_ROUNDS}:\n    return math.nan").body for _ in loops]
-    for loop, guard in zip(loops, guards, strict=True):
-        loop.body = [*guard, *loop.body]
+    inside = [loop.body for loop in loops]
+    for loop, body in zip(loops, inside, strict=True):
+        loop.body = [*_counted("return math.nan"), *body]
     text = ast.unparse(ast.fix_missing_locations(tree)) + "\n"
-    for loop, (_, check) in zip(loops, guards, strict=True):
-        what = (
-            f"kernel {node.name}: its loop in line {first + loop.lineno - 1} goes round more than {MOST_ROUNDS} times"
-        )
-        check.body = ast.parse(f"raise RuntimeError({what!r})").body
+    for loop, body in zip(loops, inside, strict=True):
+        what = f"its loop in line {first + loop.lineno - 1} goes round more than {MOST_ROUNDS} times"
+        loop.body = [*_counted(f"raise RuntimeError({f'kernel {node.name}: {what}'!r})"), *body]
     space: dict[str, Any] = {}
     ast.increment_lineno(ast.fix_missing_locations(tree), first - 1)
     exec(compile(tree, function.__code__.co_filename, "exec"), function.__globals__, space)
     return space[node.name], text
+
+
+def _counted(otherwise: str) -> list[ast.stmt]:
+    """Return the statements that count a round, and do something else from too many on."""
+    return ast.parse(f"{ROUNDS} += 1\nif {ROUNDS} > {MOST_ROUNDS}:\n    {otherwise}").body
 
 
 def _endless(loop: ast.While) -> bool:
