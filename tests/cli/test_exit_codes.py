@@ -193,3 +193,11 @@ def test_openings_beyond_the_life_are_told(folder, command):
         answer = command("run", "late.yaml")
         assert answer.code in (2, 3)
         assert f"effects.{name}" in answer.err and len(answer.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("verb", ["run", "sweep"])
+def test_a_name_that_no_disk_takes_is_a_wrong_use(verb, folder, command):
+    scene = "swept.yaml" if verb == "sweep" else "small.yaml"
+    answer = command(verb, scene, "-o", "x" * 300 + ".h5")
+    assert answer.code == 2
+    assert "File name too long (" in answer.err.splitlines()[-1]

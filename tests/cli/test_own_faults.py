@@ -1,5 +1,6 @@
 """An effect of the user's own that ends or kills the program, or fails, is told as its fault."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -142,3 +143,19 @@ def test_own_effects_are_tried_once(own, command, monkeypatch):
 
 def test_an_exception_is_no_death():
     assert how_it_died(lambda: 1 / 0) == "" == how_it_died(lambda: None) == how_it_died(sys.exit)
+
+
+ENDLESS = """\
+import os, time
+from screwsim.numerics.trial import how_it_died
+how_it_died(lambda: (os.write(2, f"{os.getpid()}\\n".encode()), time.sleep(600)))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no child is tried")
+def test_what_is_tried_ends_with_the_program_that_tries_it():
+    with subprocess.Popen([sys.executable, "-c", ENDLESS], stderr=subprocess.PIPE, text=True) as program:
+        assert program.stderr is not None
+        assert int(program.stderr.readline()) != program.pid
+        program.kill()
+        assert program.stderr.read() == ""  # the end of its last writer, the child

@@ -52,6 +52,13 @@ def printed(result: Result, capsys) -> list[str]:
 FEW = Figures(shaft_power=1e3, displacement=2112e-6, cop=None)
 
 
+def test_a_narrow_terminal_cuts_no_number(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "30")
+    lines = printed(Result("ok", performance=FEW), capsys)
+    assert not any("…" in line for line in lines)
+    assert any(line.split()[-2:] == ["2112", "cm³"] for line in lines)
+
+
 def test_warnings_stand_before_the_figures_and_are_counted_beside_the_status(capsys):
     lines = printed(Result("ok", warnings=("the first", "the second " * 9), performance=FEW), capsys)
     assert lines[:4] == ["a title", "status: ok, with 2 warnings", "warning: the first", lines[3]]

@@ -51,6 +51,13 @@ def test_python_ends_a_process_with_other_threads_or_under_a_profiler(before, en
     assert "waited" in found.stdout and "taken apart" in found.stdout
 
 
+def test_letters_that_a_stream_has_not_are_written_out():
+    last = "import atexit; atexit.register(lambda: sys.stdout.write('20 °C'))"
+    found = ended(last, PYTHONIOENCODING="ascii")
+    assert found.returncode == 0
+    assert found.stdout.endswith(r"20 \xb0C")
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
 @pytest.mark.parametrize("argument", ["--version", "schema"])
 def test_output_that_finds_no_room_is_told_in_one_line(argument):

@@ -1,5 +1,7 @@
 """Rules of faults: each is one line with file, line, column, path, what and the remedy; all come at once."""
 
+import time
+
 import pytest
 from each_row import each_row
 
@@ -564,6 +566,26 @@ def test_an_effect_of_a_port_demands_its_section(example):
 )
 def test_a_file_that_is_no_scene_gives_one_line(text, line):
     assert faults_of(text) == [line]
+
+
+def test_a_control_character_is_told_where_it_stands():
+    assert faults_of("title: a\nmachine: \x07b") == [
+        "x.yaml:2:10: is not YAML: it holds the control character U+0007 "
+        "(remove it, or save the file as plain text in UTF-8)"
+    ]
+
+
+def test_a_number_is_one_of_yaml_1_2(example):
+    assert loads(example, overrides=["oil_supply.ratio=.3e1"]).oil_supply.ratio == 3.0
+    with pytest.raises(SceneError, match="'3_0' is not one number"):
+        loads(example, overrides=["oil_supply.ratio=3_0"])
+
+
+def test_an_endless_number_is_told_at_once(example):
+    began = time.process_time()
+    (line,) = faults_of(example.replace("speed: 3000 rpm", f"speed: {'9' * 20_000} rpm"))
+    assert "is not finite" in line
+    assert time.process_time() - began < 2.0  # a pattern that goes to and fro over the digits takes half a minute
 
 
 def test_an_alias_inside_its_own_anchor_is_refused(example):

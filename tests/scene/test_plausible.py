@@ -264,13 +264,30 @@ def test_rotors_of_another_size_than_their_profile():
     assert any(each.startswith("machine.profile.centre_distance: 128 mm is 0.914 rotor diameters") for each in warnings)
 
 
+def by_points(lobe):
+    """Return the overrides that state the lobe of configs/rotors/b.yaml by a file of points."""
+    shape = ("male_tip_radius", "flank_radius", "pressure_angle", "female_tip_radius", "root_radius")
+    gone = [f"machine.profile.{name}=null" for name in shape]
+    return [*gone, "machine.profile.kind=points", f"machine.profile.file={lobe}"]
+
+
+def test_a_lobe_of_the_other_hand_is_warned_of(tmp_path):
+    """Its larger blow-hole is that of high pressure, which no maker wants."""
+    b = CONFIGS / "rotors" / "b.yaml"
+    head, *rows = lobe_csv(lay(load(b).machine).rotors).splitlines()
+    turned = [f"{x},{-float(y)!r}" for x, y in (row.split(",") for row in reversed(rows))]
+    for name, lines in (("right.csv", rows), ("other.csv", turned)):
+        (tmp_path / name).write_text("\n".join([head, *lines]) + "\n")
+    assert scene_warnings(load(b, overrides=by_points(tmp_path / "right.csv"))) == ()
+    (warning,) = scene_warnings(load(b, overrides=by_points(tmp_path / "other.csv")))
+    assert warning.startswith("machine.profile.file: the larger blow-hole is that of high pressure (128.5 mm²")
+
+
 def test_points_of_a_profile_are_those_of_the_rotor_diameter(tmp_path):
     b = CONFIGS / "rotors" / "b.yaml"
     lobe = tmp_path / "lobe.csv"
     lobe.write_text(lobe_csv(lay(load(b).machine).rotors))
-    gone = [f"machine.profile.{name}=null" for name in ("male_tip_radius", "flank_radius", "pressure_angle")]
-    gone += [f"machine.profile.{name}=null" for name in ("female_tip_radius", "root_radius")]
-    points = [*gone, "machine.profile.kind=points", f"machine.profile.file={lobe}"]
+    points = by_points(lobe)
     load(b, overrides=points)
     line = said(b, *points, "machine.rotor_diameter=170 mm")
     assert "machine.rotor_diameter: is 170 mm, and the points of machine.profile.file reach to 160 mm (write" in line

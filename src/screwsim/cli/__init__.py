@@ -25,6 +25,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.screen import say
 from screwsim.version import version
 
+NO_PLACE = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.EROFS, errno.ELOOP)
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a disk says that takes no more
 
 app = typer.Typer(
@@ -117,6 +118,9 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
         where = error.filename or "a file"
         remedy = "make room, or send it elsewhere"
         return complain(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
+    if isinstance(error, OSError) and error.filename and error.errno in NO_PLACE:
+        remedy = "name another place, or give rights to what lies there"
+        return complain(f"{error.filename}: cannot be reached: {os.strerror(error.errno)} ({remedy})", USAGE)
     return _internal(error)
 
 

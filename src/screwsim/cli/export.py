@@ -10,6 +10,7 @@ import typer
 from screwsim.cli import options
 from screwsim.cli.declare import Text, Texts, argument, option, switch
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without
+from screwsim.screen import say
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -152,7 +153,11 @@ def modelica(
 
     keep_without(output, WRITTEN)
     table = made(source, over, figures, wanted, most, overrides, without, jobs)
-    return ended(table, [_written(output, package(table, identifier(output.stem)))], as_json)
+    name = identifier(output.stem)
+    written = [_written(output, package(table, name))]
+    if name != output.stem:
+        say(f"{output}: holds package {name}; a tool that finds packages by their files wants {name}.mo", err=True)
+    return ended(table, written, as_json)
 
 
 @app.command("csv")

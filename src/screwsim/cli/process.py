@@ -65,7 +65,9 @@ def _open_missing() -> None:
 
 
 def _stream(old: TextIO | None, number: int, label: str) -> TextIO:
-    """Return what stands in for a standard stream that is no terminal."""
+    """Return what stands in for a standard stream that is no terminal; letters that it has not are written out."""
+    if isinstance(old, io.TextIOWrapper) and old.errors in ("strict", "surrogateescape"):
+        old.reconfigure(errors="backslashreplace")
     if old is not None and old.isatty():
         return old
     if old is not None:

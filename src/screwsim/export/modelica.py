@@ -14,6 +14,7 @@ from screwsim.study.performance_map import TERMS
 WRITTEN = "written by screwsim; error "  # in the first line of a package
 FINE = 25  # points along an axis to which polynomials are fitted, and at which errors are looked for
 _TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
+_TAKEN = {"real", "integer", "boolean", "string", "complex", "clock", "modelica", "modelicaservices", "stateselect"}
 
 
 def package(table: Table, name: str) -> str:
@@ -40,9 +41,9 @@ def package(table: Table, name: str) -> str:
 
 
 def identifier(stem: str) -> str:
-    """Return a name that Modelica allows, with a capital."""
+    """Return a name that Modelica allows, with a capital, and that is neither one of its own nor of its library's."""
     name = re.sub(r"\W", "_", stem, flags=re.ASCII)
-    name = name if name[:1].isalpha() and name.capitalize() != "Modelica" else f"Map_{name}"
+    name = name if name[:1].isalpha() and name.lower() not in _TAKEN else f"Map_{name}"
     return name[:1].upper() + name[1:]
 
 

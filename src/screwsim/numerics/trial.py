@@ -1,5 +1,6 @@
 """Try a call in a child process first: what kills a process kills that one, and is told."""
 
+import ctypes
 import importlib
 import os
 import signal
@@ -14,6 +15,7 @@ from screwsim.numerics import sources
 
 T = TypeVar("T")
 _DONE = b"."
+PR_SET_PDEATHSIG = 1  # of Linux's prctl
 DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR", "GAS")  # what a module of the user's own may define
 
 
@@ -76,10 +78,19 @@ def how_it_died(call: Callable[[], object]) -> str:
 def _be_child(call: Callable[[], object], writes: int) -> NoReturn:
     """Call, say that it came to its end, and end; an exception comes again in the parent, which tells it."""
     try:
+        _end_with_parent()
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is printed comes again, too
         call()
     except BaseException:  # noqa: BLE001 - as said
         pass
     finally:
         os.write(writes, _DONE)
+        os._exit(0)
+
+
+def _end_with_parent() -> None:
+    """Have this process killed when its parent ends, however that is: what it tries may never end by itself."""
+    parent = os.getppid()
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if parent == 1 or os.getppid() != parent:  # it ended before
         os._exit(0)

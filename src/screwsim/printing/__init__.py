@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, engineering_temperature, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.outputs.customary import raised
-from screwsim.printing.tables import plain_table, wrapped
+from screwsim.printing.tables import WIDTH, plain_table, wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
@@ -43,8 +44,9 @@ def plain(value: Any) -> Any:
 
 
 def print_json(document: Any) -> None:
-    """Print one JSON document on stdout."""
-    print(json_safe(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False)))
+    """Print one JSON document on stdout, with escapes of letters that it may not have."""
+    few = not (sys.stdout.encoding or "utf").lower().startswith("utf")
+    print(json_safe(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=few)))
 
 
 def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any) -> None:
@@ -70,6 +72,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
+    console.width = max(console.width, WIDTH)  # a narrower terminal breaks lines, where a table would cut its numbers
     doubted = no_machine(result)
     if title or doubted:
         first = ": ".join(filter(None, (raised(title), doubted)))
@@ -167,7 +170,7 @@ def _right_table(first: str, *others: str) -> Any:
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column(first, no_wrap=True)
+    table.add_column(first, overflow="fold")  # gives way before a number does
     for name in others:
         table.add_column(name, justify="right", no_wrap=True)
     return table

@@ -24,7 +24,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.near import in_a_sentence
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.rotors.settings import Profile, unread
-from screwsim.machine.settings import VolumeLaw
+from screwsim.machine.settings import TwinScrew, VolumeLaw
 from screwsim.numerics.remembered import Remembered
 from screwsim.numerics.spline import read_curve, to_and_fro
 from screwsim.outputs.customary import in_celsius
@@ -37,6 +37,7 @@ from screwsim.scene.units import readable_quantity
 
 MEANT = "is it meant?"
 LEFT = 1e-3  # of its largest volume, which a table hardly keeps: the displacement is off by as much
+OTHER_HAND = 1.5  # from which ratio of the blow-holes' areas on a lobe looks mirrored: asymmetric ones have 0.1
 USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
 SCALED = 0.01  # by which the largest volume of a table may be off what is stated
 ROUGH = 0.25  # of its largest, by which the slope of a table hardly jumps to and fro: digits cut off make half of that
@@ -164,10 +165,24 @@ def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str],
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield what of the rotors' profile is stated and not read."""
+    """Yield what of the rotors' profile is stated and not read, and that its lobe looks like one of the other hand."""
     profile = getattr(scene.machine, "profile", None)
     if isinstance(profile, Profile):
         yield from unread(profile)
+        if profile.measured and isinstance(scene.machine, TwinScrew) and scene.machine.volume.from_rotors:
+            yield from _hand(scene.machine)
+
+
+def _hand(machine: TwinScrew) -> Iterator[tuple[str, str]]:
+    from screwsim.machine.profile_law import lay  # a start without rotors has not to wait for them
+
+    with suppress(UsageError):  # of what cannot be laid, which is told where it is built
+        rotors = lay(machine).rotors
+        high, low = rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)
+        if high > OTHER_HAND * low:
+            holes = f"{1e6 * high:.4g} mm² at the high-pressure cusp, {1e6 * low:.4g} mm² at the suction cusp"
+            what = f"the larger blow-hole is that of high pressure ({holes}), as with a lobe of the other hand"
+            yield "machine.profile.file", f"{what} (turn the signs of its y if so)"
 
 
 def _critical(scene: Scene) -> float:

@@ -24,7 +24,7 @@ TOGETHER = "correlated"
 NO_INPUTS = ("numerics.", "output.")  # what is not the machine's is not uncertain
 APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has one
 _SIGNS = {"±": False, "+/-": False, "+-": False, "×/÷": True, "x/÷": True, "*/": True, "x/": True}
-_TEXT = re.compile(rf"(.*?[0-9.].*?)\s*({'|'.join(map(re.escape, _SIGNS))})\s*(.*)", re.DOTALL)
+_SIGN = re.compile("|".join(map(re.escape, _SIGNS)))
 _SHARE = re.compile(rf"({NUMBER})\s*%")
 _BARE = re.compile(NUMBER)
 _UNIT = re.compile(rf"\s*{NUMBER}\s*(.*)", re.DOTALL)
@@ -42,11 +42,10 @@ class Given(NamedTuple):
 
 def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
     """Return a tree whose values stand without their tolerances, and these by their paths."""
-    match = _TEXT.fullmatch(root.value) if path and isinstance(root.value, str) else None
+    match = _sign(root.value) if path and isinstance(root.value, str) else None
     if match is not None:
-        value, sign, text = match[1].strip(), match[2], match[3].strip()
-        found = {path: Given(value, _SIGNS[sign], text, root.place)}
-        return replace(root, value=_nominal(value, text, _SIGNS[sign])), found
+        value, factor, text = root.value[: match.start()].strip(), _SIGNS[match[0]], root.value[match.end() :].strip()
+        return replace(root, value=_nominal(value, text, factor)), {path: Given(value, factor, text, root.place)}
     if not isinstance(root.value, dict):
         return root, {}
     content: dict[str, Node] = {}
@@ -59,8 +58,14 @@ def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
 
 def tolerance_sign(text: str) -> str:
     """Return the sign of the tolerance in a value's text; '' where it has none."""
-    match = _TEXT.fullmatch(text)
-    return match[2] if match else ""
+    match = _sign(text)
+    return match[0] if match else ""
+
+
+def _sign(text: str) -> re.Match[str] | None:
+    """Return the first sign of a tolerance behind a digit; None where there is none."""
+    number = re.search("[0-9.]", text)
+    return _SIGN.search(text, number.end()) if number else None
 
 
 def _nominal(value: str, text: str, factor: bool) -> Any:

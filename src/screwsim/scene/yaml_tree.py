@@ -15,6 +15,7 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
+from ruamel.yaml.reader import ReaderError
 from ruamel.yaml.scanner import Scanner
 
 from screwsim.inputs.faults import SceneError
@@ -24,6 +25,7 @@ MOST_NODES = 1_000_000  # of one text, every alias written out
 MOST_LEVELS = 32
 MOST_DIGITS = 4000  # of a whole number, more than which Python may not read: no float is so large
 _LONGEST_PATH = 200  # letters of a path that a fault shows
+_POINT_FIRST = re.compile(r"[+-]?\.[0-9]+[eE][+-]?[0-9]+")  # a number of YAML 1.2 that ruamel takes for text
 _LONE = re.compile("[\ud800-\udfff]")
 _CORE = "tag:yaml.org,2002:"  # what YAML itself knows; any other tag asks for a program to run
 _KNOWN = {"str", "int", "float", "bool", "null", "map", "seq", "timestamp", "merge", "value"}
@@ -97,6 +99,12 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
         problems.append(Problem(place, path, not_yaml(error, text)))
+        return None
+    except ReaderError as error:
+        before = text[: error.position]
+        place = start.at(before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1)
+        what = f"is not YAML: it holds the control character U+{ord(text[error.position]):04X}"
+        problems.append(Problem(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)"))
         return None
     except YAMLError as error:
         what = str(error).splitlines()[0]
@@ -195,7 +203,8 @@ class _Converter:
             what = f"has the tag {shown[:40]}, which a scene does not have (remove it)"
             self.problems.append(Problem(self.place(node), path, what))
         if isinstance(node, ScalarNode):
-            return scalar(node.tag, self.text(node, path))
+            text = self.text(node, path)
+            return float(text) if node.style is None and _POINT_FIRST.fullmatch(text) else scalar(node.tag, text)
         if isinstance(node, SequenceNode):
             return [self.convert(item, path) for item in node.value]
         return dict(self.items(node, path))
@@ -239,13 +248,12 @@ def whole_letters(text: str) -> str:
 
 def scalar(tag: str, text: str) -> Any:
     """Return the value of a YAML 1.2 scalar: None, bool, int, float or str."""
-    kind = tag.rpartition(":")[2]
+    kind = "str" if "_" in text else tag.rpartition(":")[2]  # no number of YAML 1.2 has one
     try:
         if kind == "int":
-            digits = text.replace("_", "")
-            return int(digits, 0) if digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b") else int(digits)
+            return int(text, 0) if text.lstrip("+-")[:2].lower() in ("0x", "0o", "0b") else int(text)
         if kind == "float":
-            return float(text.replace("_", "").replace(".inf", "inf").replace(".nan", "nan"))
+            return float(text.replace(".inf", "inf").replace(".nan", "nan"))
     except ValueError:  # e.g. .Inf
         return math.inf if kind == "int" and len(text) > MOST_DIGITS else text
     if kind == "bool":
