@@ -37,7 +37,8 @@ Array = np.ndarray
 STEP = 2e-7  # of its size, by which a number is shifted
 AROUND = 100.0  # [K, kPa] the size of what lies around the machine ...
 OF_SLICES = 2.0, 1.0  # slices of a collocated cycle in one of another that is made of it, to begin with
-LEFT = 1e-5  # [K, kPa] ... and up to which the collocated cycle may ask for another
+LEFT = 1e-5  # [K, kPa] ... and up to which the collocated cycle may ask for another ...
+TIMES = 3  # ... or after so many of Newton's steps
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
 DRIVEN = "the speed follows from the drive"
 SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
@@ -88,26 +89,32 @@ def settled(cycle: Closed, built: Built | None = None, fineness: Fineness = FINE
 
     A solution leaves as much open as its accuracy allows: 3 mK of the oil were 1e-4 of a derivative.
     """
-    problem, pitch = cycle.pitch.problem, cycle.pitch
-    rows = _open(problem)
-    if not rows:
+    rows, series = _open(cycle.pitch.problem), Series(built)
+    for _ in range(TIMES if rows else 0):
+        cycle, before = _asked_for(cycle, series, rows, fineness), cycle
+        if cycle is before:
+            break
+    return cycle
+
+
+def _asked_for(cycle: Closed, series: Series, rows: Sequence[int], fineness: Fineness) -> Closed:
+    """Return the cycle at the surroundings that Newton's method tells from this one; itself where they are its own."""
+    problem, pitch, made = cycle.pitch.problem, cycle.pitch, Directions(cycle)
+    here = _asked(standing(cycle, made))[rows]
+    if float(np.abs(here).max()) <= LEFT:
         return cycle
-    made, series = Directions(cycle), Series(built)
     around = [made.of(_around(problem, series, i), STEP) for i in rows]
-    moves, here = responses(cycle, around, made), _asked(standing(cycle, made))[rows]
+    moves = responses(cycle, around, made)
     asked = [_asked(placed(cycle, each, moves.by(j), made))[rows] for j, each in enumerate(around)]
     matrix = np.array([(there - here) / each.step for there, each in zip(asked, around, strict=True)]).T
     by = np.linalg.solve(matrix, -here)
-    if AROUND * float(np.abs(by).max()) <= LEFT:
-        return cycle
-    x = unknowns_of(problem)
+    x, entries = unknowns_of(problem), problem.entries
     x[rows] += by * AROUND
     moved = _posed(problem, series, x)
-    entries = problem.entries
     met = entries.values(entries.coordinates(cycle.met) + moves.unknowns @ by, cycle.met)
     numbers, _ = made.numbers(moved, met)
     pitch.put(numbers)
-    pitch.install_life(made.life + sum(each * moves.lives()[j] for j, each in enumerate(by)))
+    pitch.install_life(made.life + np.tensordot(by, moves.lives(), axes=1))
     return collocated(moved, pitch.machinery, pitch.machinery.trajectory.copy(), fineness, OF_SLICES)
 
 
