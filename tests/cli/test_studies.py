@@ -114,11 +114,13 @@ def test_the_efficiency_of_a_real_gas_is_the_isentropic_one_and_stderr_says_so(n
     assert command(name, "oiled.yaml", *rest, *asked).err == ""
 
 
-def test_failed_solutions_end_with_their_code(studied, command):
+def test_a_trial_that_fails_is_told_and_an_answer_that_is_missing_ends_with_its_code(studied, command):
     answer = command(*COMMANDS["optimum"], "--to", "12", "--json")
     found = json.loads(answer.out)
-    assert (answer.code, found["rows"][0]["status"]) == (4, "ok")
+    assert (answer.code, found["rows"][0]["status"]) == (0, "ok")
     assert found["failed_solutions"] > 0
+    answer = command(*COMMANDS["optimum"], "--from", "9", "--to", "12", "--json")
+    assert (answer.code, json.loads(answer.out)["rows"][0]["status"]) == (4, "failed")
     answer = command("sensitivity", "oiled.yaml", "--jobs", "1", "--samples", "16", "--path", "oil_supply.ratio=1..12")
     assert answer.code == 4 and "narrow the ranges" in answer.out
 
