@@ -1,6 +1,7 @@
-"""The cubic spline through points, its third derivative the same in its first and its last two intervals ("not a knot").
+"""The cubic spline through points, of one cubic over its first two intervals and one over its last two.
 
-As scipy's CubicSpline has it, to the bit where a processor fuses no operations; here, since scipy.interpolate takes longer to import than a run to solve.
+As scipy's CubicSpline has it ("not a knot"), to the bit where a processor fuses no operations; here, since
+scipy.interpolate takes longer to import than a run to solve.
 
 Source: C. de Boor, A Practical Guide to Splines, Springer 2001, ch. IV.
 """
