@@ -213,17 +213,21 @@ def compare(
     first: Annotated[str, argument("A.h5", "Results of run or sweep.")],
     second: Annotated[str, argument("B.h5", "What they are compared with.")],
     tolerance: Annotated[float, option("T", "Relative difference that counts as none, beside numerical error.")] = 0.0,
+    folder: Annotated[File, option("DIR", "Write all common points as a table, and figures of both.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
     """Tell what differs between two results files. A difference is a finding: exit code 0."""
+    options.check_drawer(folder)
     from screwsim.printing import show
-    from screwsim.printing.compare import comparison_document, print_comparison
+    from screwsim.printing.compare import comparison_document, print_comparison, write_comparison
     from screwsim.results import open_results
     from screwsim.study.compare import compare as compared
 
     a, b = open_results(first), open_results(second)
     found = compared(a, b, tolerance)
     show(as_json, comparison_document, print_comparison, a, b, found)
+    for path in () if folder is None else write_comparison(a, b, folder):
+        say(path, err=as_json)
     return OK
 
 
