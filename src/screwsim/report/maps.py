@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.report import families
 from screwsim.report.families import Layout, family, is_log, left_out, slices
-from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
+from screwsim.report.quantities import is_numeric, short, shown_axis, shown_figure
 from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
 from screwsim.report.sweeps import Plan
 from screwsim.results import Results
@@ -45,8 +45,17 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
     counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
-    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves))
+    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves), _error_words(results, name))
     return figure
+
+
+def _error_words(results: Results, name: str) -> str:
+    """Return how far numerical errors move what is drawn, at most; empty where none were estimated."""
+    if name not in results.error or not np.isfinite(errors := results.absolute_error(name)).any():
+        return ""
+    shown = shown_figure(results, name)
+    unit = "points" if shown.unit == "%" else shown.unit
+    return f"numerical error at most {short(float(f'{np.nanmax(errors) * shown.factor:.1g}'))} {unit}".rstrip()
 
 
 def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.figures.errors import error_scale, needed
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
@@ -203,12 +202,7 @@ class _Side:
 
     def errors(self, name: str) -> Array:
         """Return its estimated absolute error; by the wanted accuracy where nothing was estimated."""
-        relative = self._results.error[name].ravel()[self._cases]
-        relative = np.where(np.isfinite(relative), relative, self._accuracy)
-        scale = self._results.figure(name).scale
-        asked = (each for each in needed(name, scale) if each in self._results.performance)
-        known = {each: np.nan_to_num(self.values(each)) for each in asked}
-        return relative * error_scale(name, scale, known, np.maximum)
+        return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 
 
 def _change(
