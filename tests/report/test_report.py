@@ -371,6 +371,13 @@ def test_a_map_tells_how_far_numerical_errors_move_it(of_kind, tmp_path):
     assert "numerical" not in note_of(of_kind("pump")["map"])  # whose errors were not estimated
 
 
+def test_of_many_curves_a_few_are_drawn_with_both_ends(of_kind):
+    figure = of_kind("forty curves")["efficiency"]
+    assert note_of(figure).startswith("9 of 40 curves")
+    labels = [text.get_text() for text in figure.axes[0].texts]
+    assert len([text for text in labels if text[0].isdigit()]) == 9 and {"500", "5000"} <= set(labels)
+
+
 def test_a_caption_is_cut_between_words():
     text = warned.caption(["word " * 30 + "12.5"])
     assert text.endswith("word …") and len(text) < warned.LONGEST + 12

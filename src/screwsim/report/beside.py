@@ -11,7 +11,7 @@ from screwsim.report import families
 from screwsim.report.families import Curve, Layout, family, slices
 from screwsim.report.quantities import PRESSURE, VOLUME, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, grid, new_figure, note, plain_ticks, write_all
-from screwsim.report.sweeps import OTHERS, label_axes, label_curves
+from screwsim.report.sweeps import OTHERS, label_axes, label_curves, thinned
 from screwsim.report.trace import Trace, chosen_trace
 from screwsim.results import Results
 
@@ -49,6 +49,11 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
     names = [name for name in (efficiency, *OTHERS) if name is not None]
     both = {name: [family(each, layout, chosen, None, name) for each in (a, b)] for name in names}
     shown = {name: (one, _in_units(a, b, name, other)) for name, (one, other) in both.items() if one and other}
+    few = {curve.text for one, _ in shown.values() for curve in thinned(one)[0]}
+    kept = next((words for one, _ in shown.values() if (words := thinned(one)[1])), "")
+    shown = {
+        name: tuple([curve for curve in curves if curve.text in few] for curves in pair) for name, pair in shown.items()
+    }
     figure = new_figure(DOUBLE, 22.0 + 52.0 * ((len(shown) + 1) // 2))
     panels = grid(figure, len(shown))
     for axes, (name, pair) in zip(panels, shown.items(), strict=True):
@@ -62,7 +67,7 @@ def _curves(a: Results, b: Results, layout: Layout, _other: Layout) -> Any:
         x = [curve.x for curves in pair for curve in curves]
         label_axes(axes, shown_axis(a.axis_list[layout.x]).label, shown_figure(a, name).label, x)
     heading, words = families.curves_heading(a, layout)
-    _head(figure, a, b, constant, words)
+    _head(figure, a, b, constant, words, kept)
     if layout.curves is not None:
         label_curves(zip(panels, (one for one, _ in shown.values()), strict=True), heading)
     return figure

@@ -21,6 +21,7 @@ _FINE = 61  # places along an axis between which contours are drawn: straight li
 _BEYOND = 0.02  # of the values' span: a smooth surface that goes farther beyond them invents a summit,
 _APART = 0.08  # one that is so far from the shape-preserving one a valley between values that rise
 _POINTS_SHOWN = 150  # up to so many computed points are marked
+_OPTIMA_SHOWN = 14  # up to about so many optima have a circle, on the line through all
 
 
 def plans(results: Results) -> Iterator[Plan]:
@@ -141,7 +142,8 @@ def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int],
         if best is not None:
             points.append((best[0], height))
     if points:
-        axes.plot(*np.transpose(points), "o-", color="white", linewidth=0.8, markeredgecolor="black", clip_on=False)
+        style = {"linewidth": 0.8, "markeredgecolor": "black", "markevery": 1 + len(points) // _OPTIMA_SHOWN}
+        axes.plot(*np.transpose(points), "o-", color="white", clip_on=False, **style)
     return len(points)
 
 
