@@ -1,14 +1,16 @@
 """Make the data of the worked examples in configs/calibration from machines whose parameters are known.
 
-    python docs/tools/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv
+    python docs/tools/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv, sheet.csv
         of configs/calibration
     screwsim calibrate configs/calibration/leakage.fit.yaml
     screwsim diagnose configs/calibration/fault.fit.yaml
 
 The points of later.csv are those of the machine of configs/paper after its tip gap has grown by 10 um, those of
 less_oil.csv with two thirds of its oil, those of both.csv with both faults. Those of stuck.csv are of the machine of
-configs/control whose slide, commanded to 0.3 of its travel (slide.yaml), has stuck at 0.15. Noise is normal, of the
-standard deviation that the files state as uncertainty (0.5 % of flow and power, 0.5 K), seed 1.
+configs/control whose slide, commanded to 0.3 of its travel (slide.yaml), has stuck at 0.15. sheet.csv is a table of
+capacity and power, as makers state them, of a machine with wider gaps and more friction than sheet.yaml. Noise is
+normal, of the standard deviation that the files state as uncertainty (0.5 % of flow and power, 0.5 K; 1 % of the
+table), seed 1.
 """
 
 from __future__ import annotations
@@ -42,6 +44,11 @@ LITTLE_OIL = {"oil_supply.ratio": 2.0}  # of 3
 STILL = {"effects.slide_valve.position": 0.15}  # of 0.3
 RATIO = 1.5  # oil to gas
 SHARE, KELVIN = 0.005, 0.5
+SHEET = POINTS.with_name("sheet.yaml")
+GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
+WIDER = {**{f"effects.{gap}.gap": 33e-6 for gap in GAPS}, "effects.mechanical.fraction": 0.12}  # of 26 um and 0.096
+TABLE = tuple((evaporating, condensing) for evaporating in (-10.0, 0.0, 5.0) for condensing in (30.0, 40.0, 50.0))
+CHECKED, TABLE_SHARE = (0.0, 40.0), 0.01
 COMMENT = (
     "# Made by docs/tools/calibration_example.py from a known machine, with noise of the stated uncertainties (seed 1)."
 )
@@ -95,7 +102,28 @@ def rows(truth: Mapping[str, float], ratio: float | None, grid: Grid = PAPER) ->
 
 def text(truth: Mapping[str, float] = TRUTH, ratio: float | None = RATIO, grid: Grid = PAPER) -> str:
     """Return the file of a machine."""
-    found = rows(truth, ratio, grid)
+    return written(rows(truth, ratio, grid))
+
+
+def sheet_text() -> str:
+    """Return a maker's table: cooling capacity and electrical power over both saturation temperatures [degC]."""
+    random, machine = np.random.default_rng(1), with_values(load(SHEET, ["numerics.accuracy=1e-5"]), WIDER)
+    found = []
+    for at in TABLE:
+        paths = [f"operation.{name}_temperature" for name in ("evaporating", "condensing")]
+        scene = with_values(machine, {path: value + 273.15 for path, value in zip(paths, at, strict=True)})
+        row = {"name": " / ".join(f"{value:g}" for value in at), "use": "check" if at == CHECKED else "fit"}
+        row |= {f"{path} [degC]": f"{value:g}" for path, value in zip(paths, at, strict=True)}
+        for name in ("cooling_capacity", "electrical_power"):
+            true = 1e-3 * simulate(scene, trace=False).performance[name]
+            row[f"{name} [kW]"] = f"{true * (1.0 + TABLE_SHARE * random.standard_normal()):.1f}"
+            row[f"{name}_uncertainty [kW]"] = f"{TABLE_SHARE * true:.2g}"
+        found.append(row)
+    return written(found)
+
+
+def written(found: Sequence[Mapping[str, str]]) -> str:
+    """Return rows as a file."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, list(found[0]), lineterminator="\n")
     writer.writeheader()
@@ -106,6 +134,7 @@ def text(truth: Mapping[str, float] = TRUTH, ratio: float | None = RATIO, grid: 
 if __name__ == "__main__":
     faults = {LATER: text(GROWN, None), LESS: text(LITTLE_OIL, None), STUCK: text(STILL, None, CONTROL)}
     faults[BOTH] = text({**GROWN, **LITTLE_OIL}, None)
+    faults[SHEET.with_suffix(".csv")] = sheet_text()
     for file, made in {POINTS: text(), **faults}.items():
         file.write_text(made, encoding="utf-8")
         print(file)

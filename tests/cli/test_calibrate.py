@@ -3,6 +3,7 @@
 import importlib
 import json
 import math
+import re
 import sys
 
 import pytest
@@ -70,6 +71,13 @@ def test_json_is_one_document(fitted, command):
     assert [point["fitted"] for point in found["points"]] == [True, True, True, True, False, False]
     assert found["correlation"][0][0] == pytest.approx(1.0)
     assert "residuals.png" in answer.err
+
+
+def test_a_terminal_is_told_beforehand_how_many_solutions_it_takes(fitted, command, monkeypatch):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    answer = command("calibrate", "small.fit.yaml", "--jobs", "1", "--json")
+    least, most = map(int, re.findall(r"some (\d+) to (\d+) solutions", " ".join(answer.err.split()))[0])
+    assert least <= json.loads(answer.out)["solutions"] <= most
 
 
 def test_files_are_a_scene_a_document_and_a_figure(fitted, command):

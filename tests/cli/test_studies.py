@@ -5,6 +5,7 @@ import json
 import math
 import shutil
 import sys
+from pathlib import Path
 
 import h5py
 import pytest
@@ -114,11 +115,32 @@ def test_the_efficiency_of_a_real_gas_is_the_isentropic_one_and_stderr_says_so(n
     assert command(name, "oiled.yaml", *rest, *asked).err == ""
 
 
-def test_failed_solutions_end_with_their_code(studied, command):
+def test_a_comparison_writes_all_points_and_a_figure_and_tells_places_as_people_do(studied, command):
+    shutil.copy("other.h5", "faster.h5")
+    with h5py.File("faster.h5", "r+") as file:
+        file["performance/shaft_power"][1, 0] *= 1.5
+    answer = command("compare", "both.h5", "faster.h5", "-o", "both")
+    assert (answer.code, answer.err) == (0, "")
+    assert "largest change at operation.speed = 3000 rpm, oil_supply.ratio = 0.5 kg/kg: shaft power" in " ".join(
+        answer.out.split()
+    )
+    assert {path.name for path in Path("both").iterdir()} == {"comparison.csv", "comparison.png", "comparison.pdf"}
+    with open("both/comparison.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    ratios = [float(row["shaft_power_b [W]"]) / float(row["shaft_power_a [W]"]) for row in rows]
+    assert ratios == pytest.approx([1.0, 1.0, 1.5, 1.0])
+    Path("both/comparison.csv").write_text("mine\n1\n")
+    assert command("compare", "both.h5", "faster.h5", "-o", "both").code == 2
+    assert Path("both/comparison.csv").read_text() == "mine\n1\n"
+
+
+def test_a_trial_that_fails_is_told_and_an_answer_that_is_missing_ends_with_its_code(studied, command):
     answer = command(*COMMANDS["optimum"], "--to", "12", "--json")
     found = json.loads(answer.out)
-    assert (answer.code, found["rows"][0]["status"]) == (4, "ok")
+    assert (answer.code, found["rows"][0]["status"]) == (0, "ok")
     assert found["failed_solutions"] > 0
+    answer = command(*COMMANDS["optimum"], "--from", "9", "--to", "12", "--json")
+    assert (answer.code, json.loads(answer.out)["rows"][0]["status"]) == (4, "failed")
     answer = command("sensitivity", "oiled.yaml", "--jobs", "1", "--samples", "16", "--path", "oil_supply.ratio=1..12")
     assert answer.code == 4 and "narrow the ranges" in answer.out
 

@@ -39,6 +39,8 @@ from screwsim.report.quantities import shown_axis
 from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_style
 from screwsim.report.trace import chosen_trace
 from screwsim.results import Results, open_results, warned
+from screwsim.scene import loads
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 
@@ -355,6 +357,25 @@ def test_figures_tell_of_warnings(of_kind):
         assert told in swept[name].get_suptitle().replace("\n", " "), name
     triangles = [line for line in swept["efficiency"].axes[0].lines if line.get_marker() == "^"]
     assert sum(len(line.get_xdata()) for line in triangles) == 15  # three speeds of five ratios
+
+
+def test_a_map_tells_how_far_numerical_errors_move_it(of_kind, tmp_path):
+    def estimated(case):
+        found = ok(case).performance
+        return Result("ok", performance=found, error=Figures(dict.fromkeys(found, 1e-3)))
+
+    run_sweep(loads(PUMP), tmp_path / "x.h5", jobs=1, simulate=estimated)
+    results = open_results(tmp_path / "x.h5")
+    most = 100.0 * 1e-3 * float(results.performance["isothermal_efficiency"].max())
+    assert note_of(dict(maps.plans(results))["map"]()).endswith(f"numerical error at most {most:.1g} points")
+    assert "numerical" not in note_of(of_kind("pump")["map"])  # whose errors were not estimated
+
+
+def test_of_many_curves_a_few_are_drawn_with_both_ends(of_kind):
+    figure = of_kind("forty curves")["efficiency"]
+    assert note_of(figure).startswith("9 of 40 curves")
+    labels = [text.get_text() for text in figure.axes[0].texts]
+    assert len([text for text in labels if text[0].isdigit()]) == 9 and {"500", "5000"} <= set(labels)
 
 
 def test_a_caption_is_cut_between_words():

@@ -36,6 +36,7 @@ def test_the_data_are_those_of_the_script():
         module.LATER: module.text(module.GROWN, None),
         module.LESS: module.text(module.LITTLE_OIL, None),
         module.STUCK: module.text(module.STILL, None, module.CONTROL),
+        module.SHEET.with_suffix(".csv"): module.sheet_text(),
     }
     for file, text in texts.items():
         stored = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]

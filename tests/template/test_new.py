@@ -108,6 +108,9 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("air", {"condition": "0 bar(g)/10 bar(g)", "vi": 2.0}),
         ("heat_pump", {"fluid": "R513A", "condition": "51/69 degC, 20 K", "vi": 2.45}),
         ("booster", {"fluid": "R290", "condition": "5/28.8 bar, 10 degC"}),
+        ("booster", {"fluid": "R290", "condition": "5/15 bar", "displacement": "60 m^3/h"}),
+        ("heat_pump", {"fluid": "Ammonia", "condition": "0/70 degC", "displacement": "40 m^3/h"}),
+        ("heat_pump", {"fluid": "CO2", "condition": "-10/25 degC", "displacement": "18 m^3/h", "speed": "900 rpm"}),
         ("expander", {"fluid": "Water", "condition": "20/3.59 bar, 220 degC"}),
         ("reciprocating", {"fluid": "R454B"}),
     ],
@@ -304,7 +307,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["air", "--flow", "9000 m^3/min"], "--flow: a displacement of 600000 m^3/h at 2950 rpm: would take rotors"),
         (
             ["refrigeration", "--fluid", "R744"],
-            "--condition 0/40 degC: R744 saturates between -56.6 and 31.0 degC "
+            "--condition 0/40 degC, which is taken where none is stated: R744 saturates between -56.6 and 31.0 degC "
             "(write e.g. --condition '-12.8/13.5 degC')",
         ),
         (
@@ -316,7 +319,7 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
         (["booster", "--fluid", "Ethylene"], "--fluid Ethylene: CoolProp has no viscosity of it, which its gaps need"),
         (
             ["booster", "--fluid", "Hydrogen", "--condition", "1/1.8 bar, 10 degC", "--speed", "6000 rpm"],
-            "--speed 6000 rpm: films of oil take 7 times the work on so light a gas (lower, or higher pressures)",
+            "--speed 6000 rpm: with films of oil it takes 7 times the work that the gas needs (slower, or pressures",
         ),
         (
             ["booster", "--fluid", "R290", "--condition", "20/42 bar, 60 degC"],

@@ -55,7 +55,7 @@ def optimum(
     if output is not None:
         write_optimum(output, scene, asked, rows)
     show(as_json, optimum_document, print_optimum, scene, asked, rows)
-    return OK if all(row.status == "ok" and not row.failed for row in rows) else NOT_ALL_OK
+    return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
 
 
 def performance_map(
@@ -213,17 +213,21 @@ def compare(
     first: Annotated[str, argument("A.h5", "Results of run or sweep.")],
     second: Annotated[str, argument("B.h5", "What they are compared with.")],
     tolerance: Annotated[float, option("T", "Relative difference that counts as none, beside numerical error.")] = 0.0,
+    folder: Annotated[File, option("DIR", "Write all common points as a table, and figures of both.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
     """Tell what differs between two results files. A difference is a finding: exit code 0."""
+    options.check_drawer(folder)
     from screwsim.printing import show
-    from screwsim.printing.compare import comparison_document, print_comparison
+    from screwsim.printing.compare import comparison_document, print_comparison, write_comparison
     from screwsim.results import open_results
     from screwsim.study.compare import compare as compared
 
     a, b = open_results(first), open_results(second)
     found = compared(a, b, tolerance)
     show(as_json, comparison_document, print_comparison, a, b, found)
+    for path in () if folder is None else write_comparison(a, b, folder):
+        say(path, err=as_json)
     return OK
 
 
@@ -245,9 +249,10 @@ def calibrate(
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
     from screwsim.printing.posterior import keep_other_samples, posterior_document, print_posterior, write_posterior
+    from screwsim.printing.tables import wrapped
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
-    from screwsim.study.calibration import read_fit
+    from screwsim.study.calibration import cost_told, read_fit
     from screwsim.study.calibration.predict import points_to_predict, sampled
     from screwsim.study.progress import for_terminal
 
@@ -258,6 +263,8 @@ def calibrate(
         check_folder(folder)
         if posterior or asked:
             keep_other_samples(folder)
+    if sys.stderr.isatty():
+        say(wrapped(f"calibrate: {cost_told(fit)}"), err=True)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
     wide = None
     if (posterior or asked) and found.status != "interrupted":

@@ -32,6 +32,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
+from screwsim.numerics import cubic
 from screwsim.numerics.pchip import Pchip
 from screwsim.numerics.roots import brentq
 from screwsim.outputs import HELD, Figure, Scale
@@ -176,16 +177,15 @@ def heat_enthalpy(gas: Any, T_separator: float, T: float, p_d: float) -> float:
 @lru_cache(maxsize=32)
 def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float, uptake: float) -> OilSolution:
     """Return what oil supplied at T [K] holds, and its entropy as it gives gas off (M231–M233); rates in 1/s."""
-    from scipy.interpolate import CubicSpline
-
     enthalpy = heat_enthalpy(gas, T_separator, T, p_d)
     z = np.linspace(math.log(LEAST), math.log(MOST), ROWS)
     vapours = [gas.vapour(equilibrium_pressure(math.exp(each), T), T) for each in z]
-    entropy = CubicSpline(z, [each.s - (each.h - enthalpy) / T for each in vapours])
-    held = np.exp(z)
-    falls = CubicSpline(z, -held * entropy(z, 1))
-    rest = (falls.antiderivative()(z) + falls(z[0])) / held  # below the tables, in proportion to what is held
-    return OilSolution(z, entropy(z), entropy(z, 1), rest, enthalpy, content(p_d, T_separator), release, uptake)
+    entropies = cubic.coefficients(z, np.array([each.s - (each.h - enthalpy) / T for each in vapours]))
+    entropy, slope, held = cubic.at_points(z, entropies), cubic.slopes_at_points(z, entropies), np.exp(z)
+    falls = cubic.coefficients(z, -held * slope)
+    rest = cubic.at_points(z, cubic.integral(z, falls)) + falls[-1, 0]
+    below = rest / held  # below the tables, in proportion to what is held
+    return OilSolution(z, entropy, slope, below, enthalpy, content(p_d, T_separator), release, uptake)
 
 
 def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:

@@ -145,7 +145,8 @@ def _idle(cooler: Cooler, found: Separated) -> str:
 def check(parameters: Parameters, facts) -> Faults:
     path, stated = f"effects.{NAME}", [] if parameters.cooler is None else parameters.cooler.stated
     for name in stated[1:]:
-        yield Fault(f"{path}.cooler.{name}", f"is given beside {stated[0]} (state one of them)")
+        what = f"is given beside {stated[0]} (state one of them, null in place of the other)"
+        yield Fault(f"{path}.cooler.{name}", what)
     if stated and facts.oil_supply.temperature is not None:
         finds = "states it, too" if stated[0] == "outlet_temperature" else "lets it follow"
         remedy = f"remove one of the two, null in place of a base's {SUPPLY}"

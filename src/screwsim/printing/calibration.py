@@ -226,7 +226,8 @@ def _warnings(found: Calibration) -> Iterator[str]:
         yield f"no solution at {name}: {reason}"
     for count, text in kinds_of(found.warnings.values()):
         first = next(name for name, texts in found.warnings.items() if text in texts)
-        yield f"warning at {first}{f' and {count - 1} other points' if count > 1 else ''}: {text}"
+        others = f" and {count - 1} other point{'s' * (count > 2)}" if count > 1 else ""
+        yield f"warning at {first}{others}: {text}"
     if known is None:
         return
     for parameter, border in zip(found.fit.parameters, known.border, strict=True):

@@ -1,16 +1,24 @@
 """What `screwsim compare` prints."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from screwsim.outputs.customary import printed_celsius
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
+from screwsim.report.beside import draw_both
+from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
+from screwsim.results.schema import Axis
 from screwsim.screen import say
-from screwsim.study.compare import Comparison, FigureChange
+from screwsim.study.columns import Column, keep_other_columns, write_columns
+from screwsim.study.compare import Comparison, FigureChange, common_points
 
+TABLE, TITLE = "comparison.csv", "comparison"
+OWN = "status_a", "status_b"  # columns by which such a table is known
 MOST_NAMES = 3  # of figures that differ most at one point
 
 
@@ -92,10 +100,38 @@ def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
 
 
 def _where(results: Results, at: Mapping[str, Any]) -> str:
-    """Return where a point lies, in the units of the file."""
-    units = {axis.path: axis.units for axis in results.axis_list if axis.units != "1"}
-    words = [
-        f"{path} = {value if isinstance(value, str) else format(value, '.6g')} {units.get(path, '')}".strip()
-        for path, value in at.items()
-    ]
+    """Return where a point lies, in the units in which a figure shows it."""
+    axes = {inner.path: inner for axis in results.axis_list for inner in (axis.joined or (axis,))}
+    words = [f"{path} = {_shown(axes.get(path), value)}" for path, value in at.items()]
     return f" at {', '.join(words)}" if words else ""
+
+
+def _shown(axis: Axis | None, value: Any) -> str:
+    """Return a value [SI] of an axis with its unit; a text stands for itself."""
+    if axis is None or isinstance(value, str):
+        return value if isinstance(value, str) else short(value)
+    shown = shown_axis(axis)
+    return f"{short(shown.of(value))} {shown.unit}".strip()
+
+
+def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
+    """Write a row a common point, SI units, and figures of both files; return the paths."""
+    common, columns = common_points(a, b), {}
+    units = {inner.path: inner.units for each in (b, a) for axis in each.axis_list for inner in axis.joined or (axis,)}
+    for path, values in common.places.items():
+        columns[path] = Column(values.tolist(), units.get(path, "1"), path)
+    for side, status in zip("ab", common.status, strict=True):
+        columns[f"status_{side}"] = Column(status.tolist(), "", f"status in {side.upper()}")
+    for name, (one, other, error) in common.figures.items():
+        about = (a if name in a.performance else b).figure(name)
+        named = {"a": (one, "in A"), "b": (other, "in B"), "error": (error, "estimated errors of both, together")}
+        for end, (column, words) in named.items():
+            columns[f"{name}_{end}"] = Column(_cells_of(column), about.units, f"{about.long_name}, {words}")
+    table = folder / TABLE
+    keep_other_columns(table, TITLE, *OWN)
+    write_columns(table, TITLE, columns)
+    return [str(table), *draw_both(a, b, folder)]
+
+
+def _cells_of(values: Any) -> list[float | None]:
+    return [None if math.isnan(value) else value for value in values.tolist()]

@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.report import families
 from screwsim.report.families import Layout, family, is_log, left_out, slices
-from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
+from screwsim.report.quantities import is_numeric, short, shown_axis, shown_figure
 from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
 from screwsim.report.sweeps import Plan
 from screwsim.results import Results
@@ -21,6 +21,7 @@ _FINE = 61  # places along an axis between which contours are drawn: straight li
 _BEYOND = 0.02  # of the values' span: a smooth surface that goes farther beyond them invents a summit,
 _APART = 0.08  # one that is so far from the shape-preserving one a valley between values that rise
 _POINTS_SHOWN = 150  # up to so many computed points are marked
+_OPTIMA_SHOWN = 14  # up to about so many optima have a circle, on the line through all
 
 
 def plans(results: Results) -> Iterator[Plan]:
@@ -45,8 +46,17 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
     counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
-    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves))
+    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves), _error_words(results, name))
     return figure
+
+
+def _error_words(results: Results, name: str) -> str:
+    """Return how far numerical errors move what is drawn, at most; empty where none were estimated."""
+    if name not in results.error or not np.isfinite(errors := results.absolute_error(name)).any():
+        return ""
+    shown = shown_figure(results, name)
+    unit = "points" if shown.unit == "%" else shown.unit
+    return f"numerical error at most {short(float(f'{np.nanmax(errors) * shown.factor:.1g}'))} {unit}".rstrip()
 
 
 def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
@@ -132,7 +142,8 @@ def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int],
         if best is not None:
             points.append((best[0], height))
     if points:
-        axes.plot(*np.transpose(points), "o-", color="white", linewidth=0.8, markeredgecolor="black", clip_on=False)
+        style = {"linewidth": 0.8, "markeredgecolor": "black", "markevery": 1 + len(points) // _OPTIMA_SHOWN}
+        axes.plot(*np.transpose(points), "o-", color="white", clip_on=False, **style)
     return len(points)
 
 

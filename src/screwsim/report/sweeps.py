@@ -17,6 +17,7 @@ Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
 OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
 _LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
 _BAND = 0.16  # opacity of a band
+_MOST_CURVES, _CURVES_SHOWN = 16, 9  # more curves than the first are a smear: so many of them are drawn
 _POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
 
 
@@ -35,7 +36,7 @@ def plans(results: Results) -> Iterator[Plan]:
 
 def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
     """Draw an efficiency over x, optimum of each curve marked (the paper's Fig. 1)."""
-    curves = family(results, layout, chosen, None, name)
+    curves, kept = thinned(every := family(results, layout, chosen, None, name))
     figure = new_figure(SINGLE, 70.0)
     axes = figure.subplots()
     found = draw_curves(axes, curves, optima=True)
@@ -43,7 +44,7 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
     label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
     heading, words = families.curves_heading(results, layout)
     told = (*remarks(curves, found), families.band_words(results, curves))
-    note(figure, constant, words, *told, left_out(results, layout, chosen, curves))
+    note(figure, constant, words, kept, *told, left_out(results, layout, chosen, every))
     if layout.curves is not None:
         label_curves([(axes, curves)], heading)
     return figure
@@ -51,20 +52,30 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
 
 def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
     """Draw the other figures over x, a panel each."""
-    shown = {name: curves for name in OTHERS if (curves := family(results, layout, chosen, None, name))}
+    every = {name: curves for name in OTHERS if (curves := family(results, layout, chosen, None, name))}
+    shown = {name: thinned(curves)[0] for name, curves in every.items()}
     rows, x_label = (len(shown) + 1) // 2, shown_axis(results.axis_list[layout.x]).label
     figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
     panels = grid(figure, len(shown))
     for axes, (name, curves) in zip(panels, shown.items(), strict=True):
         draw_curves(axes, curves, optima=False)
         label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
-    widest = max(shown.values(), key=len)
+    widest = max(every.values(), key=len)
     heading, words = families.curves_heading(results, layout)
-    told = (*remarks(widest, 0), families.band_words(results, widest))
+    drawn, kept = thinned(widest)
+    told = (kept, *remarks(drawn, 0), families.band_words(results, drawn))
     note(figure, constant, words, *told, left_out(results, layout, chosen, widest))
     if layout.curves is not None:
         label_curves(zip(panels, shown.values(), strict=True), heading)
     return figure
+
+
+def thinned(curves: list[Curve]) -> tuple[list[Curve], str]:
+    """Return as many curves as an eye can follow, evenly chosen with both ends, and what is said of it; else all."""
+    if len(curves) <= _MOST_CURVES:
+        return curves, ""
+    chosen = np.unique(np.linspace(0, len(curves) - 1, _CURVES_SHOWN).round().astype(int))
+    return [curves[i] for i in chosen], f"{len(chosen)} of {len(curves)} curves"
 
 
 def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:

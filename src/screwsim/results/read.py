@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declaration, unpacked
+from screwsim.figures.errors import error_scale, needed
 from screwsim.inputs.arguments import FILE, one_of, takes
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, ITSELF, STATUSES, Figure, Variable
@@ -97,6 +98,17 @@ class Results(Brief):
         here = declaration(name)
         scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
         return Figure(name, units, long_name, scale, shown=here.shown if here and here.units == units else "")
+
+    def absolute_error(self, name: str, unknown: float = np.nan) -> np.ndarray:
+        """Return the estimated numerical error of a figure in each case, in its own unit [SI].
+
+        By the relative one `unknown` where nothing was estimated.
+        """
+        scale = self.figure(name).scale
+        asked = (each for each in needed(name, scale) if each in self.performance)
+        known = {each: np.nan_to_num(self.performance[each]) for each in asked}
+        relative = np.where(np.isfinite(self.error[name]), self.error[name], unknown)
+        return relative * error_scale(name, scale, known, np.maximum)
 
     @cached_property
     def figures(self) -> list[str]:

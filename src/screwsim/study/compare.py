@@ -3,11 +3,10 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.figures.errors import error_scale, needed
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
@@ -83,7 +82,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     """
     if not 0.0 <= tolerance < math.inf:
         raise UsageError(f"--tolerance {tolerance:g}: is no relative tolerance (write e.g. 1e-6)")
-    flat_a, flat_b = (scene_values(each.scene_yaml, str(each.path), ("sweep", "title")) for each in (a, b))
+    flat_a, flat_b = (_scene_values(each) for each in (a, b))
     paths = list(dict.fromkeys([*a.varied, *b.varied]))
     in_a, in_b, at = _common(a, b, paths, flat_a, flat_b)
     status_a, status_b = a.status.ravel()[in_a], b.status.ravel()[in_b]
@@ -109,6 +108,35 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
         len(changed),
         tuple(first),
     )
+
+
+class Common(NamedTuple):
+    """The common points of two files: the varied paths and their values [SI], figures [SI] of both, and their errors.
+
+    A figure that a file does not have, or a case without a value, is NaN; errors are absolute, of both together.
+    """
+
+    places: Mapping[str, Array]
+    status: tuple[Array, Array]
+    figures: Mapping[str, tuple[Array, Array, Array]]
+
+
+def common_points(a: Results, b: Results) -> Common:
+    """Return all figures at the points that both files have; raise UsageError when there are none."""
+    paths = list(dict.fromkeys([*a.varied, *b.varied]))
+    in_a, in_b, at = _common(a, b, paths, _scene_values(a), _scene_values(b))
+    sides = _Side(a, in_a), _Side(b, in_b)
+    figures = {}
+    for name in dict.fromkeys((*a.error, *b.error)):
+        one, other = (side.values(name) for side in sides)
+        if np.isfinite(one).any() or np.isfinite(other).any():
+            there = all(name in each.error for each in (a, b))
+            figures[name] = one, other, sum(side.errors(name) for side in sides) if there else np.full(len(one), np.nan)
+    return Common(dict(zip(paths, at, strict=True)), (a.status.ravel()[in_a], b.status.ravel()[in_b]), figures)
+
+
+def _scene_values(results: Results) -> dict[str, str]:
+    return scene_values(results.scene_yaml, str(results.path), ("sweep", "title"))
 
 
 def _common(
@@ -174,12 +202,7 @@ class _Side:
 
     def errors(self, name: str) -> Array:
         """Return its estimated absolute error; by the wanted accuracy where nothing was estimated."""
-        relative = self._results.error[name].ravel()[self._cases]
-        relative = np.where(np.isfinite(relative), relative, self._accuracy)
-        scale = self._results.figure(name).scale
-        asked = (each for each in needed(name, scale) if each in self._results.performance)
-        known = {each: np.nan_to_num(self.values(each)) for each in asked}
-        return relative * error_scale(name, scale, known, np.maximum)
+        return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 
 
 def _change(

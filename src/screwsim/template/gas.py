@@ -38,6 +38,7 @@ WIDE = 110  # columns of a comment
 DAMP = 1.3  # of the outlet's pressure: an ideal gas is this much drier than a real one, for an estimate
 DRAGGED = 4.0  # times the work without loss, beyond which friction makes no booster
 ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] over the dew point that its separator stays; of the critical temperature
+OIL_OVER_DEW = 4.0  # [K] over the dew point that cooled oil stays
 SOLIDITY = 0.63  # of end faces, as the text of flooded machines has it
 
 
@@ -189,14 +190,14 @@ def _sheet(asked: Asked) -> str:
     return textwrap.indent(textwrap.fill(told, WIDE), "# ") + "\n"
 
 
-def _friction(size: sizes.Size, speed: float, oil: str) -> float:
-    """Return what the films of oil in tip and end gaps take [W] (M141, M142), as warm as they should be."""
+def _friction(size: sizes.Size, speed: float, oil: str, leaves: float = LEAVES) -> float:
+    """Return what the films of oil in tip and end gaps take [W] (M141, M142); `leaves` is how warm it goes out [K]."""
     rotors, big, gap = FAMILIES["b"], size.diameter / 0.240, sizes.GAP * size.clearance
     total = 0.0
     for ratio, lobes in ((1.0, rotors.male_lobes), (rotors.male_lobes / rotors.female_lobes, rotors.female_lobes)):
         total += tip_drag(ratio * speed, size.diameter, lobes, size.length, 0.003 * big, gap)
         total += end_drag(ratio * speed, size.diameter, SOLIDITY, gap)
-    return OILS[oil].viscosity_at(LEAVES - 0.5 * WARMED) * total
+    return OILS[oil].viscosity_at(leaves - 0.5 * WARMED) * total
 
 
 def _condenses(fluid: str, duty: Duty) -> bool:
@@ -213,18 +214,23 @@ def _wet(fluid: str, duty: Duty) -> bool:
     return constants.dew_pressure(fluid, coldest) < DAMP * duty.at.high
 
 
-def _booster_leaves(fluid: str, duty: Duty, warmed: float) -> float:
+def _dew_temperature(fluid: str, duty: Duty) -> float | None:
+    """Return where a gas condenses [K] at the pressure that goes out; None of one that does not condense there."""
+    limits = constants.limits(fluid)
+    if limits is None or not _condenses(fluid, duty):
+        return None
+    highest = constants.dew_pressure(fluid, NEARLY * limits.T_critical)
+    return constants.saturation_temperature(fluid, min(duty.at.high, 0.999 * highest))
+
+
+def _booster_leaves(fluid: str, duty: Duty, warmed: float, dew: float | None) -> float:
     """Return the temperature [K] to which a booster's oil cools: below what `warmed` [K] makes uncooled, above the dew.
 
     Raise UsageError where there is none.
     """
     leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + UNCOOLED * warmed - ZERO_CELSIUS) / 5.0))
-    limits = constants.limits(fluid)
-    if limits is None or not _condenses(fluid, duty):
+    if dew is None:
         return leaves
-    dew = constants.saturation_temperature(
-        fluid, min(duty.at.high, 0.999 * constants.dew_pressure(fluid, NEARLY * limits.T_critical))
-    )
     dry = ZERO_CELSIUS + 5.0 * math.ceil((dew + ABOVE_DEW - ZERO_CELSIUS) / 5.0)
     if dry > duty.T + warmed:
         what = f"{fluid} of {duty.at.high_text} condenses below {dew - ZERO_CELSIUS:.0f} °C, about as warm as it leaves"
@@ -240,16 +246,22 @@ def booster(asked: Asked) -> str:
     size, duty = texts.sized(flow, speed), _duty(asked, fluid, "5/20 bar", "20 degC")
     c_p = duty.R * duty.k / (duty.k - 1.0)
     gas_flow = LAMBDA * flow * duty.density
-    taken = max(duty.work / ETA, duty.work / COMPRESSING + FRICTION * _friction(size, speed, oil) / gas_flow)
+
+    def taken_at(leaving: float) -> float:
+        """Return the work [J/kg] where oil leaves so warm [K]: cold films take more."""
+        friction = FRICTION * _friction(size, speed, oil, leaving) / gas_flow
+        return max(duty.work / ETA, duty.work / COMPRESSING + friction)
+
+    dew = _dew_temperature(fluid, duty)
+    leaves = _booster_leaves(fluid, duty, taken_at(LEAVES) / c_p, dew)
+    taken = taken_at(leaves)
     if taken > DRAGGED * duty.work:
-        what = (
-            f"films of oil take {taken / duty.work:.0f} times the work on so light a gas (lower, or higher pressures)"
-        )
-        raise UsageError(f"--speed {sizes.rpm(speed)}: {what}")
-    leaves = _booster_leaves(fluid, duty, taken / c_p)
+        what = f"with films of oil it takes {taken / duty.work:.0f} times the work that the gas needs"
+        raise UsageError(f"--speed {sizes.rpm(speed)}: {what} (slower, or pressures farther apart)")
+    warmed = WARMED if dew is None else min(WARMED, leaves - dew - OIL_OVER_DEW)
     left = taken - c_p * (leaves - duty.T)
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
-    ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * WARMED)) / 2.0
+    ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * warmed)) / 2.0
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **_motor(sizes.motor_for(gas_flow * taken)),

@@ -19,6 +19,10 @@ EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer)
 HOT = 350.0  # [K] of isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] at which gas and oil then leave, and at least so far above condensing
 WARMED = 25.0  # [K] by which the oil is then warmed
+OVER_DEW = 4.0  # [K] that oil stays above condensing where a machine leaks more than those that EFFICIENCIES are of
+TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take of it, rather too much: five gases from 40 m³/h ...
+RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of the pressure ratio, and of the density [kg/m³] from the second
+LEAST, TOO_HOT = 0.2, 400.0  # of that estimate; [K] of what leaves a leaky machine, from which its oil is cooled
 WARM = 333.15  # [K] at which the oil passes its bores
 BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: from the others, and its length
 PORT = 0.0057  # its area over the squared diameter of the rotor: assumed, 2 cm^2 at 187 mm
@@ -113,7 +117,7 @@ def _scene(asked: Asked, plant: Plant) -> str:
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    ratio, separator = _oil(duty, oil, asked.ratio)
+    ratio, separator = _oil(duty, oil, asked.ratio, _leaky(fluid, duty, size, flow))
     cooled = "discharge_temperature:" in separator.partition("#")[0]
     values = {
         **conditions(duty),
@@ -307,8 +311,9 @@ def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
     for T in (found.low, found.high):
         if not limits.T_triple < T < limits.T_critical:
             least, most = (end - ZERO_CELSIUS for end in (limits.T_triple, limits.T_critical))
+            usual = ", which is taken where none is stated" if condition == example else ""
             what = f"{fluid} saturates between {least:.1f} and {most:.1f} degC"
-            raise UsageError(f"--condition {condition}: {what} (write e.g. --condition '{_within(limits)}')")
+            raise UsageError(f"--condition {condition}{usual}: {what} (write e.g. --condition '{_within(limits)}')")
     if not found.low < found.high:
         raise UsageError(f"--condition {condition}: evaporates above condensing (write LOW/HIGH, e.g. '{example}')")
     p_s, p_d = constants.dew_pressure(fluid, found.low), constants.condensing_pressure(fluid, found.high)
@@ -327,13 +332,28 @@ def _within(limits: constants.Limits) -> str:
     return f"{low:.1f}/{high:.1f} degC"
 
 
-def _oil(duty: Duty, oil: str, built_in: float | None) -> tuple[float, str]:
-    """Return oil over gas, and the separator with a cooler where the gas gets hot without one."""
+def _leaky(fluid: str, duty: Duty, size: sizes.Size, flow: float) -> float:
+    """Return an estimate of eta_s of a small or slow machine, in which gaps pass much of what it displaces."""
+    R, T = constants.gas_constant(fluid), duty.T_e + duty.more
+    passed = (
+        sizes.GAP * size.clearance * size.diameter * math.sqrt(duty.k * R * T) / flow * (duty.p_d / duty.p_s) ** RISING
+    )
+    return TIGHT * max(1.0 - LEAKED * max(duty.p_s / (R * T), THIN) ** DENSER * passed, LEAST)
+
+
+def _oil(duty: Duty, oil: str, built_in: float | None, leaky: float) -> tuple[float, str]:
+    """Return oil over gas, and the separator with a cooler where the gas gets hot without one.
+
+    The oil of a small machine, whose leaks take more power, stays so warm that no gas condenses on it.
+    """
     leaves = max(LEAVES, duty.T_c + ABOVE)
-    taken = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work / EFFICIENCIES[1]
-    left = taken - duty.heat_capacity * (leaves - duty.T_e - duty.more)
-    if duty.hottest < HOT or left <= 0.0:
+    work = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in) * duty.work
+    cooled = duty.heat_capacity * (leaves - duty.T_e - duty.more)
+    left, more = work / EFFICIENCIES[1] - cooled, work / leaky - cooled
+    hot = duty.hottest >= HOT and left > 0.0
+    if not hot and more <= duty.heat_capacity * (TOO_HOT - leaves):
         return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
-    ratio = max(1.0, math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves) * WARMED)) / 2.0)
+    needed = max(left / WARMED, more / (leaves - duty.T_c - OVER_DEW)) / OILS[oil].heat_capacity_at(leaves)
+    ratio = max(1.0, math.ceil(2.0 * needed) / 2.0)
     kept = f"cooler: {{discharge_temperature: {leaves - ZERO_CELSIUS:.0f} degC}}"
     return ratio, f"separator: {{{kept}}}    # a thermostat keeps the temperature of what leaves"

@@ -14,7 +14,7 @@ from screwsim.outputs import Figures
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.study.calibration.descent import descend
-from screwsim.study.calibration.fit import DIFFERENCES, TOLERANCE, Fit, Measured, Point
+from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE, Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
 from screwsim.study.calibration.residuals import Array, Objective, Outcome, Simulate, why_not
 from screwsim.study.each import each
@@ -118,6 +118,17 @@ def first_places(fit: Fit) -> Array:
         return first
     cube = qmc.LatinHypercube(len(fit.parameters), rng=np.random.default_rng(fit.seed))
     return np.vstack([first, cube.random(fit.starts - 1)])
+
+
+def cost_told(fit: Fit) -> str:
+    """Return in a line about how many solutions a search takes, and what makes it shorter: one Jacobian to three."""
+    points = sum(point.fitted for point in fit.points)
+    jacobian = points * (2 if fit.slopes == EXACT else 2 * len(fit.parameters) + 1)
+    least = fit.starts * jacobian
+    many = f"{fit.starts} start{'s' * (fit.starts > 1)}"
+    told = f"{many}, {points} points, {len(fit.parameters)} parameters: some {least} to {3 * least} solutions"
+    fewer = "fewer `starts:` in the fit take less time, and may miss the best end"
+    return f"{told} ({fewer})" if fit.starts > 1 else told
 
 
 def calibrate(
