@@ -58,9 +58,9 @@ FIGURES_HEAD = """\
 Made by `docs/tools/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
 `screwsim.simulate(scene)` and in HDF5 files, in SI units. A result has the figures that its scene calls for, by what
 the fourth column names; where one of them has no value it is null, and `notes` says why. `error` has the estimated
-error of each figure relative to what the last column names, not always to the figure itself: a small difference of large
-flows, or one power of several, errs as those do ([model.md](../model.md), M41; λ is the volumetric efficiency). `status`
-is one of {statuses}.
+error of each figure relative to what the last column names, not always to the figure itself: a small difference of
+large flows, or one power of several, errs as those do ([model.md](../model.md), M41; λ is the volumetric efficiency).
+`status` is one of {statuses}.
 """
 TABLES = (
     ("balance", "Residuals of the balances; `bound` is what they are held to.", outputs.BALANCE),
