@@ -57,8 +57,10 @@ FIGURES_HEAD = """\
 
 Made by `docs/tools/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
 `screwsim.simulate(scene)` and in HDF5 files, in SI units. A result has the figures that its scene calls for, by what
-the last column names; where one of them has no value it is null, and `notes` says why. `error` has the estimated
-relative error of the figures ([model.md](../model.md), M41), `status` is one of {statuses}.
+the fourth column names; where one of them has no value it is null, and `notes` says why. `error` has the estimated
+error of each figure relative to what the last column names, not always to the figure itself: a small difference of
+large flows, or one power of several, errs as those do ([model.md](../model.md), M41; λ is the volumetric efficiency).
+`status` is one of {statuses}.
 """
 TABLES = (
     ("balance", "Residuals of the balances; `bound` is what they are held to.", outputs.BALANCE),
@@ -113,14 +115,32 @@ def scene_page() -> str:
     return "\n".join(parts)
 
 
+def relative_to(scale: outputs.Scale) -> str:
+    """Return in words what the estimated error of a figure is relative to (M41); λ is the volumetric efficiency."""
+    if scale.unasked:
+        return "not estimated"
+    of = [f"`{each}`" for each in scale.of]
+    least = " × ".join([*([f"{scale.least:g}"] if scale.least != 1.0 or not of else []), *of])
+    least += f", where there is `{scale.where}`" if scale.where else ""
+    found = {"ideal": ", × `ideal_isothermal_efficiency` where that is above 1", "filling": "", "": ""}[scale.times]
+    if scale.alone:
+        return least + found
+    itself = "itself, at λ below 0.1 × 0.1/λ" if scale.times == "filling" else "itself"
+    return (f"{itself}; {least} at least" if scale.least else itself) + found
+
+
 def figures_page() -> str:
     """Return the page of all results."""
     parts = [FIGURES_HEAD.format(statuses=", ".join(f"`{each}`" for each in outputs.STATUSES))]
     parts.append("## performance\n\nFigures of the closed cycle.\n")
     lines = []
     for key, each in known().items():
-        lines.append(f"| `{key}` | {each.units} | {cell(each.long_name)} | {cell(needs_of(key) or 'every scene')} |")
-    parts.append("\n".join(["| name | unit | what | called for by |", "|---|---|---|---|", *lines, ""]))
+        lines.append(
+            f"| `{key}` | {each.units} | {cell(each.long_name)} | {cell(needs_of(key) or 'every scene')} "
+            f"| {cell(relative_to(each.scale))} |"
+        )
+    head = ["| name | unit | what | called for by | its error is relative to |", "|---|---|---|---|---|"]
+    parts.append("\n".join([*head, *lines, ""]))
     for name, told, variables in TABLES:
         lines = [f"| `{key}` | {each.units} | {cell(each.long_name)} |" for key, each in variables.items()]
         parts.append("\n".join([f"## {name}\n\n{told}\n", "| name | unit | what |", "|---|---|---|", *lines, ""]))

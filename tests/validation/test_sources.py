@@ -81,17 +81,20 @@ def test_exact_cases_hold_to_their_tolerance(compare_of):
     assert [row.quantity for row in found if row.verdict != "holds"] == []
 
 
-@pytest.mark.parametrize("name", ["plain.py", "cylinder.py"])
+@pytest.mark.parametrize("name", ["plain.py", "cylinder.py", "chamber.py"])
 def test_plain_equations_import_nothing_of_the_package(name):
     tree = ast.parse((VALIDATION / "plain" / name).read_text(encoding="utf-8"))
     modules = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
     modules |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert {module.partition(".")[0] for module in modules} <= {
+        "CoolProp",
         "__future__",
         "collections",
         "dataclasses",
         "functools",
+        "itertools",
         "math",
+        "typing",
         "numpy",
         "scipy",
     }
@@ -106,7 +109,7 @@ def test_plain_equations_agree_with_the_package_to_1e_6(compare_of, plain_tool, 
     """The point whose oil is carried: all figures kept of plain.py; all points: as stored. The package is run now."""
     module = compare_of("plain")
     points = module.points(VALIDATION / "plain")
-    stored = [row for row in rows("plain") if "difference" in row["quantity"] and "cylinder" not in row["quantity"]]
+    stored = [row for row in rows("plain") if "difference" in row["quantity"] and "d = " in row["quantity"]]
     assert module.TOLERANCE == 1e-6 and len(points) == len(stored) == 3
     for point, row in zip(points, stored, strict=True):
         ours = dict(module.solved(*point.asked).performance)
@@ -130,6 +133,26 @@ def test_a_cylinder_of_plain_equations_agrees_with_the_package_to_1e_6(compare_o
     assert dict(module.solved(*reeds.asked).performance)["volumetric_efficiency"] == pytest.approx(there, rel=1e-6)
     machine = module.cylinder_of(load(*ideal.asked))
     assert module.compared(ideal, module.cylinder_figures(machine)).ours <= module.TOLERANCE
+
+
+def test_a_chamber_of_plain_equations_on_a_real_fluid_agrees_with_the_package_to_1e_6(compare_of):
+    """The package is run now, the plain equations are as stored: each point takes them seconds."""
+    module = compare_of("plain")
+    stored = [row for row in rows("plain") if row["quantity"].startswith("tight chamber")]
+    points = module.chamber_points(VALIDATION / "plain")
+    assert len(stored) == len(points) == 4
+    for point, row in zip(points, stored, strict=True):
+        words = row["note"].split()
+        name, there = "_".join(words[2:4]), float(words[-2])  # of the plain equations, to eight digits
+        assert row["quantity"].startswith(f"{point.name}: ") and row["ours"] <= module.TOLERANCE
+        assert dict(module.solved(*point.asked).performance)[name] == pytest.approx(there, rel=1e-6)
+
+
+@pytest.mark.around
+def test_a_chamber_of_plain_equations_solved_now_is_that_of_the_package(compare_of):
+    module = compare_of("plain")
+    for point in module.chamber_points(VALIDATION / "plain"):
+        assert module.compared(point, module.chamber_figures(load(*point.asked))).ours <= module.TOLERANCE
 
 
 @pytest.mark.around

@@ -1,4 +1,4 @@
-"""The package against plain.py and cylinder.py, the equations written a second time, at three points and two."""
+"""The package against plain.py, cylinder.py and chamber.py, the equations written a second time."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from math import degrees, pi
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from CoolProp import CoolProp
 from CoolProp.CoolProp import PropsSI
 
 from screwsim.build import WIDTH, build_gas
@@ -25,15 +26,48 @@ CYLINDERS = {  # by name, changes of configs/slider_crank/air.yaml
         "effects.cylinder_heat.correlation=destoop",
     ),
 }
+GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage")
+TIGHT_CHAMBER = tuple(f"effects.{each}=off" for each in GAPS)
+COMPRESSING = (
+    "machine.mode=compressor",
+    "effects.motor=off",
+    "gas.two_phase=equilibrium",
+    "operation.suction=null",
+    "operation.discharge=null",
+    "operation.evaporating_temperature=2 degC",
+    "operation.condensing_temperature=45 degC",
+)
+CHAMBERS = {  # by name, changes of configs/expander/point.yaml; two phases of R134a between 250 K and 360 K
+    "wet suction, 90 % vapour": (*COMPRESSING, "operation.suction={quality: 0.9}"),
+    "liquid injected, 10 K of superheat": (
+        *COMPRESSING,
+        "operation.superheat=10 K",
+        "effects.liquid_injection={opens: 450 deg, closes: 550 deg, area: 2 mm^2}",
+    ),
+    "economizer, and gas pushed back into it": (
+        *COMPRESSING,
+        "operation.superheat=10 K",
+        "effects.economizer={temperature: 15 degC, opens: 380 deg, closes: 560 deg, area: 6 cm^2}",
+    ),
+    "expander, wet at its outlet": (
+        "operation.suction.temperature=70 degC",
+        "operation.discharge.pressure=4 bar",
+        "gas.two_phase=equilibrium",
+    ),
+}
+PLENUMS = ("liquid_injection", "economizer")
+SHOWN = ("isothermal_efficiency", "volumetric_efficiency", "isentropic_efficiency")
 TITLE = "Package against the equations in plain Python"
 CITATION = (
-    "validation/plain/plain.py: equations of Chernov et al. 2015, docs/model.md, and cylinder.py: "
-    "docs/reference/slider-crank.md, integrated by scipy's LSODA"
+    "validation/plain/plain.py: equations of Chernov et al. 2015, docs/model.md, chamber.py: the same of "
+    "a real fluid, and cylinder.py: docs/reference/slider-crank.md, integrated by scipy's LSODA"
 )
 ABOUT = (
-    "plain.py and cylinder.py share no line with the package, but the numbers of the scene, k and R of the gas. Both "
-    "have the stated width of the root near equal pressures. All figures of the paper's machine, and of a cylinder of "
-    "air, are compared; the one that differs most is shown."
+    "plain.py, chamber.py and cylinder.py share no line with the package, but the numbers of the scene, k and R of an "
+    "ideal gas; a real fluid is CoolProp's in one phase and at saturation, to whose equations the package's are held "
+    "elsewhere, and what both phases make of it is written again. All have the stated width of the root near equal "
+    "pressures. All figures of the paper's machine, of a tight chamber on R134a and of a cylinder of air are compared; "
+    "the one that differs most is shown."
 )
 
 
@@ -134,6 +168,50 @@ def cylinder_figures(machine: Any) -> dict[str, float]:
     return sibling(Path(__file__).parent / "cylinder.py").figures(machine)
 
 
+def chamber_of(scene: Scene) -> Any:
+    """Return the numbers of a scene as chamber.py wants them; states by CoolProp, which it asks itself."""
+    plain = sibling(Path(__file__).parent / "chamber.py")
+    m, at, liquid, port = scene.machine, scene.operation, None, None
+    fluid = plain.Fluid(scene.gas.fluid, 250.0, 360.0)
+    if at.condensing_temperature is None:
+        sucked, p_d = fluid.of(CoolProp.PT_INPUTS, at.suction.pressure, at.suction.temperature), at.discharge.pressure
+    else:
+        liquid = fluid.of(CoolProp.QT_INPUTS, 0.0, at.condensing_temperature)
+        vapour, p_d = fluid.of(CoolProp.QT_INPUTS, 1.0, at.evaporating_temperature), liquid.p
+        dry = (CoolProp.PT_INPUTS, vapour.p, at.evaporating_temperature + (at.superheat or 0.0))
+        wet = (CoolProp.PQ_INPUTS, vapour.p, at.suction.quality)
+        sucked = fluid.of(*(dry if at.suction.quality is None else wet))
+    for name in PLENUMS:
+        if name in scene.effects:
+            p = scene.effects[name].parameters
+            held = liquid if name == "liquid_injection" else fluid.of(CoolProp.QT_INPUTS, 1.0, p.temperature)
+            port = plain.Port(p.flow_coefficient * p.area, degrees(p.opens), degrees(p.closes), held)
+    return plain.Chamber(
+        fluid=fluid,
+        lobes=m.male_lobes,
+        V_max=m.volume.max,
+        V_min=1e-4 * m.volume.max,
+        phi_A=degrees(m.volume.phi_A),
+        suction=(m.suction_port.area, degrees(m.suction_port.phi_B)),
+        discharge=(m.discharge_port.area, degrees(m.discharge_port.opens), degrees(m.discharge_port.phi_C)),
+        omega=at.speed,
+        sucked=sucked,
+        p_d=p_d,
+        mechanical_fraction=scene.effects["mechanical"].parameters.fraction,
+        width=WIDTH * scene.numerics.accuracy,
+        liquid=liquid,
+        port=port,
+        backwards=m.mode == "expander",
+    )
+
+
+def chamber_figures(scene: Scene) -> dict[str, float]:
+    """Return the figures of chamber.py, those of its port by the name of the effect."""
+    found = sibling(Path(__file__).parent / "chamber.py").figures(chamber_of(scene))
+    drawn = found.pop("drawn", None)
+    return found | {f"{name}_mass_flow": drawn for name in PLENUMS if name in scene.effects}
+
+
 class Point(NamedTuple):
     """A point's name, and its scene: a file and what is changed in it."""
 
@@ -157,11 +235,18 @@ def cylinder_points(here: Path) -> list[Point]:
     return [Point(f"cylinder, {name}", (scene_file, (*changes, *TIGHT))) for name, changes in CYLINDERS.items()]
 
 
+def chamber_points(here: Path) -> list[Point]:
+    """Return the points of a tight chamber on a real fluid."""
+    scene_file = here.parents[1] / "configs" / "expander" / "point.yaml"
+    every = {f"tight chamber, {name}": (*TIGHT_CHAMBER, *changes, *TIGHT) for name, changes in CHAMBERS.items()}
+    return [Point(name, (scene_file, changes)) for name, changes in every.items()]
+
+
 def compared(point: Point, theirs: dict[str, float]) -> Row:
     """Return the row of the figure that differs most."""
     name, ours = point.name, dict(solved(*point.asked).performance)
     worst = max(theirs, key=lambda figure: abs(ours[figure] / theirs[figure] - 1.0))
-    shown = "isothermal_efficiency" if "isothermal_efficiency" in theirs else "volumetric_efficiency"
+    shown = next(each for each in SHOWN if each in theirs)
     return equal(
         f"{name}: largest difference of {len(theirs)} figures",
         abs(ours[worst] / theirs[worst] - 1.0),
@@ -196,4 +281,5 @@ def compare(here: Path) -> Comparison:
     rows = [compared(*each) for each in zip(every, theirs, strict=True)]
     rows += [kept_row(*every[1].asked, theirs[1], accuracy) for accuracy in ACCURACIES]
     rows += [compared(each, cylinder_figures(cylinder_of(load(*each.asked)))) for each in cylinder_points(here)]
+    rows += [compared(each, chamber_figures(load(*each.asked))) for each in chamber_points(here)]
     return Comparison(TITLE, CITATION, ABOUT, rows)

@@ -43,6 +43,18 @@ class Within(NamedTuple):
         turned = np.exp(-2j * np.pi * np.arange(1, count + 1)[:, None] * self.phase)
         return (2.0 * np.abs(turned @ (self.weight * curve))).tolist()
 
+    def smooth(self, curve: Array, mean: float, points: int) -> Array:
+        """Return a curve at so many (odd) even angles: of a stated mean, and of harmonics that these tell apart.
+
+        A curve taken at the angles alone would count its corners' higher harmonics as some of these.
+        """
+        turned, turn = points * self.weight * curve, np.exp(-2j * np.pi * self.phase)
+        spectrum = np.zeros(points // 2 + 1, complex)
+        for k in range(1, len(spectrum)):
+            turned = turned * turn
+            spectrum[k] = turned.sum()
+        return mean + np.fft.irfft(spectrum, points)
+
 
 class Pitch(NamedTuple):
     """One pitch at evenly spaced angles, its end left out; columns of arrays are the chambers alive, youngest first.
@@ -61,7 +73,7 @@ class Pitch(NamedTuple):
     high_pressure: float
     at: Callable[[Array], tuple[Array, Array]]
     steps: Array
-    within: Callable[[], Within]
+    within: Callable[..., Within]
 
     def extremes(self, *curves: Callable[[Array, Array], Array]) -> list[tuple[float, float]]:
         """Return the lowest and the highest value over a pitch of curves of all chambers' pressures and slopes.
@@ -92,13 +104,15 @@ def pitch_of(
     pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
     at, steps = partial(_at, life, geometry.pitch, geometry.chambers), life.times[: life.steps].copy()
-    within = lru_cache(maxsize=1)(partial(_within, geometry, at, steps))
+    within = lru_cache(maxsize=2)(partial(_within, geometry, at, steps))
     return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure, at, steps, within)
 
 
-def _within(geometry: MachineGeometry, at: Callable[[Array], tuple[Array, Array]], steps: Array) -> Within:
-    """Return nodes between the ends of all steps, and between even angles, as many as chambers leave of `POINTS`."""
-    even = np.linspace(0.0, geometry.pitch, POINTS // geometry.chambers + 1)
+def _within(
+    geometry: MachineGeometry, at: Callable[[Array], tuple[Array, Array]], steps: Array, parts: int | None = None
+) -> Within:
+    """Return nodes between the ends of all steps and of even parts; by default what chambers leave of `POINTS`."""
+    even = np.linspace(0.0, geometry.pitch, (parts or POINTS // geometry.chambers) + 1)
     ends = np.unique(np.concatenate([even, np.mod(steps, geometry.pitch)]))
     half = 0.5 * np.diff(ends)[:, None]
     angle = (ends[:-1, None] + half * (1.0 + NODES)).ravel()

@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from screwsim.effects.base import Effect, Faults, Given, Reading, Shaft
-from screwsim.effects.gas_torque import torque as gas_torque
+from screwsim.effects.gas_torque import smooth_torque
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault
+from screwsim.machine.drive.collocation import POINTS
 from screwsim.machine.drive.motor_line import Motor, check_motor
 from screwsim.machine.drive.response import NoMotion, Response, extremes, respond, swing
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
@@ -129,8 +130,9 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motions
 
     def motion(figures) -> Response:
-        # torque of gas and losses on the rotors at the points of a pitch [N m] (M144, M213)
-        load = gas_torque(figures.pitch()) + (figures.shaft_power - figures.indicated_power) / figures.omega
+        # torque of gas and losses on the rotors at the collocated angles of a pitch [N m] (M144, M213)
+        losses = (figures.shaft_power - figures.indicated_power) / figures.omega
+        load = smooth_torque(figures.pitch(), POINTS) + losses
         key = load.tobytes(), figures.set_speed, figures.omega
         if key not in last:
             if len(last) == KEPT:

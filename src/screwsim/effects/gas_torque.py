@@ -75,6 +75,15 @@ def raw_torque(pitch) -> np.ndarray:
     return _work(pitch.pressure - pitch.low_pressure, pitch.slope)
 
 
+def smooth_torque(pitch, points: int) -> np.ndarray:
+    """Return the torque [N m] at so many (odd) even angles of a pitch, of harmonics that are integrals (M144, M147).
+
+    No part of the quadrature holds more than half a wave of the highest.
+    """
+    within = pitch.within(points)
+    return within.smooth(_work(within.pressure - pitch.low_pressure, within.slope), pitch.torque_mean, points)
+
+
 def _work(excess: np.ndarray, slope: np.ndarray) -> np.ndarray:
     return -(excess * slope).sum(axis=1)
 
