@@ -20,9 +20,10 @@ from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
+from screwsim.effects.separator import DUTY
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
-from screwsim.figures.errors import relative_errors, worst
+from screwsim.figures.errors import error_of, relative_errors, worst
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
@@ -42,6 +43,7 @@ CONTRACTS = 0.1  # what a step is expected to leave of what is open ...
 LEARNT = 0.01  # ... the same with a Jacobian of the point before ...
 ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is closed
 ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
+UNCLOSED = 0.6  # of what the energy that a cycle leaves open makes of the mixture's temperature, by which that errs
 APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
 ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
 
@@ -315,6 +317,10 @@ def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
     for name, size in errors.items():
         if size is not None:
             errors[name] = size + off * search.series.per_step.get(name, 0.0)
+    circuit = accurate.evaluation.circuit
+    if isinstance(circuit, Circuit) and errors.get(DUTY):  # one that is not stated
+        watts = UNCLOSED * circuit.unclosed * circuit.outflow.oil_capacity
+        errors[DUTY] = (errors[DUTY] or 0.0) + error_of(DUTY, watts, accurate.evaluation.figures)
     return errors
 
 
@@ -323,7 +329,7 @@ def _of_circuit(accurate: Accurate, errors: Figures) -> float:
     circuit, of_separator = accurate.evaluation.circuit, errors.get("separator_temperature")
     if not isinstance(circuit, Circuit) or of_separator is None:
         return 0.0
-    off = of_separator * circuit.parted.T_separator
+    off = of_separator * circuit.parted.T_separator + UNCLOSED * circuit.unclosed
     return max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
 
 
