@@ -266,13 +266,14 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
         return solve(problem, machinery, course)
     counts, spent, estimating = search.counts, search.time, 0.0
     accurate = solve(problem, machinery, search.course, search.cycle)
-    errors = _with_unknowns(accurate, search)
+    errors, tightness = _with_unknowns(accurate, search), 1.0
     for _ in range(AGAIN):
         asked = asked_of(accurate.evaluation)
         at_rest, size = _left(accurate, asked, errors)
         if at_rest or asked is None:
             break
-        x, tightness = unknowns_of(accurate.evaluation.problem), accurate.tightness * min(1.0, AIM / size)
+        x = unknowns_of(accurate.evaluation.problem)
+        tightness = min(tightness, accurate.tightness * min(1.0, AIM / size))  # looser balances would lead astray
         note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
         search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
