@@ -167,7 +167,7 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"
     densest = float(np.max(cycle.y[S_RHO::n]))
     if densest > NO_MATTER:
-        pulsates = ", wider areas of effects.plenums" if problem.parts.pulsations else ""
+        pulsates = ", wider openings between plenum and line" if problem.parts.pulsations else ""
         return (
             f"closing found no way to a cycle: its last try went astray, to a density of {densest:.1e} kg/m3; what the "
             f"machine displaces may not get through its openings (a lower speed, wider ports{pulsates})"
