@@ -20,7 +20,6 @@ from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
-from screwsim.effects.separator import DUTY
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import error_of, relative_errors, worst
@@ -45,6 +44,7 @@ ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is 
 ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
 UNCLOSED = 0.6  # of what the energy that a cycle leaves open makes of the mixture's temperature, by which that errs
 APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
+DUTY = "oil_cooler_duty"  # the figure of what the oil cooler takes
 ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
 
 
