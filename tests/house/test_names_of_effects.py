@@ -28,7 +28,6 @@ WRITES = "it writes scenes with effects"
 ALLOWED = {
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
-    "evaluate/verdict.py": ({"suction_port"}, SECTIONS),
     "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),
     "export/loads.py": ({"suction_port", "discharge_port"}, REMEDY),
     "machine/profile_law.py": ({"blow_hole"}, WORDS),
