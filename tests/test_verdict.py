@@ -9,7 +9,7 @@ import pytest
 from each_row import each_row
 
 from screwsim.cycle.problem import Problem, problem_of
-from screwsim.evaluate.verdict import REMEDIES, refused
+from screwsim.evaluate.verdict import REMEDIES, failure, refused
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -48,6 +48,25 @@ def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
 )
 def test_what_cools_is_of_what_the_machine_has(scene, remedy):
     assert {REMEDIES[limit](outside(scene, limit, "")) for limit in (Limit.HOT, Limit.PRESSED)} == {remedy}
+
+
+def test_gas_that_an_expander_does_not_let_out_is_told_from_gas_that_comes_hot():
+    """The chamber ends its life hotter than the gas came: the outlet is too narrow, whatever comes."""
+    problem, told = outside("expander/point.yaml", Limit.HOT, "hot"), {}
+    for end in (0.9, 1.1):
+        ends = np.full(2, end * problem.lines.T_s), np.ones(2)
+        told[end] = refused(problem, SimpleNamespace(times=np.radians([0.0, 9.0, 720.0]), ends=ends))
+    assert told[0.9] == f"at 9.00 deg hot; {REMEDIES[Limit.HOT](problem)}"
+    assert "use a wider machine.suction_port" in told[1.1] and "cooler" not in told[1.1]
+
+
+def test_a_guess_that_went_astray_is_no_state_of_the_gas():
+    """A plenum that lets nothing through drove pressures to 1e28 kg/m³, told as a state to check clearances for."""
+    problem = problem_of(load(CONFIGS / "paper" / "point.yaml"))
+    life = SimpleNamespace(times=np.zeros(2), ends=(np.ones(1), np.ones(1)), R=np.zeros(99))
+    stopped = SimpleNamespace(y=np.array([700.0, 3e28, 600.0]), angle=0.0, impacts=0, trajectory=life)
+    found = failure(problem, stopped)
+    assert "went astray, to a density of 3.0e+28 kg/m3" in found and "clearances" not in found
 
 
 @pytest.mark.parametrize(

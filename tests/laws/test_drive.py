@@ -146,6 +146,13 @@ def test_the_motor_gives_gas_work_losses_and_what_the_coupling_takes():
     assert p.coupling_torque_mean == pytest.approx(p.shaft_power / p.mean_speed, rel=1e-9)
 
 
+def test_the_loss_of_a_coupling_errs_by_twice_what_its_swing_does():
+    """It goes with the square of it."""
+    error = run(SLOW).error
+    swing = min(error.coupling_torque_amplitude, error.twist_amplitude)
+    assert error.coupling_loss >= (1.0 - 1e-9) * 2.0 * swing > 0.0
+
+
 def test_the_electrical_power_pays_for_the_coupling_too():
     p = run({**SLOW, "effects.motor": {"rated_power": "11 kW"}}).performance
     assert p.coupling_loss > 5e-4 * p.shaft_power

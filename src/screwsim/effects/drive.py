@@ -30,6 +30,7 @@ from screwsim.machine.drive.train import LinearCoupling, Train
 from screwsim.outputs import Figure, Trace, names_of, power_figure
 
 KEPT = 3  # motions: before and after a turn, and of the turn that estimates the error
+SWING = "coupling_torque_amplitude", "twist_amplitude"  # the loss goes with their square
 FIGURES = (
     Figure("mean_speed", "rad s-1", "mean over time of the rotors' speed"),
     Figure("no_load_speed", "rad s-1", "speed at which the motor's torque vanishes"),
@@ -43,7 +44,7 @@ FIGURES = (
     Figure("torsional_frequency", "Hz", "first torsional frequency of small motions about the mean twist, undamped"),
     Figure("resonance_speed", "rad s-1", "speed at which the lobe frequency is the torsional frequency"),
     power_figure("motor_power", "mean power that the motor gives to the coupling"),
-    Figure("coupling_loss", "W", "mean power that the damping of the coupling takes"),
+    Figure("coupling_loss", "W", "mean power that the damping of the coupling takes", curve=SWING),
 )
 
 

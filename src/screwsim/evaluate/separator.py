@@ -45,7 +45,8 @@ class Circuit(NamedTuple):
     """Where gas and oil of a cycle part, and how far the temperatures that it was integrated with are from that.
 
     `supply` and `separator` [K] are by how much both should change, nothing where they are stated, or not asked for;
-    `open` is what they leave open, `residual` the same of the whole circuit, both over the shaft's power.
+    `open` is what they leave open, `residual` the same of the whole circuit, both over the shaft's power. `unclosed`
+    [K] is what the energy that the cycle leaves open makes of the mixture's temperature.
     """
 
     outflow: Outflow
@@ -54,6 +55,7 @@ class Circuit(NamedTuple):
     separator: float
     open: float
     residual: float
+    unclosed: float
 
 
 def circuit_of(
@@ -80,9 +82,10 @@ def circuit_of(
     used = asking[0].separator_temperature if asking and separator_open else None
     change = 0.0 if used is None else parted.T_separator - used
     power = abs(problem.rate * float(q[Q_WORK]) + lift + sum(losses.values()))
-    left = parted.open, outflow.oil_capacity * change, _unexplained(outflow, parted)
-    shares = [abs(each) / max(power, 1e-300) for each in left]
-    return Circuit(outflow, parted, parted.supply, change, max(shares[:2]), max(shares))
+    unexplained = _unexplained(outflow, parted)
+    shares = [abs(each) / max(power, 1e-300) for each in (parted.open, outflow.oil_capacity * change, unexplained)]
+    unclosed = abs(unexplained) / max(outflow.oil_capacity + outflow.gas_flow * parts.gas.c_p, 1e-300)
+    return Circuit(outflow, parted, parted.supply, change, max(shares[:2]), max(shares), unclosed)
 
 
 def _unexplained(outflow: Outflow, parted: Separated) -> float:

@@ -33,6 +33,7 @@ REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equat
     ),
 }
 
+NO_MATTER = 3e4  # [kg/m³], denser than any: a guess that went astray, not a state of the gas
 HOT = 1000.0  # [K] beyond what a machine stands
 PHASES = 120  # of a pitch at which a plenum's pressure is looked at
 STANDING = 86_400.0  # [s] of a turn, in which a machine that comes to no end all but stands
@@ -47,11 +48,20 @@ def refused(problem: Problem, life: Trajectory) -> str:
     found = None if i is None else gas.why_outside(float(T[i]), float(rho[i]))
     if i is None or found is None:
         return ""
-    return f"at {math.degrees(life.times[i + 1]):.2f} deg {_remedied(problem, found)}"
+    return f"at {math.degrees(life.times[i + 1]):.2f} deg {_remedied(problem, found, life)}"
 
 
-def _remedied(problem: Problem, found: Outside) -> str:
-    """Return which limit of its gas a state violates, with the remedy."""
+def _remedied(problem: Problem, found: Outside, life: Trajectory) -> str:
+    """Return which limit of its gas a state violates in a life, with the remedy.
+
+    Gas of an expander that ends hotter than it came was compressed again, as its outlet did not let it out.
+    """
+    hot = found.limit in (Limit.HOT, Limit.PRESSED) and problem.parts.geometry.expands
+    if hot and float(life.ends[0][-1]) > problem.lines.T_s:
+        return (
+            f"{found.what}: what the outlet does not let out is compressed again; use a wider machine.suction_port, "
+            f"through which an expander's gas leaves{_larger(problem)}, or a lower speed"
+        )
     return f"{found.what}; {REMEDIES[found.limit](problem)}"
 
 
@@ -150,10 +160,18 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
         reason = gas.why_outside(float(T), float(rho))
         if reason is not None:
             angle = cycle.angle + i * problem.parts.geometry.pitch
-            return f"the integration stopped at {math.degrees(angle):.2f} deg: {_remedied(problem, reason)}"
+            why = _remedied(problem, reason, cycle.trajectory)
+            return f"the integration stopped at {math.degrees(angle):.2f} deg: {why}"
     elsewhere = refused(problem, cycle.trajectory)
     if elsewhere:  # a chamber that gas of such a state reaches through a leak
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"
+    densest = float(np.max(cycle.y[S_RHO::n]))
+    if densest > NO_MATTER:
+        pulsates = ", wider openings between plenum and line" if problem.parts.pulsations else ""
+        return (
+            f"closing found no way to a cycle: its last try went astray, to a density of {densest:.1e} kg/m3; what the "
+            f"machine displaces may not get through its openings (a lower speed, wider ports{pulsates})"
+        )
     return (
         f"the integration stopped at {math.degrees(cycle.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"

@@ -68,6 +68,12 @@ def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
     return Figures(sizes)
 
 
+def error_of(name: str, size: float, figures: Mapping[str, Any]) -> float:
+    """Return what an error of a figure in its own unit is relative to its `error_scale`."""
+    known = {each: 0.0 if value is None else value for each, value in figures.items()}
+    return size / max(error_scale(name, declared(name, figures).scale, known), 1e-300)
+
+
 def needed(name: str, scale: Scale) -> tuple[str, ...]:
     """Return the figures that `error_scale` asks for."""
     return tuple(filter(None, (name, *scale.of, scale.where, TIMES[scale.times])))

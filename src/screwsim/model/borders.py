@@ -1,4 +1,4 @@
-"""Borders at which a step ends: of a phase, where a one-way path opens or shuts, and where a port closes.
+"""Borders at which a step ends: of a phase, where a one-way path opens, flattens or shuts, and where a port closes.
 
 The equations change at the first two. A wide port holds p to its plenum's, and lets go only in the last degrees before
 it closes. A step over all of that, made with the Jacobian of its start, sees the wide port at its early stages and no
@@ -16,6 +16,7 @@ CLOSED = 0.3  # of an opening's area at the end of a step, over that at its star
 STIFF = 10.0  # step times the largest rate of decay, above which it is too long to close along
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
+FLATTER = 1.5  # slope of a valve's flow over Δp at the start of a step, over that at its end, at most
 
 
 @kernel
@@ -38,6 +39,36 @@ def share_before_switch(one_way, line, width, held, most, y, y1, u, P, TAB):
         rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
         p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
         if against * (line - p) > 0.5 * SWITCHED * width:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@kernel
+def share_while_steep(line, width, held, most, y, y1, u, P, TAB):
+    """Return the share of a step, at most `most`, along which the flow of an open one-way path flattens by FLATTER.
+
+    Its slope over Δp goes as (Δp² + ε²)^(−1/4) and is steepest where the path opens. A stiff step with the Jacobian
+    from there takes the line to hold the chamber by so much more than it does, and tells next to none of its error.
+    """
+    if held != 1.0:
+        return most
+    p0, _h, _c, _t, _a, _x, _f = gas_state(y[S_T], y[S_RHO], P, TAB)
+    limit = FLATTER**4 * ((line - p0) ** 2 + width**2) - width**2
+    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
+    if (line - p1) ** 2 <= limit:
+        return most
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    low = 0.0
+    high = most
+    while high - low > 1e-3 * high:
+        middle = 0.5 * (low + high)
+        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
+        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
+        p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+        if (line - p) ** 2 > limit:
             high = middle
         else:
             low = middle

@@ -102,7 +102,8 @@ def asked_for(problem: Problem, tightness: float) -> Wanted:
     What its energy balance leaves open an oil's circuit does, too, over the shaft's power: less than the sum of flows.
     """
     wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
-    return replace(wanted, ahead=AHEAD) if problem.parts.all(Separator) else wanted
+    separates = problem.parts.all(Separator)
+    return replace(wanted, ahead=AHEAD, bound=tightness * wanted.bound) if separates else wanted
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:

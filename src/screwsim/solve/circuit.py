@@ -22,7 +22,7 @@ from screwsim.cycle.solution import CycleSolution, Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
-from screwsim.figures.errors import relative_errors, worst
+from screwsim.figures.errors import error_of, relative_errors, worst
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
@@ -42,7 +42,9 @@ CONTRACTS = 0.1  # what a step is expected to leave of what is open ...
 LEARNT = 0.01  # ... the same with a Jacobian of the point before ...
 ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is closed
 ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
+UNCLOSED = 0.6  # of what the energy that a cycle leaves open makes of the mixture's temperature, by which that errs
 APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
+DUTY = "oil_cooler_duty"  # the figure of what the oil cooler takes
 ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
 
 
@@ -264,13 +266,14 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
         return solve(problem, machinery, course)
     counts, spent, estimating = search.counts, search.time, 0.0
     accurate = solve(problem, machinery, search.course, search.cycle)
-    errors = _with_unknowns(accurate, search)
+    errors, tightness = _with_unknowns(accurate, search), 1.0
     for _ in range(AGAIN):
         asked = asked_of(accurate.evaluation)
         at_rest, size = _left(accurate, asked, errors)
         if at_rest or asked is None:
             break
-        x, tightness = unknowns_of(accurate.evaluation.problem), accurate.tightness * min(1.0, AIM / size)
+        x = unknowns_of(accurate.evaluation.problem)
+        tightness = min(tightness, accurate.tightness * min(1.0, AIM / size))  # looser balances would lead astray
         note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
         search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
@@ -315,6 +318,10 @@ def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
     for name, size in errors.items():
         if size is not None:
             errors[name] = size + off * search.series.per_step.get(name, 0.0)
+    circuit = accurate.evaluation.circuit
+    if isinstance(circuit, Circuit) and errors.get(DUTY):  # one that is not stated
+        watts = UNCLOSED * circuit.unclosed * circuit.outflow.oil_capacity
+        errors[DUTY] = (errors[DUTY] or 0.0) + error_of(DUTY, watts, accurate.evaluation.figures)
     return errors
 
 
@@ -323,7 +330,7 @@ def _of_circuit(accurate: Accurate, errors: Figures) -> float:
     circuit, of_separator = accurate.evaluation.circuit, errors.get("separator_temperature")
     if not isinstance(circuit, Circuit) or of_separator is None:
         return 0.0
-    off = of_separator * circuit.parted.T_separator
+    off = of_separator * circuit.parted.T_separator + UNCLOSED * circuit.unclosed
     return max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
 
 

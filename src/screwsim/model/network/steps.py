@@ -3,7 +3,7 @@
 Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 """
 
-from screwsim.model.borders import closes, share_before_border, share_before_switch, stiff
+from screwsim.model.borders import closes, share_before_border, share_before_switch, share_while_steep, stiff
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, PortState, stream_terms
 from screwsim.model.network.layout import Layout
@@ -35,7 +35,8 @@ def step_texts(network: Network) -> list[str]:
 
 def step_kernels(network: Network) -> list[Kernel]:
     """Return what those functions call, and those of port states and of gas between two steps."""
-    asked = {share_before_border: network.phases, share_before_switch: any(port.one_way for port in network.ports)}
+    asked = {share_before_border: network.phases}
+    asked |= dict.fromkeys((share_before_switch, share_while_steep), any(port.one_way for port in network.ports))
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
     return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
 
@@ -180,6 +181,8 @@ def _share_in_phase(network: Network) -> str:
             line, held = f"R[R_{port.cell} + PRESSURE]", layout.share(port, "HELD")
             ends = f"{port.one_way}, {line}, {port.width}, {held}, share"
             to.add(f"share = {share_before_switch.flat_name}({ends}, y, y1, u, P, TAB)")
+            steep = f"{line}, {port.width}, {held}, share"
+            to.add(f"share = {share_while_steep.flat_name}({steep}, y, y1, u, P, TAB)")
     tests = ["chamber__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
