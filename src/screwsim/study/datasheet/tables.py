@@ -21,6 +21,7 @@ KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
 NONE, BLANK, MARK = "–", "\u00a0", "*"
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
+Place = tuple[int, int]  # numbers on the axes across and down
 
 
 class Column(NamedTuple):
@@ -141,6 +142,21 @@ def _missed(rated: Rating) -> str:
     named = ", ".join(f"{ratio:.3g}" for ratio in sorted(missed))
     why = missed[min(missed)].splitlines()[0]
     return f"; not everywhere at {named}, so that a better one may be missed ({why})"
+
+
+def drawing(
+    rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, Place]]]]
+) -> Iterator[Drawing]:
+    """Yield a figure of a column: a curve a row (name, [(x, place)]) with two points of it, the first named `by` it."""
+    curves = []
+    for name, places in rows:
+        known = [(x, rated.points[place]) for x, place in places if place in rated.points]
+        good = [(x, column.value(one.performance) or 0.0) for x, one in known if has(one, column)]
+        if len(good) > 1:
+            x, y = zip(*good, strict=True)
+            curves.append(Curve(x, y, name if curves else f"{by} {name}"))
+    if curves:
+        yield Drawing(column.title, x_label, column.title, curves)
 
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
