@@ -105,7 +105,13 @@ def _states(trace: Trace, measured: Indicated | None) -> Any:
     lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
-    _name_marks(upper, trace)
+    # neighbours turn away from each other
+    marks = list(trace.marks.items())
+    for i, (text, angle) in enumerate(marks):
+        near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
+        near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
+        side = "left" if near_left else "right" if near_right else "center"
+        upper.annotate(text, (angle, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)
     note(figure, trace.title, clipped)
     return figure
 
@@ -202,13 +208,3 @@ def _angle_axis(axes: Any, trace: Trace) -> None:
     plain_ticks(axes.yaxis, most=6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
-
-
-def _name_marks(axes: Any, trace: Trace) -> None:
-    """Name the marked angles above the axes; neighbours turn away from each other."""
-    marks = list(trace.marks.items())
-    for i, (text, angle) in enumerate(marks):
-        near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
-        near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
-        side = "left" if near_left else "right" if near_right else "center"
-        axes.annotate(text, (angle, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)

@@ -188,7 +188,10 @@ def report(study: Study) -> str:
     blocks = [[study.title] if study.title else [], _reference(study), _asked(study)]
     best = front(competing(study))
     blocks += [_part(study, part, best) for part in _TITLES]
-    blocks += [_effects(study), _size(study), _left_out(study), textwrap.wrap(sentence(study), WIDTH)]
+    lines = ["What failed or was left out"]
+    for name, reason in study.left_out:
+        lines += textwrap.wrap(f"{name}: {reason}", WIDTH, initial_indent="- ", subsequent_indent="  ")
+    blocks += [_effects(study), _size(study), lines, textwrap.wrap(sentence(study), WIDTH)]
     return "\n\n".join("\n".join(lines) for lines in blocks if lines)
 
 
@@ -205,10 +208,3 @@ def _reference(study: Study) -> list[str]:
     else:
         text += f"It is not checked: {reference.second} gave no answer."
     return textwrap.wrap(text, WIDTH)
-
-
-def _left_out(study: Study) -> list[str]:
-    lines = ["What failed or was left out"]
-    for name, reason in study.left_out:
-        lines += textwrap.wrap(f"{name}: {reason}", WIDTH, initial_indent="- ", subsequent_indent="  ")
-    return lines
