@@ -57,7 +57,14 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
     if measured is not None:
         draw_over_volume(axes, measured, trace)
     note(figure, trace.title, clipped)
-    _mark_loop(axes, trace, V, p)
+    # the empty corner is up and right of the compression line
+    axes.figure.draw_without_rendering()
+    labels = []
+    for text, angle in trace.marks.items():
+        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
+        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
+        labels.append((at, f"{text}, {short(angle)}°", ((1, 1), (-1, 1))))
+    label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
     return figure
 
 
@@ -79,17 +86,6 @@ def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:
     axes.set(xlabel=VOLUME.label, ylabel=PRESSURE.label)
     plain_ticks(axes.xaxis)
     return clipped, V, p
-
-
-def _mark_loop(axes: Any, trace: Trace, V: Any, p: Any) -> None:
-    """Mark injection and port opening on the p–V loop; the empty corner is up and right of the compression line."""
-    axes.figure.draw_without_rendering()
-    labels = []
-    for text, angle in trace.marks.items():
-        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
-        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
-        labels.append((at, f"{text}, {short(angle)}°", ((1, 1), (-1, 1))))
-    label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
 
 
 def _states(trace: Trace, measured: Indicated | None) -> Any:

@@ -101,15 +101,11 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
         yield from tables.drawing(rated, column, "evaporating temperature [°C]", by, rows)
     yield from tables.part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
     if len(rated.reach) > 1 and asked.down.path == CONDENSING:
-        yield _outline(rated)
-
-
-def _outline(rated: Rating) -> Drawing:
-    corners = [(each.at, each.low) for each in rated.reach]
-    corners += [(each.at, each.high) for each in reversed(rated.reach)] + corners[:1]
-    x, y = ([celsius(corner[k]) for corner in corners] for k in (0, 1))
-    title = "Envelope: condensing temperature [°C]"
-    return Drawing(title, "evaporating temperature [°C]", title, [Curve(x, y)])
+        corners = [(each.at, each.low) for each in rated.reach]
+        corners += [(each.at, each.high) for each in reversed(rated.reach)] + corners[:1]
+        x, y = ([celsius(corner[k]) for corner in corners] for k in (0, 1))
+        title = "Envelope: condensing temperature [°C]"
+        yield Drawing(title, "evaporating temperature [°C]", title, [Curve(x, y)])
 
 
 def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]) -> Asked:
