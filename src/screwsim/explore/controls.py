@@ -187,8 +187,6 @@ def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
     return (-size, size, False) if value < 0.0 else (0.0, size, False)
 
 
-# ---- presets --------------------------------------------------------------------------------------------------
-
 _SPEED = "operation.speed"
 
 

@@ -178,9 +178,6 @@ def has(result: Result, column: Column) -> bool:
     return result.status == "ok" and result.performance.get(column.figure) is not None
 
 
-# ---- for programs ------------------------------------------------------------------------------------------------
-
-
 def kept(result: Result, names: Sequence[str]) -> dict[str, Any]:
     """Return what a sheet's document keeps of a result."""
     found = {name: result.performance[name] for name in names if name in result.performance}
