@@ -47,7 +47,7 @@ class Kind(NamedTuple):
 
 
 def _plant(plant: refrigeration.Plant, capacity: str) -> Kind:
-    written, first = (partial(function, plant) for function in (refrigeration.scene_of, refrigeration.first_flow))
+    written, first = partial(refrigeration.scene_of, plant), partial(refrigeration.first_flow, plant)
     return Kind(written, MOTOR + CAPACITY + LIQUID + SLIDE, capacity, first)
 
 
