@@ -11,6 +11,7 @@ from typing import Any
 from screwsim.build import build_parts, faults_of_own, regularisation
 from screwsim.cycle.solution import wanted_of
 from screwsim.effects import base, catalogue
+from screwsim.effects.base import LINES
 from screwsim.explain.media import gas_rows, oil_rows
 from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
@@ -273,7 +274,7 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
 def _paths(parts: Parts) -> Iterator[str]:
     for name, built in parts.effects.items():
         for path in (part for part in built if isinstance(part, base.FlowPath)):
-            if path.to in base.LINES:
+            if path.to in LINES:
                 ends = f"chamber - {path.to} line"
             elif path.to in parts.plenums:
                 held = parts.plenums[path.to]
