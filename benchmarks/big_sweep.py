@@ -22,7 +22,7 @@ from screwsim.codegen.modules import for_speed
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate
-from screwsim.study.progress import Silent
+from screwsim.study.progress import Progress
 from screwsim.study.sweep import run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -32,7 +32,7 @@ PORTS = ("suction_port", "discharge_port")
 MEBI = 1 << 20
 
 
-class Tenths(Silent):
+class Tenths(Progress):
     """Progress that notes when each tenth was done, and the most parts that lay on disk."""
 
     def __init__(self, folder: Path) -> None:

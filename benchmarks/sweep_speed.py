@@ -24,7 +24,7 @@ from screwsim.codegen.modules import for_speed
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import warm_up
 from screwsim.study.cases import blocks_of
-from screwsim.study.progress import Silent
+from screwsim.study.progress import Progress
 from screwsim.study.sweep import default_simulate_many, nothing, run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -73,7 +73,7 @@ def side_by_side(scene: Scene, processes: int) -> float:
     return time.perf_counter() - began
 
 
-class Stopwatch(Silent):
+class Stopwatch(Progress):
     """Progress that notes processor times [s]: when all cases are computed, and how long the file was laid out before.
 
     A sweep in this process does that between its first chunk and its first tick.

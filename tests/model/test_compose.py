@@ -6,10 +6,10 @@ from each_row import each_row
 from scenes import DROP, make
 
 from screwsim.build import build_parts
+from screwsim.codegen.modules import module_name
 from screwsim.effects import base, tip_leakage
 from screwsim.fluid import nozzle
 from screwsim.model import compose as composing
-from screwsim.model.compiled import module_name
 from screwsim.model.compose import compose
 from screwsim.model.network import network
 from screwsim.numerics import rodas
@@ -99,7 +99,7 @@ def test_an_edit_in_any_file_makes_another_module(edited, monkeypatch):
     forget()
     after = composition().text
     forget()
-    assert module_name(after) != module_name(before)
+    assert module_name(after, "model") != module_name(before, "model")
 
 
 def test_the_same_scene_has_the_same_text():

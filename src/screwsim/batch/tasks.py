@@ -147,7 +147,10 @@ class _Together:
         finally:
             here.turn = here.station = _ended
             try:
-                self._end_all()
+                # tasks that nobody waits for any more are told so where they asked for a turn
+                while self._ready or self._waiting:
+                    task = self._ready.popleft() if self._ready else self._waiting.pop()
+                    task.run.throw()
             finally:
                 here.turn, here.station = before
 
@@ -208,12 +211,6 @@ class _Together:
         other.run.switch()
         here.elsewhere = before + clock() - began
 
-    def _end_all(self) -> None:
-        """End tasks that nobody waits for any more: they are told so where they asked for a turn."""
-        while self._ready or self._waiting:
-            task = self._ready.popleft() if self._ready else self._waiting.pop()
-            task.run.throw()
-
     # ---- turns in one call -----------------------------------------------------------------------------------------
 
     def _call(self) -> None:
@@ -221,7 +218,7 @@ class _Together:
         first = self._waiting[0].asked
         assert first is not None
         alike = [task for task in self._waiting if _alike(task.asked, first)]
-        alike.sort(key=lambda task: _distance(task.asked, first))
+        alike.sort(key=lambda task: abs(task.asked.rtol - first.rtol) if task.asked is not None else 0.0)
         chosen = alike[: self._most]
         self._answer(chosen)
         answered = set(chosen)
@@ -250,10 +247,6 @@ def _ended(*_asked: object) -> Any:
 
 def _alike(one: side_by_side.Asked | None, other: side_by_side.Asked) -> bool:
     return one is not None and one.machinery.module is other.machinery.module
-
-
-def _distance(one: side_by_side.Asked | None, other: side_by_side.Asked) -> float:
-    return abs(one.rtol - other.rtol) if one is not None else 0.0
 
 
 _lanes: dict[str, side_by_side.Lanes | None] = {}  # by the name of a module; None where its text cannot be so compiled

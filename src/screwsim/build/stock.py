@@ -166,7 +166,10 @@ def build_site(scene: Scene, gas: Gas) -> Site:
 
 def build_gas(scene: Scene) -> Gas:
     """Return the gas of a scene."""
-    dry, humidity = _dry_gas(scene), scene.gas.relative_humidity
+    said = scene.gas
+    dry, humidity = find_gas_model(said.model).make(asked_of(scene)), said.relative_humidity
+    if "." in said.model:
+        _check_own(dry, lines(scene))
     if humidity is None:
         return dry
     assert isinstance(dry, IdealGas | RealGas)  # `scene.fluids` refuses others
@@ -178,14 +181,6 @@ def asked_of(scene: Scene) -> Asked:
     """Return what a scene says of its gas."""
     said = scene.gas
     return Asked(said.name, said.isentropic_exponent, said.two_phase, lambda: lines(scene).T_s)
-
-
-def _dry_gas(scene: Scene) -> Gas:
-    said = scene.gas
-    gas = find_gas_model(said.model).make(asked_of(scene))
-    if "." in said.model:
-        _check_own(gas, lines(scene))
-    return gas
 
 
 def _check_own(gas: Gas, at: Lines) -> None:

@@ -9,13 +9,14 @@ from screwsim.effects.base import CoolsOil, InSeparator, LosesPressure, Pressure
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
+from screwsim.fluid.settings import COLDEST, HOTTEST
 from screwsim.inputs.faults import Fault, Unfound, UsageError
 from screwsim.numerics.at_once import changed
 from screwsim.numerics.remembered import Remembered
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
-from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene
+from screwsim.scene.types import ActiveEffect, Found, Scene
 
 WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
 

@@ -113,7 +113,9 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
         return _internal(error.__cause__ if isinstance(error.__cause__, Exception) else error)
     if isinstance(error, typer.TyperException):  # the arguments make no sense
         mistakes.explain(error, *_below(arguments))
-        return complain(_shown(error), USAGE)
+        told = io.StringIO()
+        getattr(error, "show", lambda file: None)(file=told)
+        return complain(told.getvalue().rstrip(), USAGE)
     if isinstance(error, OSError) and error.errno in FULL:
         where = error.filename or "a file"
         remedy = "make room, or send it elsewhere"
@@ -130,13 +132,6 @@ def _below(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
     inner = group.commands.get(arguments[0]) if arguments else None
     below = getattr(inner, "commands", None)
     return (arguments[1:], below) if below else (arguments, group.commands)
-
-
-def _shown(error: typer.TyperException) -> str:
-    """Return usage and error as typer shows them."""
-    told = io.StringIO()
-    getattr(error, "show", lambda file: None)(file=told)
-    return told.getvalue().rstrip()
 
 
 def _internal(error: Exception) -> int:

@@ -206,7 +206,7 @@ def tespy(
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
         why = "heat that comes to the gas, as from a motor, is none to TESPy: its discharge temperature is too low"
         typer.echo(f"export: {why} (dissipation_ratio_range says by which share of the power)", err=True)
-    return _finished(document, FIGURES, rows, [_written_json(output, document)], as_json)
+    return _finished(document, FIGURES, rows, [_written(output, document)], as_json)
 
 
 @app.command()
@@ -231,10 +231,8 @@ def energyplus(
 
     found = _polynomials(source, figures, over, overrides, without, jobs)
     objects = made_for.energyplus_objects(found, output.stem)
-    if output.suffix.lower() == ".idf":
-        file = _written(output, made_for.idf(objects, made_for.notes(found)))
-    else:
-        file = _written_json(output, made_for.epjson(objects))
+    text = output.suffix.lower() == ".idf"
+    file = _written(output, made_for.idf(objects, made_for.notes(found)) if text else made_for.epjson(objects))
     curves = [made_for.normalised(one, rated(one)) for one in found.maps]
     rows = [
         (at, [*errors, *(error for _, error in each.values())])
@@ -267,10 +265,7 @@ def en12900(
 
     found = _polynomials(source, figures, over, overrides, without, jobs)
     document = en12900_document(found, ip)
-    if output.suffix.lower() == ".csv":
-        file = _written(output, en12900_csv(found, ip))
-    else:
-        file = _written_json(output, document)
+    file = _written(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _finished(document, list(found.units), _rows(found), [file], as_json)
 
 
@@ -337,23 +332,20 @@ def _rows(found: Polynomials) -> list[tuple[dict[str, float], list[float]]]:
 
 
 def _finished(document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool) -> int:
-    from screwsim.printing import show
-    from screwsim.printing.export import polynomials_document, print_polynomials
+    from screwsim.printing import print_json
+    from screwsim.printing.export import print_polynomials
 
-    show(as_json, polynomials_document, print_polynomials, document, figures, rows, files)
+    if as_json:
+        print_json({**document, "files": files})
+    else:
+        print_polynomials(document, figures, rows, files)
     return OK
 
 
-def _written(output: Path, text: str) -> str:
+def _written(output: Path, content: str | dict) -> str:
+    """Write a text, or a document as JSON, and return the path."""
+    from screwsim.printing import write_json
     from screwsim.results.atomic import make_folder, write_text
 
     make_folder(output.parent)
-    return write_text(output, text)
-
-
-def _written_json(output: Path, document: dict) -> str:
-    from screwsim.printing import write_json
-    from screwsim.results.atomic import make_folder
-
-    make_folder(output.parent)
-    return write_json(document, output)
+    return write_text(output, content) if isinstance(content, str) else write_json(content, output)

@@ -55,15 +55,6 @@ class _Stream(io.FileIO):
         os.close(nowhere)
 
 
-def _open_missing() -> None:
-    """Give the standard streams that are closed a place that takes all: the next file would be taken for them."""
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:
-            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # it gets the lowest free number
-
-
 def _stream(old: TextIO | None, number: int, label: str) -> TextIO:
     """Return what stands in for a standard stream that is no terminal; letters that it has not are written out."""
     if isinstance(old, io.TextIOWrapper) and old.errors in ("strict", "surrogateescape"):
@@ -121,7 +112,12 @@ def _not_shown(what: Any, shown: Any = sys.unraisablehook) -> None:
 def begin() -> None:
     """Search for cyclic garbage seldom, mind no stream that nobody reads, end by Ctrl-C in one line, from now on."""
     gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
-    _open_missing()
+    # streams that are closed get a place that takes all: the next file would be taken for them
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # it gets the lowest free number
     sys.stdout, sys.stderr = _stream(sys.stdout, 1, STDOUT), _stream(sys.stderr, 2, STDERR)
     if callable(signal.getsignal(signal.SIGINT)):  # a shell's job in the background ignores it
         signal.signal(signal.SIGINT, _interrupt)

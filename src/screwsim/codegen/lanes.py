@@ -194,7 +194,9 @@ class LaneEmitter(LaneExpressions, Emitter):
             more = Value(TRUTH, (self.new(f"select i1 {more.parts[0]}, i1 {left.parts[0]}, i1 false"),))
         self.branch(more, inside, after)
         self.start(inside)
-        self._count(name, Value(INTEGER, (now,)), node)
+        self.apart = False
+        self.store(name, Value(INTEGER, (now,)), node)
+        self.apart = True
         if loop is None:
             self.inside(node.body)
         else:
@@ -207,11 +209,6 @@ class LaneEmitter(LaneExpressions, Emitter):
         self.start(after)
         if loop is not None:
             self._end_loop(loop)
-
-    def _count(self, name: str, value: Value, node: ast.AST) -> None:
-        self.apart = False
-        self.store(name, value, node)
-        self.apart = True
 
     def _for_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
         """Write a loop of which lanes go round different times."""

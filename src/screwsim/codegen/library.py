@@ -101,16 +101,6 @@ class Library:
             raise CannotCompile(f"{name} calls itself, which is not compiled")
         return found.symbol, found.returned
 
-    def _with_all_it_calls(self, key: _Key) -> list[_Written]:
-        found: dict[_Key, _Written] = {}
-        left = [key]
-        while left:
-            one = left.pop()
-            if one not in found:
-                found[one] = self._functions[one]
-                left += found[one].calls
-        return list(found.values())
-
     def checked(self, writer: Operations, place: str, size: str, node: ast.AST) -> str:
         """Return an index; with checks one that is within its array, and a note of one that was not."""
         if not self.checks:
@@ -167,7 +157,14 @@ class Library:
     def whole_text(self, key: _Key, symbol: str, lines: list[str]) -> str:
         """Return the text of what Python calls, given its lines, with all that it calls."""
         call = "\n".join([f'define i64 @"{symbol}"(ptr %in, ptr %out) nounwind {{', *lines, "}"])
-        used = self._with_all_it_calls(key)
+        found: dict[_Key, _Written] = {}
+        left = [key]
+        while left:
+            one = left.pop()
+            if one not in found:
+                found[one] = self._functions[one]
+                left += found[one].calls
+        used = list(found.values())
         arrays = {array: self._arrays[array][1] for one in used for array in one.arrays}
         declared = {line: None for one in used for line in one.declared}
         texts = [FAULT, *arrays.values(), *declared, *(one.text for one in used), call, "!0 = !{}"]

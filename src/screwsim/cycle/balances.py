@@ -8,19 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.model import slots
 from screwsim.model.composition import Composition
-from screwsim.model.slots import (
-    BETWEEN,
-    DISCHARGE_OUT,
-    OF_HELD,
-    OF_OIL,
-    Q_HEAT,
-    Q_WALLS,
-    Q_WORK,
-    R_INJECTED,
-    R_PRESSURE,
-    R_TRAPPED,
-)
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
@@ -61,7 +50,7 @@ def streams_of(c: Composition, q: Array) -> Array:
 
 def walls_of(c: Composition, q: Array) -> Array:
     """Return of each wall the heat into the gas [J] and the conductance times time [J/K] over one life (M170)."""
-    return q[Q_WALLS : Q_WALLS + 2 * len(c.walls)].reshape(-1, 2)
+    return q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(c.walls)].reshape(-1, 2)
 
 
 def pushed_of(c: Composition, q: Array) -> float:
@@ -132,27 +121,27 @@ def made_good(problem: Problem, life: Trajectory, opens: float, closes: float) -
 
 def held_left(problem: Problem, q: Array) -> float:
     """Return what a life leaves open of the gas that its oil holds [kg]."""
-    return abs(float(sum(_columns(problem.composition, q)[OF_HELD]))) if problem.composition.dissolves else 0.0
+    return abs(float(sum(_columns(problem.composition, q)[slots.OF_HELD]))) if problem.composition.dissolves else 0.0
 
 
 def _columns(c: Composition, q: Array) -> list[list[float]]:
     """Return the sums of all categories but that between chambers, by column: a few numbers, quicker as such."""
     rows = streams_of(c, q).tolist()
-    return list(map(list, zip(*rows[:BETWEEN], *rows[BETWEEN + 1 :], strict=True)))
+    return list(map(list, zip(*rows[: slots.BETWEEN], *rows[slots.BETWEEN + 1 :], strict=True)))
 
 
 def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     """Return what a life leaves open, from its quadratures and the run-time cells that it left."""
-    c, part, trapped = problem.composition, problem.parts.oil, float(R[R_TRAPPED])
+    c, part, trapped = problem.composition, problem.parts.oil, float(R[slots.R_TRAPPED])
     mass, heat, *of_oil = _columns(c, q)
-    work, h = float(q[Q_WORK]), problem.inlet.enthalpy
+    work, h = float(q[slots.Q_WORK]), problem.inlet.enthalpy
     enthalpy = [each - h * m for each, m in zip(heat, mass, strict=True)]
     energy = sum(enthalpy) + work - pushed_of(c, q)
     scale = sum(map(abs, enthalpy)) + abs(work)
     oil = oil_share = lost = 0.0
     if c.carried and part is not None:
-        injected = float(R[R_INJECTED])
-        T_oil = part.temperature + problem.pressed(max(part.source_pressure, float(R[R_PRESSURE])))
+        injected = float(R[slots.R_INJECTED])
+        T_oil = part.temperature + problem.pressed(max(part.source_pressure, float(R[slots.R_PRESSURE])))
         net = sum(of_oil[0])
         energy += part.heat_capacity * (sum(of_oil[1]) - T_oil * net)
         lost, through = abs(net + injected), max(injected, sum(map(abs, of_oil[0])) / 2)
@@ -161,7 +150,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
             held = abs(sum(of_oil[2])) / max(trapped, sum(map(abs, of_oil[2])) / 2, LEAST)
             oil, oil_share = max(oil, held), max(oil_share, held)
     else:
-        energy += float(q[Q_HEAT])
+        energy += float(q[slots.Q_HEAT])
     if c.walls:
         heats = walls_of(c, q)[:, 0].tolist()
         energy, scale = energy + sum(heats), scale + sum(map(abs, heats))
@@ -172,7 +161,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
 
 def outflow_of(streams: Array) -> Outflow | None:
     """Return the mean of what flows out to discharge; None when nothing flows out."""
-    mass, enthalpy, *of_oil = streams[DISCHARGE_OUT].tolist()
+    mass, enthalpy, *of_oil = streams[slots.DISCHARGE_OUT].tolist()
     if not mass < 0.0:
         return None
     ratio = T_oil = 0.0
@@ -184,5 +173,7 @@ def outflow_of(streams: Array) -> Outflow | None:
 
 def discharge_held(streams: Array) -> float:
     """Return the gas [kg/kg] that the outflow's oil holds in the mean, 0 where it is no state or none flows out."""
-    out = streams[DISCHARGE_OUT]
-    return float(out[OF_HELD] / out[OF_OIL]) if len(out) > OF_HELD and out[OF_OIL] < 0.0 else 0.0
+    out = streams[slots.DISCHARGE_OUT]
+    return (
+        float(out[slots.OF_HELD] / out[slots.OF_OIL]) if len(out) > slots.OF_HELD and out[slots.OF_OIL] < 0.0 else 0.0
+    )

@@ -177,9 +177,6 @@ def at_its_end(problem: Problem, life: Trajectory) -> str:
     return ""
 
 
-# ---- the lines ---------------------------------------------------------------------------------------------------
-
-
 def _line(problem: Problem, R: Array) -> Array:
     """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
     port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()

@@ -31,18 +31,14 @@ def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
     port_state = suction.port_state(problem.h_isentropic) if suction.changed else suction.line
     y = first_guess(parts, machinery, port_state[PRESSURE], suction.temperature(port_state, lines.T_s), lines.p_d)
     if c.carried and oil != 1.0:
-        _share_of_oil(machinery, y, oil)
+        # of the state, and along the last history
+        times, dense, quads, steps = machinery.last()
+        states = dense[:steps, :, : machinery.n].copy()
+        states[:, :, S_X_OIL] *= oil
+        y[S_X_OIL] *= oil
+        machinery.install(times[: steps + 1].copy(), states, quads[:steps].copy())
     set_lines(problem, machinery, float(y[S_T]), float(y[S_X_OIL]) if c.carried else 0.0)
     return y
-
-
-def _share_of_oil(machinery: Machinery, y: Array, share: float) -> None:
-    """Leave a share of the oil in the state y [in place] and along the last history."""
-    times, dense, quads, steps = machinery.last()
-    states = dense[:steps, :, : machinery.n].copy()
-    states[:, :, S_X_OIL] *= share
-    y[S_X_OIL] *= share
-    machinery.install(times[: steps + 1].copy(), states, quads[:steps].copy())
 
 
 def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:

@@ -130,7 +130,7 @@ def searched(
             return None
         step = -inverse @ here.changed
         if before is not None:
-            share *= _length(before[0]) * _length(before[1]) / _product(before[1] - step, step)
+            share *= _length(before[0]) * _length(before[1]) / max(_length(before[1] - step) * _length(step), 1e-300)
         share = min(max(share, LEAST_SHARE), LONGEST / max(float(np.abs(step).max()), LONGEST))
         here, share, rest = _gone(pitch, here, step, inverse, share, budget)
         before = step, rest
@@ -159,10 +159,6 @@ def _gone(
 
 def _length(step: Array) -> float:
     return float(np.linalg.norm(step))
-
-
-def _product(a: Array, b: Array) -> float:
-    return max(_length(a) * _length(b), 1e-300)
 
 
 @dataclass(frozen=True, eq=False)

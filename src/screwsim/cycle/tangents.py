@@ -181,7 +181,11 @@ def slopes_of_image(
     base = moved = None
     if problem.composition.pulsating:
         base = into_lines(machinery.trajectory)
-        moved = _into(problem.composition, tangents, given)
+        # by how much the flows [kg/s] into suction and discharge line change over the pitch (k, 2, LINE_POINTS)
+        c = problem.composition
+        streams = given[:, c.first_stream :: c.width][:, :4]  # gas to the chambers: suction in, out, discharge in, out
+        lines = -(streams[:, 0::2] + streams[:, 1::2])
+        moved = float(c.P[P_OMEGA]) * tangents.spread(lines, LINE_POINTS).transpose(2, 1, 0)
     for j in range(count):
         there = here.copy()
         if j >= first:
@@ -192,10 +196,3 @@ def slopes_of_image(
         found[:, j] = (entries.coordinates(image) - at_made) / STEP
     set_unknowns(problem, machinery, met)
     return found
-
-
-def _into(c: Composition, tangents: Tangents, given: Array) -> Array:
-    """Return by how much the flows [kg/s] into suction and discharge line change over a pitch (k, 2, LINE_POINTS)."""
-    streams = given[:, c.first_stream :: c.width][:, :4]  # gas to the chambers: suction in, out, discharge in, out
-    lines = -(streams[:, 0::2] + streams[:, 1::2])
-    return float(c.P[P_OMEGA]) * tangents.spread(lines, LINE_POINTS).transpose(2, 1, 0)

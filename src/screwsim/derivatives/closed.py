@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import Problem
-from screwsim.derivatives import nearby
+from screwsim.derivatives import nearby, slices
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.linear import Change, Linear, Response, Sources
 from screwsim.derivatives.nearby import SMALL, Kept, near, open_of, stepped, tamed
@@ -16,18 +16,6 @@ from screwsim.derivatives.peak import peak
 from screwsim.derivatives.phases import borders
 from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
 from screwsim.derivatives.placed import Placed
-from screwsim.derivatives.slices import (
-    BEFORE,
-    EIGENVALUE,
-    EMBEDDED,
-    LONGEST,
-    Crossing,
-    between,
-    edges_of,
-    refined,
-    ringed,
-    seams_of,
-)
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
@@ -48,7 +36,7 @@ ROUGHLY = 100.0  # ... and in the first round, whose slices are too long by far
 SHIFT = 1e-6  # of coordinates, for differences of what they make
 KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
 LOST = 20.0  # layers from a crossing, within which it may be one of before
-STANDS = 0.5 * BEFORE  # layers from where slices end before a crossing, within which it stands
+STANDS = 0.5 * slices.BEFORE  # layers from where slices end before a crossing, within which it stands
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 
 
@@ -129,14 +117,15 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
     machinery.put(life)
     inside = bool(problem.parts.pulsations)
-    seams, tolerance = seams_of(machinery, problem.parts), fineness.error * ERROR * problem.scene.numerics.accuracy
+    seams = slices.seams_of(machinery, problem.parts)
+    tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= READ_INSIDE if inside else 1.0
     growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
-    plain = edges_of(machinery, seams, steps, fineness.longest * LONGEST)
-    pitch = Pitch(problem, machinery, between(plain))
+    plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
+    pitch = Pitch(problem, machinery, slices.between(plain))
     Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, Kept()
     for left in range(ROUNDS, 0, -1):
-        pitch = Pitch(problem, machinery, between(ringed(plain, seams, turns, growth, _peak(pitch))))
+        pitch = Pitch(problem, machinery, slices.between(slices.ringed(plain, seams, turns, growth, _peak(pitch))))
         kept = linear if linear is not None and linear.pitch.count == pitch.count else None
         placed = None if closing else near(pitch, (ROUGHLY if left == ROUNDS else SETTLED) * tolerance, own)
         if placed is None:
@@ -149,7 +138,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
             errors = errors_of(pitch, start, Y)
             good, of_plain = bool(errors.max() <= fineness.divided * tolerance), np.zeros(len(plain) - 1)
             np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
-            plain = refined(plain, of_plain, tolerance)
+            plain = slices.refined(plain, of_plain, tolerance)
         closing = good or left <= 3
     slopes = pitch.slopes(Y)
     return Closed(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.met)
@@ -161,7 +150,7 @@ def _peak(pitch: Pitch) -> float:
     return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
 
 
-def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
+def _with_lost(turns: list[slices.Crossing], before: list[slices.Crossing]) -> list[slices.Crossing]:
     """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not.
 
     Each of before goes with one that is there: of two side by side, one is lost where only one is left.
@@ -181,7 +170,7 @@ def _with_lost(turns: list[Crossing], before: list[Crossing]) -> list[Crossing]:
     return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
-def _stand(turns: list[Crossing], before: list[Crossing], bound: float) -> bool:
+def _stand(turns: list[slices.Crossing], before: list[slices.Crossing], bound: float) -> bool:
     """Tell whether crossings are where slices end before them, within so many layers."""
     if len(before) != len(turns):
         return False
@@ -193,9 +182,9 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
-    defect = f + EMBEDDED @ (Y - before[:, None]) / widths[:, None]
+    defect = f + slices.EMBEDDED @ (Y - before[:, None]) / widths[:, None]
     own = own.swapaxes(0, 1)
-    matrix = (EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
+    matrix = (slices.EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
     found = np.abs(np.linalg.solve(matrix, defect.reshape(*own.shape[:-1], 1))).reshape(defect.shape)
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 

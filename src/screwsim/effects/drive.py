@@ -79,13 +79,6 @@ class Parameters:
     )
 
 
-def train_of(parameters: Parameters, speed: float, lobes: int) -> Train:
-    """Return the drive train at a speed [rad/s] of a shaft with so many pitches a turn."""
-    coupling = parameters.coupling
-    inertias, held = (parameters.motor_inertia, parameters.rotor_inertia), parameters.speed == "mean"
-    return Train(*inertias, coupling.spring, coupling.damping, parameters.motor, held, speed, lobes)
-
-
 def energies(motion: Response) -> tuple[float, float, float]:
     """Return the means over time of the motor's power, of the coupling's loss and of the load's power [W] (M215)."""
     slip = motion.motor_speed - motion.speed
@@ -126,7 +119,9 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     lobes = round(2.0 * math.pi / machine.pitch)
 
     def train(speed: float) -> Train:
-        return train_of(parameters, speed, lobes)
+        coupling = parameters.coupling
+        inertias, held = (parameters.motor_inertia, parameters.rotor_inertia), parameters.speed == "mean"
+        return Train(*inertias, coupling.spring, coupling.damping, parameters.motor, held, speed, lobes)
 
     last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motions
 

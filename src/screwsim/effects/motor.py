@@ -32,7 +32,7 @@ from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
-from screwsim.outputs import COOLED, NET_FLOW, Figure, efficiency, names_of, power_figure
+from screwsim.outputs import Figure, cooling_figure, efficiency, names_of, power_figure
 
 FIGURES = (
     Figure("motor_loss", "W", "loss of motor and inverter"),
@@ -40,21 +40,9 @@ FIGURES = (
     efficiency("motor_efficiency", "efficiency of motor and inverter"),
     efficiency("electrical_isothermal_efficiency", "isothermal efficiency of the electrical power", by_flow=True),
     efficiency("electrical_isentropic_efficiency", "isentropic efficiency of the electrical power", by_flow=True),
-    Figure(
-        "electrical_cop",
-        "1",
-        "coefficient of performance: cooling capacity over electrical power",
-        NET_FLOW,
-        needs=COOLED,
-        by_flow=True,
-    ),
-    Figure(
-        "electrical_heating_cop",
-        "1",
-        "coefficient of performance of heating: heating capacity over electrical power",
-        NET_FLOW,
-        needs=COOLED,
-        by_flow=True,
+    cooling_figure("electrical_cop", "1", "coefficient of performance: cooling capacity over electrical power"),
+    cooling_figure(
+        "electrical_heating_cop", "1", "coefficient of performance of heating: heating capacity over electrical power"
     ),
 )
 NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"

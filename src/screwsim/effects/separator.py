@@ -19,6 +19,7 @@ from dataclasses import dataclass, fields
 from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
 from screwsim.effects.parts.usual import SEPARATOR
 from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.fluid.settings import oil_temperature
 from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL, ROTORS
@@ -57,22 +58,12 @@ FIGURES = (
 class Cooler:
     """What the oil cooler keeps: one of its outlet's temperature, its duty, or the temperature at discharge."""
 
-    outlet_temperature: float | None = quantity(
-        "temperature",
-        "of the oil behind the cooler, in place of oil_supply.temperature",
-        None,
-        ge=150.0,
-        le=700.0,
-        hardly=(210.0, 450.0),
+    outlet_temperature: float | None = oil_temperature(
+        "of the oil behind the cooler, in place of oil_supply.temperature"
     )
     duty: float | None = quantity("power", "heat that the cooler takes from the oil", None, ge=0.0)
-    discharge_temperature: float | None = quantity(
-        "temperature",
-        "of the mixture at discharge, which a thermostat keeps by cooling the oil",
-        None,
-        ge=150.0,
-        le=700.0,
-        hardly=(210.0, 450.0),
+    discharge_temperature: float | None = oil_temperature(
+        "of the mixture at discharge, which a thermostat keeps by cooling the oil"
     )
 
     @property

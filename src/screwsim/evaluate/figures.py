@@ -17,19 +17,8 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
+from screwsim.model import slots
 from screwsim.model.exchange import station
-from screwsim.model.slots import (
-    ENTHALPY,
-    OF_ENERGY,
-    OF_GAS,
-    Q_WALLS,
-    Q_WORK,
-    R_DISCHARGE,
-    R_RATIO,
-    R_SUCTION,
-    R_TRAPPED,
-    S_X_OIL,
-)
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
 
@@ -102,7 +91,7 @@ def figures_of(
             notes.pop(name, None)
         take(changed, reasons)
     if parts.walls:
-        found["wall_heat"] = float(q[Q_WALLS : Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
+        found["wall_heat"] = float(q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
     take(*performance.readings(parts, known, found))
     values = dict(zip(about, map(found.get, about), strict=True))
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
@@ -123,8 +112,8 @@ def _of_machine(
         "gas_mass_flow": flow,
         "discharge_temperature": None if leaving is None else parts.gas.temperature(lines.p_d, leaving),
         "peak_pressure": life.peak_pressure(geometry.life if geometry.expands else geometry.widest_discharge()),
-        "work_per_cycle": float(q[Q_WORK]),
-        "trapped_mass": float(life.R[R_TRAPPED]),
+        "work_per_cycle": float(q[slots.Q_WORK]),
+        "trapped_mass": float(life.R[slots.R_TRAPPED]),
         "suction_pressure": lines.p_s,
         "suction_temperature": lines.T_s,
         "discharge_pressure": lines.p_d,
@@ -169,7 +158,7 @@ def _built_in(problem: Problem, life: Trajectory) -> float | None:
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
     """Return the figures of the oil; its ratio is that at the injection angle, or where a port's injection ends."""
     port, ratio = problem.parts.oil_port, known.oil_mass_flow / flow if flow > 0.0 else math.inf
-    d = life.R[R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, S_X_OIL]
+    d = life.R[slots.R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, slots.S_X_OIL]
     return {
         "oil_mass_flow": known.oil_mass_flow,
         "oil_ratio": float(d),
@@ -183,8 +172,8 @@ def _intake_temperature(problem: Problem, life: Trajectory) -> float:
     """Return the temperature [K] of what the machine sucks: the line's own where nothing changes it."""
     suction = problem.suction
     if problem.parts.suction_line:
-        return problem.parts.gas.temperature(suction.pressure, float(life.R[R_SUCTION + ENTHALPY]))
-    return suction.temperature(suction.port_state(float(life.R[R_DISCHARGE + ENTHALPY])), problem.lines.T_s)
+        return problem.parts.gas.temperature(suction.pressure, float(life.R[slots.R_SUCTION + slots.ENTHALPY]))
+    return suction.temperature(suction.port_state(float(life.R[slots.R_DISCHARGE + slots.ENTHALPY])), problem.lines.T_s)
 
 
 def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: float) -> dict[str, float]:
@@ -195,7 +184,10 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
     rate, R = problem.rate, life.R
     back, leak = suction_line.back(problem, R, streams), suction_line.leak(problem, R)
     fresh = suction_line.fresh(problem, R, streams)
-    warmed = float(R[R_SUCTION + ENTHALPY]) - problem.suction.port_state(float(R[R_DISCHARGE + ENTHALPY]))[ENTHALPY]
+    warmed = (
+        float(R[slots.R_SUCTION + slots.ENTHALPY])
+        - problem.suction.port_state(float(R[slots.R_DISCHARGE + slots.ENTHALPY]))[slots.ENTHALPY]
+    )
     return {
         "returned_gas_flow": back.gas * rate,
         "returned_oil_flow": back.oil * rate,
@@ -248,7 +240,7 @@ def _of_plenums(
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """Return what effects say of the cycle by their own plenums, and why some nothing; `sucked` [kg] a life, net."""
     found, notes, parts = {}, {}, problem.parts
-    gas, energy = streams[:, OF_GAS], streams[:, OF_ENERGY]
+    gas, energy = streams[:, slots.OF_GAS], streams[:, slots.OF_ENERGY]
     suction = sucked * problem.rate * (1.0 - problem.suction.returned)
     why = "" if suction > 0.0 else performance.NONE_DELIVERED
     for name, plenum in parts.all(Plenum):

@@ -10,21 +10,8 @@ from typing import Any
 
 from screwsim.build import build_parts, faults_of_own, regularisation
 from screwsim.cycle.solution import wanted_of
-from screwsim.effects import catalogue
-from screwsim.effects.base import (
-    LINES,
-    ChamberState,
-    FlowPath,
-    HeatRate,
-    Made,
-    OilGas,
-    Plenum,
-    Pulsation,
-    Scaled,
-    Shaft,
-    SuctionChange,
-    Wall,
-)
+from screwsim.effects import base, catalogue
+from screwsim.effects.base import LINES
 from screwsim.explain.media import gas_rows, oil_rows
 from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
@@ -233,26 +220,26 @@ def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) 
         yield parameters
     yield from _sections(active.parameters)
     added = [f"state {name}" for name in effect.states]
-    added += [f"state {part.name}" for part in built if isinstance(part, ChamberState)]
-    added += [f"state {HELD_GAS}" for part in built if isinstance(part, OilGas) and dissolves]
-    added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
+    added += [f"state {part.name}" for part in built if isinstance(part, base.ChamberState)]
+    added += [f"state {HELD_GAS}" for part in built if isinstance(part, base.OilGas) and dissolves]
+    added += [f"plenum {part.name}" for part in built if isinstance(part, base.Plenum)]
     added += [f"figure {name}" for name in given]
-    added += ["another state of what is sucked in" for part in built if isinstance(part, SuctionChange)]
+    added += ["another state of what is sucked in" for part in built if isinstance(part, base.SuctionChange)]
     added += [
         "speed, motor speed and twist over the pitch, closed with the chambers"
         for part in built
-        if isinstance(part, Shaft)
+        if isinstance(part, base.Shaft)
     ]
-    added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
-    added += [f"heat between gas and {part.name}" for part in built if isinstance(part, Wall)]
-    waves = {name for part in built if isinstance(part, Pulsation) for name in part.harmonics}
+    added += ["heat to the gas" for part in built if isinstance(part, base.HeatRate)]
+    added += [f"heat between gas and {part.name}" for part in built if isinstance(part, base.Wall)]
+    waves = {name for part in built if isinstance(part, base.Pulsation) for name in part.harmonics}
     added += [
         f"{_words(part.entry.name)}, made by the cycle"
         for part in built
-        if isinstance(part, Made) and part.entry.name not in waves
+        if isinstance(part, base.Made) and part.entry.name not in waves
     ]
-    added += [f"pressure of the {part.to} line over the angle" for part in built if isinstance(part, Pulsation)]
-    added += [f"areas of {part.effect} times {_words(part.by)}" for part in built if isinstance(part, Scaled)]
+    added += [f"pressure of the {part.to} line over the angle" for part in built if isinstance(part, base.Pulsation)]
+    added += [f"areas of {part.effect} times {_words(part.by)}" for part in built if isinstance(part, base.Scaled)]
     if added:
         yield f"adds: {', '.join(added)}"
 
@@ -286,7 +273,7 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
 
 def _paths(parts: Parts) -> Iterator[str]:
     for name, built in parts.effects.items():
-        for path in (part for part in built if isinstance(part, FlowPath)):
+        for path in (part for part in built if isinstance(part, base.FlowPath)):
             if path.to in LINES:
                 ends = f"chamber - {path.to} line"
             elif path.to in parts.plenums:

@@ -32,7 +32,12 @@ def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Itera
     if rest and (head in SECTIONS or head in known):
         heading, *_ = _part(scene, head, known, kind)
         yield heading
-        yield from _of_key(scene, head, rest, known, kind)
+        section = head in SECTIONS
+        keys = list(section_keys(head, kind) if section else effect_keys_of(head, known[head], kind))
+        asked = [key for key in keys if key.path == rest or key.path.startswith(f"{rest}.")]
+        if not asked:
+            raise UsageError(f"--parameters {head}.{rest}: {unknown(rest, [key.path for key in keys])}")
+        yield from _rows(scene, head if section else f"effects.{head}", asked)
         return
     if name in SECTIONS:
         yield f"{name}{_absent(scene, name)}"
@@ -48,16 +53,6 @@ def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Itera
     state = "simulated" if name in scene.effects else "left out"
     yield f"effects.{name} ({state}): {effect.title}"
     yield from _rows(scene, f"effects.{name}", effect_keys_of(name, effect, kind))
-
-
-def _of_key(scene: Scene, head: str, rest: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
-    """Yield what one key of a section or an effect is, or those below it."""
-    section = head in SECTIONS
-    keys = list(section_keys(head, kind) if section else effect_keys_of(head, known[head], kind))
-    asked = [key for key in keys if key.path == rest or key.path.startswith(f"{rest}.")]
-    if not asked:
-        raise UsageError(f"--parameters {head}.{rest}: {unknown(rest, [key.path for key in keys])}")
-    yield from _rows(scene, head if section else f"effects.{head}", asked)
 
 
 def _own(name: str) -> Effect:

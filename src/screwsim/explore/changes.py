@@ -138,9 +138,6 @@ def _every(base: Base, overrides: Iterable[str]) -> list[str]:
     return [*(each for each in base.overrides if each not in again), *kept]
 
 
-# ---- the same for a shell, a program, a file ------------------------------------------------------------------
-
-
 def shell_command(base: Base, overrides: Iterable[str]) -> str:
     """Return the command that simulates the same."""
     words = ["screwsim", "run", base.file]

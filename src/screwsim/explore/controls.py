@@ -96,9 +96,11 @@ def _is_needed(scene: Scene, path: str, leaf: Leaf) -> bool:
 
 def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str, Any]:
     """Return what the page has to know of one field; numbers in the shown unit, `value` None where it is left open."""
+    keys = path.split(".")
+    inner = keys[2:] if keys[0] == "effects" else keys[1:]
     about: dict[str, Any] = {
         "path": path,
-        "words": _words(path),
+        "words": " ".join(inner).replace("_", " "),
         "about": leaf.doc,
         "kind": "choice" if leaf.kind == "choice" else "count" if leaf.kind == "count" else "number",
         "needed": needed,
@@ -118,13 +120,6 @@ def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str
         "log": span.log,
         "size": unit.size,
     }
-
-
-def _words(path: str) -> str:
-    """Return the last words of a path: 'suction pressure', 'gap'."""
-    keys = path.split(".")
-    inner = keys[2:] if keys[0] == "effects" else keys[1:]
-    return " ".join(inner).replace("_", " ")
 
 
 def shown_unit(leaf: Leaf, value: Any) -> Shown:
@@ -191,8 +186,6 @@ def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
     size = abs(value) or leaf.hardly[1] or _example(leaf)
     return (-size, size, False) if value < 0.0 else (0.0, size, False)
 
-
-# ---- presets --------------------------------------------------------------------------------------------------
 
 _SPEED = "operation.speed"
 

@@ -29,7 +29,12 @@ class Rules:
 
     def refuses(self, scope: Scope) -> tuple[int, str]:
         """Return the status and the reason with which a request is refused; (0, '') where it is not."""
-        headers = _headers(scope)
+        # of a header that comes twice a text that equals nothing
+        found: dict[str, str] = {}
+        for raw_name, raw in scope["headers"]:
+            name = raw_name.decode("latin-1").lower()
+            found[name] = f"{found[name]}, {raw.decode('latin-1')}" if name in found else raw.decode("latin-1")
+        headers = found
         host, origin = headers.get("host", ""), headers.get("origin")
         if self.names and host not in self.names:
             return 403, "called by a name that is not its own (open the address that screwsim explore printed)"
@@ -45,15 +50,6 @@ class Rules:
         if not length.isdigit() or int(length) > LARGEST:
             return 413, f"the body is larger than {LARGEST} bytes"
         return 0, ""
-
-
-def _headers(scope: Scope) -> dict[str, str]:
-    """Return the headers by name; of one that comes twice a text that equals nothing."""
-    found: dict[str, str] = {}
-    for raw_name, raw in scope["headers"]:
-        name = raw_name.decode("latin-1").lower()
-        found[name] = f"{found[name]}, {raw.decode('latin-1')}" if name in found else raw.decode("latin-1")
-    return found
 
 
 def _is_navigation(scope: Scope, headers: dict[str, str]) -> bool:

@@ -72,7 +72,11 @@ class Page:
         if not isinstance(asked, dict):
             raise Wrong("a message is no mapping")
         if asked.get("kind") == "point":
-            self._take_point(asked)
+            number, machine = asked.get("number"), asked.get("machine", "")
+            if type(number) is not int or number != self._asked + 1 or not isinstance(machine, str):
+                raise Wrong("settings are not numbered 1, 2, 3 and so on")
+            self._asked = number
+            self._newest = Asked(number, asked.get("changes"), machine[:16])
         elif asked.get("kind") in LANES:
             self._take_points(asked["kind"], asked)
         elif asked.get("kind") == "slopes" and type(asked.get("id")) is int:
@@ -81,13 +85,6 @@ class Page:
         else:
             raise Wrong("a message has no kind that is known")
         self._awake.set()
-
-    def _take_point(self, asked: dict[str, Any]) -> None:
-        number, machine = asked.get("number"), asked.get("machine", "")
-        if type(number) is not int or number != self._asked + 1 or not isinstance(machine, str):
-            raise Wrong("settings are not numbered 1, 2, 3 and so on")
-        self._asked = number
-        self._newest = Asked(number, asked.get("changes"), machine[:16])
 
     def _take_points(self, lane: str, asked: dict[str, Any]) -> None:
         """Replace the points of a lane by new ones: [path, value] each, all else as in `changes`."""

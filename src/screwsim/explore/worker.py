@@ -103,7 +103,11 @@ def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
         overrides = overrides_of(base, read_changes(job.changes))
         return JOBS[job.kind](base, overrides, scene_of(base, overrides), job)
     except SceneError as error:
-        faults = _faults(error)
+        # path and what is wrong, without the file and the line that a page has not
+        matches = (re.search(rf"(?:^|: )((?:{'|'.join(SECTIONS)})(?:\.[\w.]+)?): (.*)$", line) for line in error.lines)
+        faults = [
+            [match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)
+        ]
         text = "\n".join(": ".join(filter(None, each)) for each in faults)
         return answer.refused(text, {**job.tag, "faults": faults})
     except (Refused, UsageError) as error:
@@ -113,12 +117,6 @@ def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
     except Exception as error:  # noqa: BLE001 - the page is told, and goes on
         text = " ".join(f"{type(error).__name__}: {error}".split())
         return answer.refused(f"internal error: {text}; please report it with these settings", job.tag)
-
-
-def _faults(error: SceneError) -> list[list[str]]:
-    """Return [path, what is wrong] of each fault of a scene, without the file and the line that a page has not."""
-    matches = (re.search(rf"(?:^|: )((?:{'|'.join(SECTIONS)})(?:\.[\w.]+)?): (.*)$", line) for line in error.lines)
-    return [[match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)]
 
 
 def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:

@@ -99,15 +99,11 @@ def _slopes(x: Array, values: Array, sound: Array, axis: int, limited: bool) -> 
     if whole.any():
         found[:, whole] = _run(x, flat[:, whole], limited)
     for column in np.flatnonzero(~whole):
-        for first, last in _runs(ok[:, column]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], ok[:, column].astype(int), [0]])))
+        for first, last in [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1]:
             piece = slice(first, last)
             found[piece, column] = _run(x[piece], flat[piece, column : column + 1], limited)[:, 0]
     return np.moveaxis(found.reshape(y.shape), 0, axis)
-
-
-def _runs(ok: Array) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], ok.astype(int), [0]])))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1]
 
 
 def _run(x: Array, y: Array, limited: bool) -> Array:

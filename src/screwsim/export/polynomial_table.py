@@ -32,7 +32,9 @@ def polynomial_table(table: Table, wanted: float | None = None) -> Table:
     paths = [one.path for one in table.inputs]
     temperatures = [paths.index(EVAPORATING), paths.index(CONDENSING)]
     grid = _grid(table.grid, temperatures)
-    points = _between(table.grid.nodes)
+    # the points of the grid and those half-way between
+    finer = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in table.grid.nodes]
+    points = np.column_stack([x.ravel() for x in np.meshgrid(*finer, indexing="ij")])
     there, inside = evaluate(table.grid, points)
     found, _ = evaluate(grid, points)
     off = np.abs(found - there)[inside] / scales(table.outputs, np.where(inside[:, None], there, np.nan))[inside]
@@ -106,9 +108,3 @@ def _powers(x: Array, ends: tuple[float, float], order: int) -> list[Array]:
     half = 0.5 * (ends[1] - ends[0])
     t = (np.asarray(x) - ends[0]) / half - 1.0
     return [t**n for n in range(4)] if order == 0 else [n * t ** max(n - 1, 0) / half for n in range(4)]
-
-
-def _between(nodes: Sequence[Array]) -> Array:
-    """Return the points of a grid and those half-way between (n, axes)."""
-    finer = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in nodes]
-    return np.column_stack([x.ravel() for x in np.meshgrid(*finer, indexing="ij")])

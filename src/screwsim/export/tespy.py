@@ -48,7 +48,10 @@ def tespy_document(results: Results) -> dict[str, Any]:
 
 def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
     one = found.maps[number]
-    cases = _cases(results, one.values)
+    there = results.status == "ok"
+    for path, value in one.values.items():
+        there = there & (results.along(path) == value)
+    cases = np.flatnonzero(there.ravel())
     displaced, swept = (results.performance[name].ravel()[cases] for name in ("displacement_flow", "displacement"))
     frequency = _one(displaced / swept, results, "operation.speed")
     superheat = found.superheat(one)
@@ -84,14 +87,6 @@ def _one(values: np.ndarray, results: Results, name: str) -> float:
         what = f"{name} varies together with a temperature, and TESPy's compressor has one"
         raise UsageError(f"{results.path}: {what} (vary it on an axis of its own)")
     return value
-
-
-def _cases(results: Results, values: Any) -> np.ndarray:
-    """Return the numbers of the cases of a map that closed."""
-    there = results.status == "ok"
-    for path, value in values.items():
-        there = there & (results.along(path) == value)
-    return np.flatnonzero(there.ravel())
 
 
 def leaving(results: Results) -> str:

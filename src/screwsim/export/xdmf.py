@@ -35,15 +35,6 @@ def mesh(surface: Surface, pressures: Pressures, along: int = ALONG) -> tuple[Ar
     return points.reshape(-1, 3), np.stack([each.ravel() for each in corners], -1)
 
 
-def fields(surface: Surface, pressures: Pressures, turns: Array, along: int = ALONG) -> Array:
-    """Return the pressures over suction [Pa] (steps, cells) at angles [rad] of the male rotor."""
-    rotors = pressures.laid.rotors
-    z = np.linspace(0.0, rotors.length, along + 1)
-    middle = 0.5 * (z[1:] + z[:-1])
-    found = [pressures.at(chamber_angles(surface, rotors, float(phi), middle)) - pressures.low for phi in turns]
-    return np.stack([each.ravel() for each in found])
-
-
 def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int, speed: float) -> list[str]:
     """Write the surface with pressures over one turn of that rotor, return both paths; `speed` of the male [rad/s]."""
     import h5py
@@ -51,7 +42,11 @@ def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int
     turn = 2.0 * math.pi / abs(surface.turns)  # of the male, while this rotor turns once
     angles = np.arange(steps) * turn / steps
     points, cells = mesh(surface, pressures)
-    values = fields(surface, pressures, angles)
+    rotors = pressures.laid.rotors
+    z = np.linspace(0.0, rotors.length, ALONG + 1)
+    middle = 0.5 * (z[1:] + z[:-1])
+    found = [pressures.at(chamber_angles(surface, rotors, float(phi), middle)) - pressures.low for phi in angles]
+    values = np.stack([each.ravel() for each in found])
     data, text = stem.with_suffix(".h5"), stem.with_suffix(".xdmf")
     with replacing(data) as temporary, h5py.File(temporary, "w") as file:
         file.create_dataset("mesh/points", data=points, compression="gzip")

@@ -149,9 +149,6 @@ def references(known: Description, f: Fugacities, T: Array, rho: Array) -> Array
     return g - R * T * np.sum(f.z[:, None] * log_f, axis=0)
 
 
-# ---- the table -------------------------------------------------------------------------------------------------
-
-
 def _points(count: int) -> Array:
     return np.cos(np.pi * (np.arange(count) + 0.5) / count)
 

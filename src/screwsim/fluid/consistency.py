@@ -29,7 +29,16 @@ def inconsistency(gas: Gas, p_s: float, T_s: float, p_d: float) -> str:
 def _pairs(gas: Gas, p_s: float, T_s: float, p_d: float) -> Iterator[Pair]:
     yield from _state(gas, p_s, T_s)
     T_d = gas.temperature(p_d, gas.enthalpy(p_s, T_s) + gas.isentropic_work(p_s, p_d, T_s))
-    yield from _works(gas, p_s, T_s, p_d, T_d)
+    h, s = gas.enthalpy(p_s, T_s), gas.entropy(p_s, T_s)
+    yield "its entropy [J/(kg K)] behind isentropic_work", gas.entropy(p_d, T_d), s, gas.c_p
+    work = gas.isentropic_work(p_s, p_d, T_s)
+    yield "its isentropic_work_of_enthalpy [J/kg]", gas.isentropic_work_of_enthalpy(p_s, p_d, h), work, 0.0
+    if gas.isothermal_obstacle(p_s, p_d, T_s) is None:
+        rise = gas.enthalpy(p_d, T_s) - h - T_s * (gas.entropy(p_d, T_s) - s)
+        found = gas.isothermal_work(p_s, p_d, T_s)
+        yield "its isothermal_work [J/kg]", math.nan if found is None else found, rise, 0.0
+    ideal = gas.R * T_s * math.log(p_d / p_s)
+    yield "its ideal_isothermal_work [J/kg]", gas.ideal_isothermal_work(p_s, p_d, T_s), ideal, 0.0
     yield from _state(gas, p_d, T_d)
 
 
@@ -74,17 +83,3 @@ def _state(gas: Gas, p: float, T: float) -> Iterator[Pair]:
     ):
         for name, found, wanted in zip(names, port, (p, rho, h, *flow), strict=True):
             yield f"{name} of its {of}{at}", found, wanted, scale if name == "enthalpy" else 0.0
-
-
-def _works(gas: Gas, p_s: float, T_s: float, p_d: float, T_d: float) -> Iterator[Pair]:
-    """Yield those of the works between the lines."""
-    h, s = gas.enthalpy(p_s, T_s), gas.entropy(p_s, T_s)
-    yield "its entropy [J/(kg K)] behind isentropic_work", gas.entropy(p_d, T_d), s, gas.c_p
-    work = gas.isentropic_work(p_s, p_d, T_s)
-    yield "its isentropic_work_of_enthalpy [J/kg]", gas.isentropic_work_of_enthalpy(p_s, p_d, h), work, 0.0
-    if gas.isothermal_obstacle(p_s, p_d, T_s) is None:
-        rise = gas.enthalpy(p_d, T_s) - h - T_s * (gas.entropy(p_d, T_s) - s)
-        found = gas.isothermal_work(p_s, p_d, T_s)
-        yield "its isothermal_work [J/kg]", math.nan if found is None else found, rise, 0.0
-    ideal = gas.R * T_s * math.log(p_d / p_s)
-    yield "its ideal_isothermal_work [J/kg]", gas.ideal_isothermal_work(p_s, p_d, T_s), ideal, 0.0

@@ -231,9 +231,6 @@ class MoistAir:
         return self.dry.why_outside(T, (1.0 - self.share) * rho)
 
 
-# ---- made once -----------------------------------------------------------------------------------------------
-
-
 @lru_cache(maxsize=8)
 def _kernels(dry: Kernel, dry_entropy: Kernel, real: bool) -> Mapping[str, Kernel]:
     return states.kernels(dry, dry_entropy, real)

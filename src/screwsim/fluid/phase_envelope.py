@@ -96,7 +96,13 @@ class _Line:
             target, last = old[stated] + size, False
             if done is not None and (target - done) * step >= 0.0:
                 target, last = done, True
-            guess = self._ahead(here, stated, target)
+            # extrapolated from the last three to a value of the stated unknown
+            used = here[-3:]
+            at = [each[stated] for each in used]
+            guess = np.zeros_like(used[-1])
+            for i, each in enumerate(used):
+                guess += each * np.prod([(target - x) / (at[i] - x) for j, x in enumerate(at) if j != i])
+            guess[stated] = target
             u, good = solved(self.f, guess[:, None], stated, 12)
             away = np.abs(u[:, 0] - guess).max() if good[0] else np.inf
             apart = (u[n, 0] - u[n + 1, 0]) * (old[n] - old[n + 1]) > 0.0
@@ -110,16 +116,6 @@ class _Line:
             else:
                 size *= 0.4
         self.found = [*here[::-1], *self.found[1:]]
-
-    def _ahead(self, here: list[Array], stated: int, target: float) -> Array:
-        """Return the column extrapolated from the last three to a value of the stated unknown."""
-        used = here[-3:]
-        at = [each[stated] for each in used]
-        guess = np.zeros_like(used[-1])
-        for i, each in enumerate(used):
-            guess += each * np.prod([(target - x) / (at[i] - x) for j, x in enumerate(at) if j != i])
-        guess[stated] = target
-        return guess
 
 
 def _liquid(f: Fugacities, T: float, p_RT: float, x: Array, v_r: float) -> float:

@@ -1,14 +1,20 @@
 """What a scene says of the gas and of the oil (typed, SI units)."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from screwsim.fluid.composition import own_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import choice, fluid, number, numbers, quantity
 
+COLDEST, HOTTEST = 150.0, 700.0  # [K] of oil
 REFUSE, EQUILIBRIUM = "refuse", "equilibrium"  # what `gas.two_phase` says
 CARRIED = "carried"  # what `oil.transport` says, beside the paper's
+
+
+def oil_temperature(doc: str) -> Any:
+    """Declare a temperature of oil, or of gas and oil together, which may be left out."""
+    return quantity("temperature", doc, None, ge=COLDEST, le=HOTTEST, hardly=(210.0, 450.0))
 
 
 @dataclass(frozen=True)

@@ -36,20 +36,16 @@ def own(value: Any) -> Any:
     return None if is_derived(value) else value
 
 
-def states_otherwise(machine: TwinScrew) -> bool:
-    """Tell whether anything of a machine follows from what is stated in its place."""
-    profile = machine.profile
-    family = profile is not None and profile.family is not None
-    return family or machine.displacement is not None or _opened_by_ratio(machine)
-
-
 def _opened_by_ratio(machine: TwinScrew) -> bool:
     return machine.built_in_volume_ratio is not None and not machine.volume.from_rotors
 
 
 def derived(machine: TwinScrew) -> TwinScrew:
     """Return a machine with all that follows from what it states; as it is where `stated_faults` has a word."""
-    if not states_otherwise(machine) or any(stated_faults(machine)):
+    profile = machine.profile
+    otherwise = profile is not None and profile.family is not None
+    otherwise = otherwise or machine.displacement is not None or _opened_by_ratio(machine)
+    if not otherwise or any(stated_faults(machine)):
         return machine
     machine = _sized(_lobed(machine))
     return _opened(_profiled(machine))

@@ -21,11 +21,6 @@ COMPILED = {  # what each driver is, and about how long its compilation takes
 alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready
 
 
-def module_name(text: str) -> str:
-    """Return the name of a composition's module."""
-    return modules.module_name(text, "model")
-
-
 def load(text: str) -> ModuleType:
     """Return the module of a composition's text."""
     return modules.load(text, "model")

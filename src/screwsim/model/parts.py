@@ -4,20 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.effects.base import (
-    DISCHARGE,
-    LINES,
-    FlowPath,
-    OilContent,
-    OilGas,
-    OilPort,
-    OilRoom,
-    OilSolution,
-    Pulsation,
-    Shaft,
-    SuctionLine,
-    Wall,
-)
+from screwsim.effects import base
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
@@ -88,7 +75,7 @@ class Parts:
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
     made: Mapping[str, float] = field(default_factory=dict)
     set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
-    oil_content: OilContent | OilSolution | None = None
+    oil_content: base.OilContent | base.OilSolution | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.effects, Effects):
@@ -109,7 +96,7 @@ class Parts:
 
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""
-        numbers = {line: i for i, line in enumerate(LINES)} | {
+        numbers = {line: i for i, line in enumerate(base.LINES)} | {
             name: i for i, name in enumerate(self.plenums, FIRST_OWN)
         }
         if to not in numbers:
@@ -117,19 +104,19 @@ class Parts:
         return numbers[to]
 
     @once
-    def ports(self) -> list[tuple[str, FlowPath]]:
+    def ports(self) -> list[tuple[str, base.FlowPath]]:
         """The openings to lines and plenums, with the effects that declare them."""
-        return [(name, path) for name, path in self.all(FlowPath) if not path.between]
+        return [(name, path) for name, path in self.all(base.FlowPath) if not path.between]
 
     @once
-    def gaps(self) -> list[tuple[str, FlowPath]]:
+    def gaps(self) -> list[tuple[str, base.FlowPath]]:
         """The gaps between chambers, likewise."""
-        return [(name, path) for name, path in self.all(FlowPath) if path.between]
+        return [(name, path) for name, path in self.all(base.FlowPath) if path.between]
 
     @once
-    def oil_port(self) -> OilPort | None:
+    def oil_port(self) -> base.OilPort | None:
         """The port through which the oil comes; None where it is injected at one angle."""
-        return self._only(OilPort, "an oil port")
+        return self._only(base.OilPort, "an oil port")
 
     @once
     def pumped(self) -> bool:
@@ -137,9 +124,9 @@ class Parts:
         return self.oil_port is not None and self.oil is not None and "ratio" in self.oil.supply
 
     @once
-    def oil_gas(self) -> OilGas | None:
+    def oil_gas(self) -> base.OilGas | None:
         """The gas that the oil brings dissolved; None where it brings none."""
-        found = [part for _, part in self.all(OilGas)]
+        found = [part for _, part in self.all(base.OilGas)]
         if len(found) > 1:
             raise TypeError("two effects declare dissolved gas; a scene has one")
         if found and self.oil_port is None:
@@ -149,23 +136,23 @@ class Parts:
     @property
     def dissolves(self) -> bool:
         """Is what the oil holds dissolved a state of the chambers?"""
-        return isinstance(self.oil_content, OilSolution)
+        return isinstance(self.oil_content, base.OilSolution)
 
     @once
     def held_back(self) -> bool:
         """Does a check valve let nothing of the discharge line back, at once or because it could go nowhere else?"""
         valved = [part.to for part in self.pulsations if part.shut is not None]
-        return DISCHARGE in valved or bool(valved and not self.plenums)
+        return base.DISCHARGE in valved or bool(valved and not self.plenums)
 
     @once
     def suction_line(self) -> bool:
         """Does what flows back into the suction line stay in it?"""
-        return bool(self.all(SuctionLine))
+        return bool(self.all(base.SuctionLine))
 
     @once
     def oil_room(self) -> bool:
         """Does the oil take room?"""
-        return bool(self.all(OilRoom))
+        return bool(self.all(base.OilRoom))
 
     @once
     def films(self) -> list[bool]:
@@ -174,16 +161,16 @@ class Parts:
         return [each is not None and (each.film or each.drag) is not None for each in held]
 
     @once
-    def walls(self) -> list[tuple[str, Wall]]:
+    def walls(self) -> list[tuple[str, base.Wall]]:
         """The walls that exchange heat with the gas, with the effects that declare them."""
-        return self.all(Wall)
+        return self.all(base.Wall)
 
     @once
-    def shaft(self) -> Shaft | None:
+    def shaft(self) -> base.Shaft | None:
         """What makes the speed change over a pitch; None where it is constant."""
-        return self._only(Shaft, "a shaft")
+        return self._only(base.Shaft, "a shaft")
 
     @once
-    def pulsations(self) -> list[Pulsation]:
+    def pulsations(self) -> list[base.Pulsation]:
         """The lines whose pressure pulsates."""
-        return [part for _, part in self.all(Pulsation)]
+        return [part for _, part in self.all(base.Pulsation)]

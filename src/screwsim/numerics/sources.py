@@ -63,7 +63,11 @@ def digest(content: bytes) -> str:
 def note(name: str, made: Any) -> None:
     """Take note of the texts of a user's module that was imported now; `made` is what another import makes anew."""
     if name not in _noted or _noted[name][0] is not made:
-        _noted[name] = made, _own_texts(name)
+        top = name.partition(".")[0]
+        found: dict[str, str] = {}
+        if top != "screwsim":  # of which `of_package` tells
+            _add(name, top, found)
+        _noted[name] = made, found
 
 
 def made_of(name: str) -> Any:
@@ -81,14 +85,6 @@ def of_module(name: str) -> Mapping[str, str]:
     return _noted[name][1]
 
 
-def _own_texts(name: str) -> dict[str, str]:
-    top = name.partition(".")[0]
-    found: dict[str, str] = {}
-    if top != "screwsim":  # of which `of_package` tells
-        _add(name, top, found)
-    return found
-
-
 def _add(name: str, top: str, found: dict[str, str]) -> None:
     """Add a module, the packages around it and what it imports, where they are the user's own."""
     spec = _spec(name)
@@ -102,13 +98,9 @@ def _add(name: str, top: str, found: dict[str, str]) -> None:
     content = path.read_bytes()
     found[label] = digest(content)
     package = name if spec.submodule_search_locations is not None else name.rpartition(".")[0]
-    for other in (*_around(name), *_imported(content, package)):
-        _add(other, top, found)
-
-
-def _around(name: str) -> Iterator[str]:
     parts = name.split(".")
-    return (".".join(parts[:size]) for size in range(1, len(parts)))
+    for other in (*(".".join(parts[:size]) for size in range(1, len(parts))), *_imported(content, package)):
+        _add(other, top, found)
 
 
 def _imported(content: bytes, package: str) -> Iterator[str]:

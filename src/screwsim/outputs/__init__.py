@@ -18,6 +18,7 @@ from screwsim.outputs.core import (
     STAGES,
     SUBCRITICAL,
     WALLED,
+    cooling_figure,
 )
 from screwsim.outputs.declared import (
     BESIDE,

@@ -70,6 +70,8 @@ CONDENSED = Scale(15.0, ("water_flow",))
 _oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
 _saturating, _gliding = (partial(Figure, needs=needs) for needs in (SUBCRITICAL, GLIDING))
 _humid = partial(Figure, needs=HUMID)
+_water = partial(_humid, shown="kg h-1")
+cooling_figure = partial(Figure, scale=NET_FLOW, needs=COOLED, by_flow=True)  # of what the net gas flow cools
 _CORE = (
     efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
     efficiency(
@@ -122,28 +124,16 @@ _CORE = (
         needs=("machine.kind: twin_screw",),
     ),
     Figure("specific_power", "W s m-3", "shaft power over the volume flow of suction gas", NET_FLOW, by_flow=True),
-    _cooled(
-        "cooling_capacity",
-        "W",
-        "cooling capacity: net gas flow times the real fluid's refrigerating effect",
-        NET_FLOW,
-        by_flow=True,
+    cooling_figure(
+        "cooling_capacity", "W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"
     ),
-    _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", NET_FLOW, by_flow=True),
-    _cooled(
+    cooling_figure("cop", "1", "coefficient of performance: cooling capacity over shaft power"),
+    cooling_figure(
         "heating_capacity",
         "W",
         "heating capacity: heat that the gas gives off in the condenser or gas cooler, without the oil cooler's",
-        NET_FLOW,
-        by_flow=True,
     ),
-    _cooled(
-        "heating_cop",
-        "1",
-        "coefficient of performance of heating: heating capacity over shaft power",
-        NET_FLOW,
-        by_flow=True,
-    ),
+    cooling_figure("heating_cop", "1", "coefficient of performance of heating: heating capacity over shaft power"),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
     _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
     _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
@@ -163,22 +153,14 @@ _CORE = (
     _humid("humidity_ratio", "1", "water vapour per dry air in the suction line"),
     _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
     _humid("lowest_safe_oil_temperature", "K", "pressure dew point and gas.dew_point_margin: of gas and oil, at least"),
-    _humid(
-        "water_flow",
-        "kg s-1",
-        "water that the net gas flow brings",
-        NET_FLOW,
-        by_flow=True,
-        shown="kg h-1",
-    ),
-    _humid(
+    _water("water_flow", "kg s-1", "water that the net gas flow brings", NET_FLOW, by_flow=True),
+    _water(
         "condensate_flow",
         "kg s-1",
         "water that condenses where gas and oil have mixed, in the separator (dry machine: at discharge temperature)",
         CONDENSED,
-        shown="kg h-1",
     ),
-    _humid("vapour_flow", "kg s-1", "water that leaves as vapour behind the separator", CONDENSED, shown="kg h-1"),
+    _water("vapour_flow", "kg s-1", "water that leaves as vapour behind the separator", CONDENSED),
     Figure(
         "aftercooler_condensate_flow",
         "kg s-1",

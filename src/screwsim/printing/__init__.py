@@ -210,20 +210,17 @@ def _account(result: Result) -> Iterable[str]:
         if cost["message"]:
             yield f"without {cost['effect']}: {cost['message']}"
     if result.balance:
-        yield _balance(result.balance)
+        balance = result.balance
+        parts = [f"{name.replace('_', ' ')} {balance[name]:.1e}" for name in ("mass", "energy") if name in balance]
+        text = f"balance: {', '.join(parts)} (bound {balance['bound']:.1e})"
+        if balance.get("oil_mass") is not None:
+            text += f", oil mass {balance['oil_mass']:.1e}"
+        if balance.get("oil_residue") is not None:
+            text += f"; oil residual {balance['oil_residue']:.3g} W (paper's transport of oil)"
+        yield text
     yield _numerics(result.numerics)
     if result.performance and not result.error:
         yield "error: not estimated, the finer solution for it did not close"
-
-
-def _balance(balance: Mapping[str, Any]) -> str:
-    parts = [f"{name.replace('_', ' ')} {balance[name]:.1e}" for name in ("mass", "energy") if name in balance]
-    text = f"balance: {', '.join(parts)} (bound {balance['bound']:.1e})"
-    if balance.get("oil_mass") is not None:
-        text += f", oil mass {balance['oil_mass']:.1e}"
-    if balance.get("oil_residue") is not None:
-        text += f"; oil residual {balance['oil_residue']:.3g} W (paper's transport of oil)"
-    return text
 
 
 def _numerics(numerics: Mapping[str, Any]) -> str:

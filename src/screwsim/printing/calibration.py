@@ -60,6 +60,7 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
 def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str, Any]:
     known, low_high = found.certainty, spread(found, index)
     error = None if known is None else known.errors[index]
+    groups = (group for group in found.fit.together if index in group)
     return {
         "value": found.values.get(parameter.path),
         "standard_error": error,
@@ -70,14 +71,8 @@ def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str
         "as_good_from": low_high[0],
         "as_good_to": low_high[1],
         "prior": None if parameter.prior is None else _prior(parameter.prior),
-        "errs_together_with": _beside(found, index),
+        "errs_together_with": [found.fit.parameters[i].path for group in groups for i in group if i != index],
     }
-
-
-def _beside(found: Calibration, index: int) -> list[str]:
-    """Return the parameters that err together with one beforehand."""
-    groups = (group for group in found.fit.together if index in group)
-    return [found.fit.parameters[i].path for group in groups for i in group if i != index]
 
 
 def _prior(prior: Prior) -> dict[str, Any]:
@@ -142,7 +137,7 @@ def print_calibration(found: Calibration) -> None:
 
 def _methods(found: Calibration) -> Iterator[str]:
     """Yield how the slopes by the parameters were found, parameters of one kind together."""
-    names = dict(zip((each.path for each in found.fit.parameters), short_names(found), strict=True))
+    names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))
     for why in dict.fromkeys(found.methods.values()):
         some = [names[path] for path, each in found.methods.items() if each == why]
         which = "" if len(some) == len(names) else f" of {', '.join(some)}"
@@ -159,8 +154,8 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
     elif known is not None and known.border[index]:
         width = f"{known.border[index]} bound"
     low, high = spread(found, index)
-    good = "" if low is None or high is None else " … ".join(_number(found, path, each) for each in (low, high))
-    return [short_names(found)[index], shown_value(scene, path, found.values[path], 4), width, good]
+    good = "" if low is None or high is None else " … ".join(shown_number(scene, path, each, 3) for each in (low, high))
+    return [found.fit.short_names()[index], shown_value(scene, path, found.values[path], 4), width, good]
 
 
 def _tolerance(found: Calibration, parameter: Parameter) -> str:
@@ -172,15 +167,6 @@ def _tolerance(found: Calibration, parameter: Parameter) -> str:
     if prior.logarithmic:
         return f"{mean} ×/÷ {prior.tolerance:.3g}"
     return f"{mean} ± {prior.tolerance * _per_unit(found, parameter):.3g}"
-
-
-def short_names(found: Calibration) -> list[str]:
-    """Return the last words of the parameters' paths, as many as tell them apart."""
-    return found.fit.short_names()
-
-
-def _number(found: Calibration, path: str, value: float) -> str:
-    return shown_number(found.fit.scene, path, value, 3)
 
 
 def _per_unit(found: Calibration, parameter: Parameter) -> float:
@@ -247,7 +233,7 @@ def _warnings(found: Calibration) -> Iterator[str]:
 
 def _correlations(found: Calibration) -> Iterator[str]:
     known = found.certainty
-    names = short_names(found)
+    names = found.fit.short_names()
     if known is None or len(names) < 2:
         return
     pairs = [

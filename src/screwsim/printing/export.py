@@ -43,13 +43,6 @@ def print_map(table: Table, files: Sequence[str]) -> None:
         say(file)
 
 
-def polynomials_document(
-    document: Mapping[str, Any], figures: Sequence[str], rows: Sequence[Any], files: Sequence[str]
-) -> dict[str, Any]:
-    """Return what `--json` prints of polynomials: what was written, and where."""
-    return {**document, "files": list(files)}
-
-
 def print_polynomials(
     document: Mapping[str, Any],
     figures: Sequence[str],

@@ -118,21 +118,18 @@ def keep_other_maps(path: Path) -> None:
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Write the maps: JSON as `map --json` prints it, or CSV with a row a figure."""
     if path.suffix.lower() == ".csv":
-        write_columns(path, "compressor map", _columns(results, maps))
+        rows = [(one, figure, fit) for one in maps for figure, fit in one.fits.items()]
+        columns = {
+            path: Column([one.values[path] for one, _, _ in rows], _units(results, path), path)
+            for path in maps[0].values
+        }
+        columns["figure"] = Column([figure for _, figure, _ in rows], "", "figure")
+        columns["units"] = Column([results.figure(figure).units for _, figure, _ in rows], "", "its unit")
+        for number, name in enumerate(NAMES):
+            columns[name] = Column([fit.coefficients[number] for _, _, fit in rows], "1", name)
+        for name in ("largest", "rms", "left_out"):
+            columns[f"{name}_error"] = Column([getattr(fit, name) for _, _, fit in rows], "1", f"{name} relative error")
+        write_columns(path, "compressor map", columns)
         return
     make_folder(path.parent)
     write_json(map_document(results, maps), path)
-
-
-def _columns(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Column]:
-    rows = [(one, figure, fit) for one in maps for figure, fit in one.fits.items()]
-    columns = {
-        path: Column([one.values[path] for one, _, _ in rows], _units(results, path), path) for path in maps[0].values
-    }
-    columns["figure"] = Column([figure for _, figure, _ in rows], "", "figure")
-    columns["units"] = Column([results.figure(figure).units for _, figure, _ in rows], "", "its unit")
-    for number, name in enumerate(NAMES):
-        columns[name] = Column([fit.coefficients[number] for _, _, fit in rows], "1", name)
-    for name in ("largest", "rms", "left_out"):
-        columns[f"{name}_error"] = Column([getattr(fit, name) for _, _, fit in rows], "1", f"{name} relative error")
-    return columns

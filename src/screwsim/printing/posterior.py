@@ -78,12 +78,6 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
         say(wrapped(f"posterior {found.status}: {found.message}"))
     if not found.parameters:
         return
-    _print_spreads(fit, found)
-    if found.predictions is not None:
-        print_predictions(found.predictions)
-
-
-def _print_spreads(fit: Calibration, found: Posterior) -> None:
     scene = fit.fit.scene
     rows = []
     for each in found.parameters:
@@ -98,6 +92,8 @@ def _print_spreads(fit: Calibration, found: Posterior) -> None:
     rows = [_row(each) for each in found.predicted]
     say("\n".join(plain_table(["point", "figure", "measured", f"predicted, {LEVEL:.0%}", ""], rows, 2)))
     tell(_notes(found))
+    if found.predictions is not None:
+        print_predictions(found.predictions)
 
 
 def print_predictions(found: Predictions) -> None:

@@ -1,7 +1,6 @@
 """What an engineer reads first of a result, on one screen of 80 columns and 24 lines (`run --short`)."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name, small
@@ -29,12 +28,6 @@ INSTEAD = {  # of the first, where the second is there, too
 }
 
 
-def first_figures(performance: Mapping[str, Any]) -> list[str]:
-    """Return the names of the figures that are read first, those with a value."""
-    there = [name for name in FIRST if performance.get(name) is not None]
-    return [name for name in there if INSTEAD.get(name) not in there][:MOST]
-
-
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
     """Print title, status, the first warnings, ten figures with their numerical errors, if any, the balances."""
     first = ": ".join(filter(None, (raised(title), no_machine(result))))
@@ -45,7 +38,8 @@ def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None
     say(_cut(printable(f"status: {result.status}" + (f"; {result.message}" if result.message else "")), LINES))
     if result.warnings:
         say(_cut(printable(f"warning: {result.warnings[0]}"), LINES))
-    names = first_figures(result.performance)
+    there = [name for name in FIRST if result.performance.get(name) is not None]
+    names = [name for name in there if INSTEAD.get(name) not in there][:MOST]
     if names:
         say()
         say("\n".join(plain_table(("figure", "value", "unit", "error"), _rows(result, names), 1)))

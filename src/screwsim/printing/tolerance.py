@@ -31,7 +31,11 @@ def print_tolerance(scene: Scene, found: Tolerances) -> None:
     """Print the kinematic table by grades, and the spread of the figures over the machines drawn."""
     say_title(scene.title)
     say("\nlaw of motion, worst corner of crank and rod")
-    say("\n".join(_law(found)))
+    rows = []
+    for row in found.table:
+        numbers = (1e3 * row.crank_width, 1e3 * row.rod_width, 100.0 * row.error, 1e3 * row.head)
+        rows.append((f"IT{row.crank}", *(f"{number:.3f}" for number in numbers)))
+    say("\n".join(plain_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)))
     grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())
     drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
     say("\n" + wrapped(drawn))
@@ -41,14 +45,6 @@ def print_tolerance(scene: Scene, found: Tolerances) -> None:
         say(wrapped(f"{found.hits} of {found.count} machines: the piston reaches the head (not simulated)"))
     if found.failed:
         say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
-
-
-def _law(found: Tolerances) -> list[str]:
-    rows = []
-    for row in found.table:
-        numbers = (1e3 * row.crank_width, 1e3 * row.rod_width, 100.0 * row.error, 1e3 * row.head)
-        rows.append((f"IT{row.crank}", *(f"{number:.3f}" for number in numbers)))
-    return plain_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)
 
 
 def _spreads(found: Tolerances) -> list[str]:

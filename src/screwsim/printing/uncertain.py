@@ -1,7 +1,7 @@
 """What is printed of the uncertainty of a scene's figures by its inputs, beside the numerical error, and of sweeps."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,8 @@ def print_uncertainty(result: Result) -> None:
         value, spread = result.performance[name], found.get(name, {"expanded": 0.0, "contributors": ()})
         if spread["expanded"] > NOTHING * abs(value) or name in by_model:
             rows.append([shown_name(name), *_shown(result, name, spread["expanded"], model)])
-            named.append(_named(spread["contributors"]))
+            some = [one for one in spread["contributors"][:NAMED] if one["share"] >= LEAST]
+            named.append(", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some))
     parts = [("numerical", True), ("inputs", bool(found)), ("model", bool(by_model))]
     kept = [True, True, True, *(there for _, there in parts)]
     say()
@@ -94,11 +95,6 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     inside = "this scene lies within what was validated"
     lines.append(f"warning: validated elsewhere, so that the error may be another: {'; '.join(out)}" if out else inside)
     return lines
-
-
-def _named(contributors: Sequence[Mapping[str, Any]]) -> str:
-    some = [one for one in contributors[:NAMED] if one["share"] >= LEAST]
-    return ", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some)
 
 
 def _short(path: str) -> str:

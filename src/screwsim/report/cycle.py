@@ -57,7 +57,14 @@ def _loop(trace: Trace, measured: Indicated | None) -> Any:
     if measured is not None:
         draw_over_volume(axes, measured, trace)
     note(figure, trace.title, clipped)
-    _mark_loop(axes, trace, V, p)
+    # the empty corner is up and right of the compression line
+    axes.figure.draw_without_rendering()
+    labels = []
+    for text, angle in trace.marks.items():
+        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
+        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
+        labels.append((at, f"{text}, {short(angle)}°", ((1, 1), (-1, 1))))
+    label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
     return figure
 
 
@@ -81,17 +88,6 @@ def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:
     return clipped, V, p
 
 
-def _mark_loop(axes: Any, trace: Trace, V: Any, p: Any) -> None:
-    """Mark injection and port opening on the p–V loop; the empty corner is up and right of the compression line."""
-    axes.figure.draw_without_rendering()
-    labels = []
-    for text, angle in trace.marks.items():
-        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
-        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
-        labels.append((at, f"{text}, {short(angle)}°", ((1, 1), (-1, 1))))
-    label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
-
-
 def _states(trace: Trace, measured: Indicated | None) -> Any:
     """Draw pressure, temperatures and gas mass over the angle, one above the other."""
     figure = new_figure(SINGLE, 130.0)
@@ -105,7 +101,13 @@ def _states(trace: Trace, measured: Indicated | None) -> Any:
     lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
-    _name_marks(upper, trace)
+    # neighbours turn away from each other
+    marks = list(trace.marks.items())
+    for i, (text, angle) in enumerate(marks):
+        near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
+        near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
+        side = "left" if near_left else "right" if near_right else "center"
+        upper.annotate(text, (angle, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)
     note(figure, trace.title, clipped)
     return figure
 
@@ -202,13 +204,3 @@ def _angle_axis(axes: Any, trace: Trace) -> None:
     plain_ticks(axes.yaxis, most=6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
-
-
-def _name_marks(axes: Any, trace: Trace) -> None:
-    """Name the marked angles above the axes; neighbours turn away from each other."""
-    marks = list(trace.marks.items())
-    for i, (text, angle) in enumerate(marks):
-        near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
-        near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
-        side = "left" if near_left else "right" if near_right else "center"
-        axes.annotate(text, (angle, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)

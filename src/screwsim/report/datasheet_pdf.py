@@ -105,9 +105,6 @@ def _line(paper: Paper, name: str, words: str, names: float) -> None:
         paper.text(EDGE + names, row)
 
 
-# ---- drawings ----------------------------------------------------------------------------------------------------
-
-
 def _drawings(paper: Paper, drawings: Sequence[Any], abreast: int, plot: float) -> None:
     width = (TEXT - (abreast - 1) * GUTTER) / abreast
     titles = [wrapped(one.title, width, paper.size, bold=True) for one in drawings]

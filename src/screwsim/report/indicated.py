@@ -63,14 +63,9 @@ def check_angles(points: Indicated, trace: Trace) -> None:
         raise UsageError(f"{what} (count them from where the chamber begins to grow; docs/how-to/indicator.md)")
 
 
-def computed(points: Indicated, trace: Trace) -> np.ndarray:
-    """Return the computed pressures [Pa] at the measured angles."""
-    return np.interp(points.angle, trace.angle, trace.values["pressure"])
-
-
 def told(points: Indicated, trace: Trace) -> str:
     """Return in words how far computed and measured pressures lie apart: mean, root mean square, largest [bar]."""
-    off = (computed(points, trace) - points.pressure) * PRESSURE.factor
+    off = (np.interp(points.angle, trace.angle, trace.values["pressure"]) - points.pressure) * PRESSURE.factor
     worst = int(np.argmax(np.abs(off)))
     return (
         f"computed less measured at {len(off)} points: mean {off.mean():+.3g} bar, root mean square "

@@ -77,7 +77,11 @@ def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int,
     found = _optima(axes, results, layout, chosen, name) if HAS_OPTIMUM in name else 0
     for axis, set_label, place in ((axes.xaxis, axes.set_xlabel, layout.x), (axes.yaxis, axes.set_ylabel, _y(layout))):
         set_label(shown_axis(results.axis_list[place]).label)
-        _scale(axes, axis, shown_axis(results.axis_list[place]).of(results.axis_list[place].values))
+        values = shown_axis(results.axis_list[place]).of(results.axis_list[place].values)
+        if is_log(values):
+            log_scale(axes, float(np.max(values) / np.min(values)), axis.axis_name)
+        else:
+            plain_ticks(axis)
     return found
 
 
@@ -145,10 +149,3 @@ def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int],
         style = {"linewidth": 0.8, "markeredgecolor": "black", "markevery": 1 + len(points) // _OPTIMA_SHOWN}
         axes.plot(*np.transpose(points), "o-", color="white", clip_on=False, **style)
     return len(points)
-
-
-def _scale(axes: Any, axis: Any, values: np.ndarray) -> None:
-    if is_log(values):
-        log_scale(axes, float(np.max(values) / np.min(values)), axis.axis_name)
-    else:
-        plain_ticks(axis)

@@ -38,10 +38,16 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
             _band(axes, series, bands)
             bands += 1
         elif series["theirs"]:
-            _theirs(axes, series, theirs)
+            mark = {"fmt": MARKERS[theirs % len(MARKERS)], "markersize": 4.0, "capsize": 1.5, "elinewidth": 0.6}
+            mark |= {"color": THEIRS, "markerfacecolor": "white" if theirs % 2 else THEIRS}
+            axes.errorbar(series["x"], series["y"], yerr=series["error"], label=series["name"], zorder=4, **mark)
             theirs += 1
         else:
-            _ours(axes, series, ours)
+            line, marker = DASHES[ours % len(DASHES)], None
+            if series["points"]:
+                line, marker = "none", MARKERS[ours % len(MARKERS)]
+            look = {"color": OURS[ours % len(OURS)], "linestyle": line, "marker": marker}
+            axes.plot(series["x"], series["y"], label=series["name"], zorder=3, **look)
             ours += 1
     axes.set(xlabel=panel["x_label"], ylabel=panel["y_label"])
     for which in "xy":
@@ -66,21 +72,7 @@ def _logarithmic(axes: Any, which: str) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def _theirs(axes: Any, series: Mapping[str, Any], index: int) -> None:
-    mark = {"fmt": MARKERS[index % len(MARKERS)], "markersize": 4.0, "capsize": 1.5, "elinewidth": 0.6}
-    mark |= {"color": THEIRS, "markerfacecolor": "white" if index % 2 else THEIRS}
-    axes.errorbar(series["x"], series["y"], yerr=series["error"], label=series["name"], zorder=4, **mark)
-
-
 def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:
     colour = OURS[index % len(OURS)]
     label = series["name"] or "_nolegend_"
     axes.fill_between(series["x"], series["y"], series["upper"], color=colour, alpha=0.2, linewidth=0.0, label=label)
-
-
-def _ours(axes: Any, series: Mapping[str, Any], index: int) -> None:
-    line, marker = DASHES[index % len(DASHES)], None
-    if series["points"]:
-        line, marker = "none", MARKERS[index % len(MARKERS)]
-    look = {"color": OURS[index % len(OURS)], "linestyle": line, "marker": marker}
-    axes.plot(series["x"], series["y"], label=series["name"], zorder=3, **look)

@@ -101,7 +101,13 @@ class Plan:
         self._along = {inner.name for axis in axes for inner in (axis, *axis.joined)}  # every group has these
         self._beside = _beside(axes)
         self._groups: dict[str, Any] = {}
-        self._write_inputs(scene)
+        group, there = self._group("inputs"), set(self._along)
+        for path, variable, value in numeric_inputs(scene):
+            name = variable_name(path)
+            if name not in there:
+                there.add(name)
+                about = number_attributes(variable) | {"path": path}
+                self.layout.variable(group, name, np.array(value), (), about)
         self.columns = [column for group in GROUPS for column in self._figures(group)]
         self.traces = list(self._cycle()) if names.traces else []
         self.columns += list(self._ledger()) if names.ledger else []
@@ -133,16 +139,6 @@ class Plan:
                 values, about = _coordinate(inner)
                 self.layout.variable(group, inner.name, values, (axis.name,), about)
         return group
-
-    def _write_inputs(self, scene: Scene) -> None:
-        """Write the axes, and every other numeric input of the base scene."""
-        group, there = self._group("inputs"), set(self._along)
-        for path, variable, value in numeric_inputs(scene):
-            name = variable_name(path)
-            if name not in there:
-                there.add(name)
-                about = number_attributes(variable) | {"path": path}
-                self.layout.variable(group, name, np.array(value), (), about)
 
     def _empty(self, group: Any, name: str, dtype: Any, about: dict[str, Any]) -> Any:
         return self.layout.empty(group, name, self.shape, dtype, self._dimensions, about | self._beside)

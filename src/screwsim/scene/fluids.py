@@ -61,21 +61,17 @@ def _stated(gas: GasSettings) -> Iterator[Fault]:
     if not isinstance(gas.fluid, str):
         yield from _own_blend(gas, gas.fluid)
         return
-    yield from _one_fluid(gas)
-    own = stated(gas.fluid)
-    if own is not None:
-        by_mass, by_mole = (None, own.fractions) if own.by_mole else (own.fractions, None)
-        blend = GasSettings(fluid=own.components, mass_fractions=by_mass, mole_fractions=by_mole)
-        yield from (Fault("gas.fluid", f"{gas.fluid!r}: {fault.what}") for fault in _own_blend(blend, own.components))
-
-
-def _one_fluid(gas: GasSettings) -> Iterator[Fault]:
     for name in _FRACTIONS:
         if getattr(gas, name) is not None:
             what = "belongs to the components of a blend of your own"
             yield Fault(
                 f"gas.{name}", f"{what} (write fluid: [NAME, NAME], or remove it, with null where a base gives it)"
             )
+    own = stated(gas.fluid)
+    if own is not None:
+        by_mass, by_mole = (None, own.fractions) if own.by_mole else (own.fractions, None)
+        blend = GasSettings(fluid=own.components, mass_fractions=by_mass, mole_fractions=by_mole)
+        yield from (Fault("gas.fluid", f"{gas.fluid!r}: {fault.what}") for fault in _own_blend(blend, own.components))
 
 
 def _own_blend(gas: GasSettings, fluids: tuple[str, ...]) -> Iterator[Fault]:

@@ -136,22 +136,17 @@ def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
     """
     found = []
     for fluid in dict.fromkeys(scene.sweep.get(FLUID, ())):
-        own = _of_fluid(scene, fluid)
+        together = next((joint.paths for joint in joints_of(scene) if FLUID in joint.paths), (FLUID,))
+        kept = [place for place, each in enumerate(scene.sweep[FLUID]) if each == fluid]
+        sweep = {
+            path: tuple(values[place] for place in kept) if path in together else values
+            for path, values in scene.sweep.items()
+        }
+        own = changed(scene, sweep=sweep)
         cases = (case(own, index) for index in range(min(case_count(own), MOST_TRIED)))
         first = next((one for one in cases if not cross_check(one)), None)
         found += [] if first is None else [(fluid, first)]
     return found
-
-
-def _of_fluid(scene: Scene, fluid: str) -> Scene:
-    """Return the scene with that part of its sweep which is of one fluid."""
-    together = next((joint.paths for joint in joints_of(scene) if FLUID in joint.paths), (FLUID,))
-    kept = [place for place, each in enumerate(scene.sweep[FLUID]) if each == fluid]
-    sweep = {
-        path: tuple(values[place] for place in kept) if path in together else values
-        for path, values in scene.sweep.items()
-    }
-    return changed(scene, sweep=sweep)
 
 
 def leaf_of(scene: Scene, path: str) -> Leaf:

@@ -291,13 +291,6 @@ def _paths(root: Node, kind: str) -> list[str]:
     return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
 
 
-def _keep_kind(problems: list[Problem]) -> None:
-    """Remove what is said of a machine whose kind is none: it may be right for the kind that is meant."""
-    first = next((problem for problem in problems if problem.path == "machine.kind"), None)
-    if first is not None:
-        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each is first]
-
-
 def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     with over(_ambient(root)):
@@ -321,7 +314,10 @@ def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep", BLOCK), paths)
-    _keep_kind(problems)
+    # what is said of a machine whose kind is none may be right for the kind that is meant
+    first = next((problem for problem in problems if problem.path == "machine.kind"), None)
+    if first is not None:
+        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each is first]
     effects = read_effects(root.value.get("effects"), problems)
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:

@@ -55,7 +55,11 @@ def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
     for name in PLAIN:
         part = getattr(scene, name)
         if part is not None:
-            yield from _of_section(part, name)
+            # a section that is the same object as that of the case before is not looked at
+            last = _seen.get(name)
+            if last is None or last[0] is not part:
+                last = _seen[name] = part, tuple(_beyond(type(part), part, name))
+            yield from last[1]
     yield from _of_effects(scene.effects)
 
 
@@ -66,14 +70,6 @@ def _of_effects(effects: Mapping[str, ActiveEffect]) -> tuple[tuple[str, str], .
 
 
 _seen: dict[str, tuple[Any, tuple[tuple[str, str], ...]]] = {}  # the last section of a path, which cases share
-
-
-def _of_section(part: Any, path: str) -> tuple[tuple[str, str], ...]:
-    """Return what `_beyond` yields; a section that is the same object as that of the case before is not looked at."""
-    last = _seen.get(path)
-    if last is None or last[0] is not part:
-        last = _seen[path] = part, tuple(_beyond(type(part), part, path))
-    return last[1]
 
 
 def _beyond(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:

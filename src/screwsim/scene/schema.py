@@ -197,9 +197,15 @@ def _sweep() -> dict[str, Any]:
     over = {path: _span_of(leaf) for path, leaf in leaves.items()}
     group = _paths(axes, "axes of equal length")
     zipped = {"description": "groups of axes whose values are taken side by side", "items": group, "minItems": 1}
+    properties = {
+        "kind": {"enum": list(SAMPLES)},
+        "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
+        "seed": {"type": "integer", "minimum": 0, "default": 0},
+        "over": _paths(over, "what varies, and how far"),
+    }
     designs = {
         "zip": {"type": ["array", "null"], **zipped},
-        "sample": _sample(_paths(over, "what varies, and how far")),
+        "sample": mapping(properties, (), "points drawn at random, one dimension of the sweep", ["object", "null"]),
     }
     about = "the grid is the product of all axes; a key is a whole dotted path"
     return {**_paths({**axes, **designs}, about), "type": ["object", "null"]}
@@ -213,16 +219,6 @@ def _paths(properties: dict[str, Any], about: str) -> dict[str, Any]:
         "patternProperties": {OWN_PARAMETER: {}},
         "additionalProperties": False,
     }
-
-
-def _sample(over: dict[str, Any]) -> dict[str, Any]:
-    properties = {
-        "kind": {"enum": list(SAMPLES)},
-        "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
-        "seed": {"type": "integer", "minimum": 0, "default": 0},
-        "over": over,
-    }
-    return mapping(properties, (), "points drawn at random, one dimension of the sweep", ["object", "null"])
 
 
 def _span_of(leaf: Leaf) -> dict[str, Any]:

@@ -90,17 +90,14 @@ def read_tolerances(
                 raise Refused("has a tolerance, which only quantities and numbers have (write the value alone)")
             if path.startswith(NO_INPUTS):
                 raise Refused("has a tolerance, which only what describes the machine and its operation has")
-            found[path] = _tolerance(leaf, each, float(value_at(scene, path)))
+            value = float(value_at(scene, path))
+            tolerance = _factor(leaf, each, value) if each.factor else _half(leaf, each, value)
+            _check_ends(leaf, tolerance, value, "its")
+            found[path] = tolerance
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
         except Refused as refusal:
             problems.append(Problem(each.place, path, str(refusal)))
     return found, _together(block, set(given), scene, problems)
-
-
-def _tolerance(leaf: Leaf, given: Given, value: float) -> Tolerance:
-    tolerance = _factor(leaf, given, value) if given.factor else _half(leaf, given, value)
-    _check_ends(leaf, tolerance, value, "its")
-    return tolerance
 
 
 def _check_ends(leaf: Leaf, tolerance: Tolerance, value: float, whose: str) -> None:

@@ -8,15 +8,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from screwsim.effects.base import Effect, PressureLosses
-from screwsim.fluid.settings import GasSettings, OilLine, OilSettings
+from screwsim.fluid.settings import GasSettings, OilLine, OilSettings, oil_temperature
 from screwsim.inputs.arguments import MAPPING, takes
 from screwsim.inputs.declare import Found, choice, number, quantity, word
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
 __all__ = [
-    "COLDEST",
-    "HOTTEST",
     "STANDARD_ATMOSPHERE",
     "ActiveEffect",
     "DischargeState",
@@ -37,7 +35,6 @@ NO_SUPERHEAT = (
 
 
 STANDARD_ATMOSPHERE = 101325.0  # [Pa], ISO 2533
-COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
 COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distribution (GUM)
 
 
@@ -163,25 +160,13 @@ class OilSupply:
         "pump: the ratio is given; displacement: the separator pushes it through an orifice", (PUMP, "displacement")
     )
     ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
-    discharge_temperature: float | None = quantity(
-        "temperature",
-        "of gas and oil behind the discharge port: the oil that brings them there is found (M370), in place of ratio",
-        None,
-        ge=COLDEST,
-        le=HOTTEST,
-        hardly=(210.0, 450.0),
+    discharge_temperature: float | None = oil_temperature(
+        "of gas and oil behind the discharge port: the oil that brings them there is found (M370), in place of ratio"
     )
     flow: float | None = quantity(
         "volume_flow", "of the oil that the pump displaces, e.g. 60 L/min, in place of ratio (M393)", None, gt=0.0
     )
-    temperature: float | None = quantity(
-        "temperature",
-        "temperature of the injected oil (absent: effects.separator finds it)",
-        None,
-        ge=COLDEST,
-        le=HOTTEST,
-        hardly=(210.0, 450.0),
-    )
+    temperature: float | None = oil_temperature("temperature of the injected oil (absent: effects.separator finds it)")
     source: str = choice(
         "where the pump draws from: separator (p_d) or a sump at suction pressure", ("separator", SUMP), "separator"
     )

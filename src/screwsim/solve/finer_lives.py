@@ -22,18 +22,9 @@ from screwsim.cycle.solution import Led
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import relative_errors, worst
+from screwsim.model import slots
 from screwsim.model.exchange import station
 from screwsim.model.slices import INSIDE
-from screwsim.model.slots import (
-    DISCHARGE_IN,
-    DISCHARGE_OUT,
-    OF_GAS,
-    P_INJECTION,
-    P_PITCH,
-    Q_WORK,
-    R_TRAPPED,
-    SUCTION_OUT,
-)
 from screwsim.outputs import Figures
 from screwsim.solve.finer import FINER, NOTHING, Asked, Finer
 
@@ -177,17 +168,17 @@ class _Lives:
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
         streams = streams_of(c, sums)
-        out = streams[DISCHARGE_IN : DISCHARGE_OUT + 1, OF_GAS].sum()
-        passed = abs(out / max(float(machinery.R[R_TRAPPED]), 1e-300))
-        streams[: SUCTION_OUT + 1, OF_GAS] = 0.0
+        out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS].sum()
+        passed = abs(out / max(float(machinery.R[slots.R_TRAPPED]), 1e-300))
+        streams[: slots.SUCTION_OUT + 1, slots.OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.made)
-        at, n = float(c.P[P_INJECTION]), machinery.n
+        at, n = float(c.P[slots.P_INJECTION]), machinery.n
         y = np.zeros(c.chambers * n)
-        index = round(at / c.P[P_PITCH])
+        index = round(at / c.P[slots.P_PITCH])
         y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
         machinery.inject(y)
         life = Evaluation(problem, machinery.trajectory, self.q + sums)
-        led = Led(self.y, (float(machinery.R[R_TRAPPED]), float(life.q[Q_WORK])))
+        led = Led(self.y, (float(machinery.R[slots.R_TRAPPED]), float(life.q[slots.Q_WORK])))
         return self.read(Finer([*self.figures, life.figures], left=wrong, flow=max(abs(by.mass), passed), led=led))
 
     def repeated(self) -> float:

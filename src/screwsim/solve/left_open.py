@@ -5,15 +5,7 @@ Source: docs/model.md M41; docs/explanation/numerics.md.
 
 from collections.abc import Iterator
 
-from screwsim.cycle.balances import (
-    held_left,
-    left_late,
-    made_good,
-    mass_in,
-    met_across,
-    residuals,
-    streams_of,
-)
+from screwsim.cycle import balances
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import FlowPath
@@ -33,26 +25,26 @@ def left_open(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
     """
     problem, found, q = of.problem, of.figures, cycle.q
     flow, oil = found["gas_mass_flow"], found.get("oil_mass_flow")
-    if flow and not met_across(problem):
-        yield flow_errors(found, abs(mass_in(problem.composition, q) * problem.rate / flow))
-    if oil and problem.composition.carried and left_late(problem):
-        left = of.left or residuals(problem, of.life.R, q)
+    if flow and not balances.met_across(problem):
+        yield flow_errors(found, abs(balances.mass_in(problem.composition, q) * problem.rate / flow))
+    if oil and problem.composition.carried and balances.left_late(problem):
+        left = of.left or balances.residuals(problem, of.life.R, q)
         yield flow_errors(found, left.oil_left * problem.rate / abs(oil), "by_oil")
-    held, flashes = held_left(problem, q) * problem.rate, found.get("flash_mass_flow")
+    held, flashes = balances.held_left(problem, q) * problem.rate, found.get("flash_mass_flow")
     if held and flashes:
         yield flow_errors(found, FLASHES * held / abs(flashes), "by_held")
-    if met_across(problem) and not way_of(cycle).whole:
+    if balances.met_across(problem) and not way_of(cycle).whole:
         yield from _at_ports(of, cycle)
 
 
 def _at_ports(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
     """Yield what flows through gaps err by that a plenum's port makes good, as a line does."""
     problem, found = of.problem, of.figures
-    parts, rate, streams = problem.parts, problem.rate, streams_of(problem.composition, cycle.q)
+    parts, rate, streams = problem.parts, problem.rate, balances.streams_of(problem.composition, cycle.q)
     for name, path in parts.all(FlowPath):
         if path.to not in parts.plenums or not path.breakpoints:
             continue
-        by_port, across = made_good(problem, cycle.trajectory, min(path.breakpoints), max(path.breakpoints))
+        by_port, across = balances.made_good(problem, cycle.trajectory, min(path.breakpoints), max(path.breakpoints))
         i, flow, about = 2 * parts.number(path.to), found["gas_mass_flow"], problem.scene.effects[name].effect.figures
         drawn = abs(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]))
         own = set(names_of(about))

@@ -35,7 +35,12 @@ class Cluster:
         """Connect, and wait for the first worker; raise UsageError, in one line, when that fails."""
         self._client = _connect(self._where, self._patience)
         try:
-            self._await_worker()
+            try:
+                self._client.wait_for_workers(1, timeout=self._patience)
+            except TimeoutError:
+                remedy = "start some with `dask worker`, and look at their logs"
+                raise UsageError(f"{self._where}: no worker came within {self._patience:g} s ({remedy})") from None
+            self.workers()
         except BaseException:
             self._client.close()
             raise
@@ -43,14 +48,6 @@ class Cluster:
 
     def __exit__(self, *error: object) -> None:
         self._client.close()
-
-    def _await_worker(self) -> None:
-        try:
-            self._client.wait_for_workers(1, timeout=self._patience)
-        except TimeoutError:
-            remedy = "start some with `dask worker`, and look at their logs"
-            raise UsageError(f"{self._where}: no worker came within {self._patience:g} s ({remedy})") from None
-        self.workers()
 
     def _ask(self, addresses: Iterable[str]) -> None:
         """Raise UsageError, in one line, when workers compute with anything else than this process."""
@@ -94,7 +91,10 @@ def _connect(where: str, patience: float) -> Any:
     except ImportError:
         raise UsageError("--scheduler needs dask (pip install 'screwsim[dask]')") from None
     address = _address(where)
-    _silence()
+    # what dask tells of lost workers, a sweep tells in one line
+    for name in [*logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
         with ThreadPoolExecutor(1) as aside:  # the caller's thread may have a loop of its own, as in a notebook
             aside.submit(asyncio.run, _reach(address, patience)).result()
@@ -112,13 +112,6 @@ async def _reach(address: str, patience: float) -> None:
     about = Security().get_connection_args("client")
     comm = await asyncio.wait_for(connect(address, timeout=patience, **about), patience + _LATE)
     comm.abort()
-
-
-def _silence() -> None:
-    """Keep dask's own messages off the terminal: what they tell of lost workers, a sweep tells in one line."""
-    for name in [*logging.root.manager.loggerDict]:
-        if name.partition(".")[0] == "distributed":
-            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _address(where: str) -> str:

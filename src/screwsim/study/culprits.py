@@ -136,16 +136,11 @@ def _culprit_in_chain(block: Block, alone: _Alone, limit: float | None) -> dict[
         return {}
     while shortest < longest:
         middle = (shortest + longest) // 2
-        outcome = alone.run([_beginning(block, middle)])
+        chosen = block.order[:middle]
+        failed = {place: block.failed[old] for place, old in enumerate(chosen) if old in block.failed}
+        outcome = alone.run([Block([block.values[place] for place in chosen], range(middle), failed)])
         if isinstance(outcome, Death):
             longest, death = middle, outcome
         else:
             shortest = middle + 1
     return {block.order[shortest - 1]: _why(death, limit)}
-
-
-def _beginning(block: Block, length: int) -> Block:
-    """Return the first cases of a block, in the order of simulation."""
-    chosen = block.order[:length]
-    failed = {place: block.failed[old] for place, old in enumerate(chosen) if old in block.failed}
-    return Block([block.values[place] for place in chosen], range(length), failed)

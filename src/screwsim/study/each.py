@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.progress import Progress
 from screwsim.study.workers import GRACE, TICK, Chunks, Guard, LocalPool, Work, cores, drain, stop, submit, worker_died
 
 Answer = TypeVar("Answer")
@@ -28,16 +28,17 @@ def each(
     *,
     died: Callable[[int], Answer],
     jobs: int | None = None,
-    failed: Callable[[Answer], bool] = lambda answer: False,
+    failed: Callable[[Answer], bool] = lambda answer: getattr(answer, "status", "ok") != "ok",
     progress: Progress | None = None,
     answers: dict[int, Answer] | None = None,
 ) -> list[Answer]:
     """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: here).
 
     The function is pickled once. `died` gives the answer for a number whose worker died; `failed` tells which answers
-    the progress counts as such. What an interruption leaves is in `answers`.
+    the progress counts as such, by default those with another status than ok. What an interruption leaves is in
+    `answers`.
     """
-    progress, jobs = progress or Silent(), min(jobs or cores(), count)
+    progress, jobs = progress or Progress(), min(jobs or cores(), count)
     answers = {} if answers is None else answers
 
     chunks = Chunks([range(count)], count, lambda: jobs)

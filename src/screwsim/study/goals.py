@@ -67,7 +67,8 @@ def _parted(scene: Scene, text: str, option: str, signs: str, example: str) -> t
 
 def read_figure(figure: str, text: str, where: str) -> float:
     """Return the value of a figure as a person writes it ('500 kW', '85 %', '90 degC') in SI; raise UsageError."""
-    units = units_of(figure)
+    si = declared(figure).units
+    units = {**UNITS.get(si, {si: 1.0}), **MORE_UNITS.get(si, {})}
     match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
     if match is None:
         odd = odd_number(text)
@@ -84,12 +85,6 @@ def read_figure(figure: str, text: str, where: str) -> float:
     offered = [each for each in (*units, *([CELSIUS] if celsius else [])) if each]
     what = f"has no unit {unit!r}" if unit else f"{match[1]} has no unit"
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
-
-
-def units_of(figure: str) -> dict[str, float]:
-    """Return {unit: factor to SI} of the units in which a figure may be written."""
-    si = declared(figure).units
-    return {**UNITS.get(si, {si: 1.0}), **MORE_UNITS.get(si, {})}
 
 
 def _refuse_twice(option: str, names: list[str]) -> None:

@@ -14,7 +14,7 @@ from screwsim.machine.kinds import kind_of
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads
 from screwsim.scene.types import Scene
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.progress import Progress
 
 REFRIGERATION = ("cooling_capacity", "cop")
 
@@ -80,7 +80,7 @@ def knock_out(
     which the cycle does not close has the status of that solution, and no figures. What is to be doubted without an
     effect, and is not of the whole scene, stands in its message.
     """
-    progress = progress or Silent()
+    progress = progress or Progress()
     costs = []
     every = each_alone(scene) if left_out is None else left_out
     progress.start(len(every), 0)

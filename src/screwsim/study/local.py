@@ -205,7 +205,6 @@ def _differences(
         len(points),
         died=lambda number: Result("failed", DIED),
         jobs=jobs,
-        failed=lambda result: result.status != "ok",
         progress=shown("sensitivities", progress),
     )
     slopes: dict[str, dict[str, float]] = {}

@@ -122,7 +122,6 @@ def optimum(
         count,
         died=lambda number: Best(case_values(rest, number), "failed", DIED),
         jobs=jobs,
-        failed=lambda best: best.status != "ok",
         progress=progress,
     )
 

@@ -51,17 +51,11 @@ def write_part(path: Path, table: Table) -> None:
         np.savez(stream, allow_pickle=False, **arrays)
 
 
-def read_part(path: Path, traces: bool = True) -> Table:
-    """Return the table of a part, with all traces or none."""
-    return _read(path, traces, cases=True)
+def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
+    """Return the table of a part, with all traces or none.
 
-
-def read_head(path: Path) -> Table:
-    """Return a part without its cases: texts, effects, states, angles, and the names of traces and ledger."""
-    return _read(path, traces=True, cases=False)
-
-
-def _read(path: Path, traces: bool, cases: bool) -> Table:
+    Without its cases it has texts, effects, states, angles, and the names of traces and ledger.
+    """
     none = np.empty(0)
     with np.load(path, allow_pickle=False) as stored:
         about = json.loads(stored["about"].tobytes())

@@ -180,7 +180,8 @@ def _at_best(
     ratio = _top(cop)
     again = _solver(scene, control, {RATIO: ratio})
     setting, wanted, best = step.setting, step.load, None
-    slope = _slope(known, step)
+    one, two = sorted(known, key=lambda each: abs(each.load - step.load))[:2]
+    slope = (one.setting - two.setting) / (one.load - two.load)
     for _ in range(TRIES):
         result = again(setting)
         capacity = result.performance.get(aim.load)
@@ -203,12 +204,6 @@ def _top(cop: dict[float, float]) -> float:
     near = tried[first : first + 3]
     a, b, _ = np.polyfit(np.array(near) - tried[i], [cop[ratio] for ratio in near], 2)
     return tried[i] if a >= 0.0 else float(np.clip(tried[i] - 0.5 * b / a, near[0], near[2]))
-
-
-def _slope(known: Sequence[Step], step: Step) -> float:
-    """Return the change of a setting with the load beside a step of a curve."""
-    one, two = sorted(known, key=lambda each: abs(each.load - step.load))[:2]
-    return (one.setting - two.setting) / (one.load - two.load)
 
 
 def _solver(scene: Scene, control: Control, others: Mapping[str, float] = _NONE) -> Solve:

@@ -181,16 +181,12 @@ class Design:
         free = 1.0 - np.sum(q**2, axis=1)  # of each point: what it does not determine itself
         left_out = float(np.max(np.abs(errors / free))) if np.all(free > 1e-6) else None
         rms = math.sqrt(float(np.mean(errors**2)))
-        return Fit(self._in_celsius(scaled), float(np.max(np.abs(errors))), rms, left_out)
-
-    def _in_celsius(self, scaled: Array) -> tuple[float, ...]:
-        """Return the coefficients in °C of those in scaled temperatures."""
         table = np.zeros((4, 4))
         for coefficient, term in zip(scaled, TERMS, strict=True):
             table[term] = coefficient
         S, D = (_powers(middle, half) for middle, half in self._scales)
         table = S.T @ table @ D
-        return tuple(float(table[term]) for term in TERMS)
+        return Fit(tuple(float(table[term]) for term in TERMS), float(np.max(np.abs(errors))), rms, left_out)
 
 
 def _powers(middle: float, half: float) -> Array:

@@ -28,10 +28,6 @@ class Progress:
         """End, also after an error."""
 
 
-class Silent(Progress):
-    """Tell nothing."""
-
-
 class Surviving(Progress):
     """Tell what another does until that can tell no more: a terminal that is gone is no fault of the study."""
 
@@ -57,7 +53,7 @@ class Surviving(Progress):
         try:
             call()
         except (OSError, ValueError):  # ValueError: of a closed file
-            told, self._told = self._told, Silent()
+            told, self._told = self._told, Progress()
             with suppress(OSError, ValueError):
                 told.stop()  # gives back stdout and stderr
 
@@ -178,28 +174,20 @@ class Steps(Progress):
             tell(f"{self._title} {self._done + 1} of {len(self._names)}: {self._names[self._done]}")
 
 
-class Line(Progress):
+class Line(Counted):
     """One line on stderr that is written over, at most twice a second: for what is neither terminal nor notebook."""
 
     def __init__(self, title: str, every: float = 0.5) -> None:
-        self._title = title
+        super().__init__(title, time.monotonic)
         self._every = every
-        self._cases = self._done = self._failed = 0
         self._told = 0.0
 
-    def start(self, cases: int, reused: int) -> None:
-        self._cases, self._done = cases, reused
-
     def advance(self, cases: int, failed: int) -> None:
-        self._done += cases
-        self._failed += failed
-        now = time.monotonic()
+        super().advance(cases, failed)
+        now = self._clock()
         if now - self._told >= self._every:
             self._told = now
             self._write("")
-
-    def more(self, cases: int) -> None:
-        self._cases += cases
 
     def stop(self) -> None:
         self._write("\n")
@@ -223,7 +211,7 @@ def for_program(title: str, wanted: bool | None = None) -> Progress:
 
         return Surviving(NotebookBar(title))
     if not wanted:
-        return Silent()
+        return Progress()
     found = for_terminal(title)
     return found if isinstance(found, Surviving) else Surviving(Line(title))
 
@@ -241,10 +229,10 @@ def digits(rate: float) -> str:
 def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     """Return a bar when stderr is a terminal, else a line for each of the steps that have `names`, or seldom one."""
     if sys.stderr is None:
-        return Silent()
+        return Progress()
     try:
         if sys.stderr.isatty():
             return Surviving(Bar(title))
     except ValueError:  # it is closed
-        return Silent()
+        return Progress()
     return Steps(title, names) if names else Seldom(title)

@@ -17,7 +17,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import Unreadable, read_text
 from screwsim.results.atomic import check_target_kind, followed, make_folder, refused, replacing
 from screwsim.results.table import Table, join
-from screwsim.study.part_files import is_whole, read_head, read_part, write_part
+from screwsim.study.part_files import is_whole, read_part, write_part
 
 MOST_SMALL = 128  # parts written until small neighbours are joined
 LARGE = 16_000_000  # [byte] of a part that stays as it is
@@ -204,7 +204,7 @@ class StoredTables:
 
     def heads(self) -> Iterator[Table]:
         """Yield the parts; those that are read come without their cases."""
-        return (self._at_hand.get(path) or read_head(path) for path in self._paths)
+        return (self._at_hand.get(path) or read_part(path, cases=False) for path in self._paths)
 
     def tables(self, traces: bool) -> Iterator[Table]:
         """Yield the parts; those that are read come with traces or without."""

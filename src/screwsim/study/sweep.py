@@ -200,7 +200,10 @@ class _Sweep:
         finished = self._parts.finished(lambda cases: self.blocks.blocks_of(cases) is not None)
         reused = sum(map(len, finished))
         done = [blocks for cases in finished if (blocks := self.blocks.blocks_of(cases)) is not None]
-        todo = self._slow_machines_first(_gaps(done, self.blocks.count))
+        edges = [0, *(edge for span in done for edge in (span.start, span.stop)), self.blocks.count]
+        todo = self._slow_machines_first(
+            [range(start, stop) for start, stop in zip(edges[::2], edges[1::2], strict=True) if stop > start]
+        )
         if not todo:
             return reused
         if scheduler is not None:
@@ -372,9 +375,3 @@ def _finished(output: Path, began: float, parts: Parts, reused: int | None = Non
     ok, not_closed, failed = count_statuses(output)
     count, seconds = ok + not_closed + failed, time.perf_counter() - began
     return SweepSummary(count, ok, not_closed, failed, count if reused is None else reused, seconds, output)
-
-
-def _gaps(finished: Sequence[range], count: int) -> list[range]:
-    """Return what lies between the finished ones."""
-    edges = [0, *(edge for span in finished for edge in (span.start, span.stop)), count]
-    return [range(start, stop) for start, stop in zip(edges[::2], edges[1::2], strict=True) if stop > start]

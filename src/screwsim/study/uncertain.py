@@ -194,14 +194,8 @@ def checked(
     if count < LEAST_COUNT or count & (count - 1):
         raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
     points = _drawn(scene, count)
-    results = each(
-        partial(_solved, scene, points),
-        count,
-        died=lambda number: Result("failed", DIED),
-        jobs=jobs,
-        failed=lambda result: result.status != "ok",
-        progress=progress,
-    )
+    call = partial(_solved, scene, points)
+    results = each(call, count, died=lambda number: Result("failed", DIED), jobs=jobs, progress=progress)
     bad = [result for result in results if result.status != "ok"]
     if bad:
         return replace(linear, samples=count, message=f"{len(bad)} of {count} samples have no figures: {bad[0].told}")

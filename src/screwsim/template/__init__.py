@@ -4,6 +4,7 @@ Sizes scale from machines that the program knows (`template.sizes`); every numbe
 """
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import NamedTuple
 
 from screwsim.inputs.faults import SceneError, UsageError
@@ -45,13 +46,14 @@ class Kind(NamedTuple):
     first: Callable[[Asked], float] = gas.first_flow
 
 
+def _plant(plant: refrigeration.Plant, capacity: str) -> Kind:
+    written, first = partial(refrigeration.scene_of, plant), partial(refrigeration.first_flow, plant)
+    return Kind(written, MOTOR + CAPACITY + LIQUID + SLIDE, capacity, first)
+
+
 KINDS = {
-    "refrigeration": Kind(
-        refrigeration.cooling, MOTOR + CAPACITY + LIQUID + SLIDE, "cooling_capacity", refrigeration.first_cooling
-    ),
-    "heat_pump": Kind(
-        refrigeration.heating, MOTOR + CAPACITY + LIQUID + SLIDE, "heating_capacity", refrigeration.first_heating
-    ),
+    "refrigeration": _plant(refrigeration.COOLING, "cooling_capacity"),
+    "heat_pump": _plant(refrigeration.HEATING, "heating_capacity"),
     "air": Kind(gas.air, MOTOR + SHEET + SPEEDS),
     "booster": Kind(gas.booster),
     "expander": Kind(gas.expander),

@@ -118,6 +118,7 @@ def air(asked: Asked) -> str:
     taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
     carried = _carried(duty, taken / gas_flow, oil)
     rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
+    displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
         **_common(asked, duty, size, 0.97, flow, speed),
         **_speeds(asked, rated, speed),
@@ -127,7 +128,7 @@ def air(asked: Asked) -> str:
         "carried": f"{carried:g}",
         "free_air": f"{60.0 * (asked.free_air or LAMBDA * flow):.3g} m^3/min",
         "sheet": _sheet(asked),
-        "named": _titled(asked, flow, speed),
+        "named": ", ".join([*displaced, *filter(None, [_named(asked)])]),
         "least": f"{1e-5 * (duty.at.low + min(SHUT, SHUT_SHARE * drop)):.3g} bar",
         "fan": f"{FAN * rated:.2g} kW",
     }
@@ -172,11 +173,6 @@ def _named(asked: Asked) -> str:
     """Return what the title says of a machine that was made for a sheet; nothing without one."""
     stated = [] if asked.free_air is None else [f"{60.0 * asked.free_air:.4g} m^3/min of free air"]
     return ", ".join(stated + ([] if asked.motor is None else [f"motor of {1e-3 * asked.motor:.6g} kW"]))
-
-
-def _titled(asked: Asked, flow: float, speed: float) -> str:
-    displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
-    return ", ".join([*displaced, *filter(None, [_named(asked)])])
 
 
 def _sheet(asked: Asked) -> str:

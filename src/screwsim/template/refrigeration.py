@@ -81,17 +81,7 @@ RATED = ("the next of IEC 60072-1 above an estimate", "as it was stated")  # whe
 USUAL = 600.0 / 3600.0  # [m³/s] displaced where nothing is asked
 
 
-def first_cooling(asked: Asked) -> float:
-    """Return about what a refrigeration compressor displaces [m³/s] that has the motor or capacity that is stated."""
-    return _first_flow(COOLING, asked)
-
-
-def first_heating(asked: Asked) -> float:
-    """Return about what a heat pump's compressor displaces [m³/s] that has the motor or capacity that is stated."""
-    return _first_flow(HEATING, asked)
-
-
-def _first_flow(plant: Plant, asked: Asked) -> float:
+def first_flow(plant: Plant, asked: Asked) -> float:
     """Return the displacement [m³/s] from which a size is sought: what a machine gives is nearly in proportion.
 
     A motor that is stated must turn the first one that is tried.
@@ -102,17 +92,8 @@ def _first_flow(plant: Plant, asked: Asked) -> float:
     return USUAL * asked.motor / _power(duty, asked)
 
 
-def cooling(asked: Asked) -> str:
-    """Return the scene of a refrigeration compressor."""
-    return _scene(asked, COOLING)
-
-
-def heating(asked: Asked) -> str:
-    """Return the scene of a heat pump's compressor."""
-    return _scene(asked, HEATING)
-
-
-def _scene(asked: Asked, plant: Plant) -> str:
+def scene_of(plant: Plant, asked: Asked) -> str:
+    """Return the scene of the compressor of a refrigeration machine or heat pump."""
     fluid, flow, speed = asked.fluid or plant.fluid, asked.flow or USUAL, asked.speed or 2950.0 * RPM
     duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
     usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from screwsim.effects.parts.flows import Resistance
 from screwsim.fluid.separator import Outflow, Separated
-from screwsim.inputs.declare import quantity
+from screwsim.fluid.settings import oil_temperature
 
 
 @dataclass(frozen=True)
@@ -65,13 +65,8 @@ class Separator:
 class InSeparator:
     """Parameters of an effect that asks for the separator's temperature: stated, or found by effects.separator."""
 
-    separator_temperature: float | None = quantity(
-        "temperature",
-        "of oil and gas in the separator (absent: effects.separator finds it)",
-        None,
-        ge=150.0,
-        le=700.0,
-        hardly=(210.0, 450.0),
+    separator_temperature: float | None = oil_temperature(
+        "of oil and gas in the separator (absent: effects.separator finds it)"
     )
 
 

@@ -15,18 +15,7 @@ from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import SUCTION, LineLeak, Pulsation, SuctionChange, SuctionHeat
 from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, End, Rows, State
 from screwsim.model import ledger as kernels
-from screwsim.model.slots import (
-    DENSITY,
-    DISCHARGE_IN,
-    DISCHARGE_OUT,
-    ENTHALPY,
-    OF_ENERGY,
-    OF_GAS,
-    OIL_TEMPERATURE,
-    R_DISCHARGE,
-    R_SUCTION,
-    SUCTION_IN,
-)
+from screwsim.model import slots
 from screwsim.model.trajectory import Array
 
 
@@ -50,7 +39,9 @@ def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: S
     def exergy(state: State) -> float:
         return state.h - suction.h - cycle.T_0 * (state.s - suction.s)
 
-    back, out = (float(cycle.streams[row, OF_GAS]) * cycle.rate for row in (DISCHARGE_IN, DISCHARGE_OUT))
+    back, out = (
+        float(cycle.streams[row, slots.OF_GAS]) * cycle.rate for row in (slots.DISCHARGE_IN, slots.DISCHARGE_OUT)
+    )
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
         book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
@@ -73,8 +64,8 @@ def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]
         row = 2 * cycle.parts.number(part.to)
         before, after, line = of_lines[part.to]
         sums = cycle.rate * cycle.streams[row : row + 2]
-        pulsation = float(sums[0, OF_ENERGY] - sums[0, OF_GAS] * line.h)
-        passed = abs(float(sums[:, OF_GAS].sum()))
+        pulsation = float(sums[0, slots.OF_ENERGY] - sums[0, slots.OF_GAS] * line.h)
+        passed = abs(float(sums[:, slots.OF_GAS].sum()))
         throttled = passed * (after.s - before.s)
         book.add(name, gas=passed, energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
@@ -82,14 +73,14 @@ def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]
 def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
-    h_d = float(cycle.R[R_DISCHARGE + ENTHALPY])
+    h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     flow = suction_line.fresh(cycle.problem, cycle.R, cycle.streams) * cycle.rate
 
     def exergy(state: State) -> float:
         return state.h - cycle.T_0 * state.s
 
     line, mixed, port = (
-        exergy(cycle.state(intake.temperature(port_state, T_s), port_state[DENSITY], port_state[ENTHALPY]))
+        exergy(cycle.state(intake.temperature(port_state, T_s), port_state[slots.DENSITY], port_state[slots.ENTHALPY]))
         for port_state in (intake.line, intake.mixed(h_d), intake.port_state(h_d))
     )
     share, out = intake.returned, exergy(discharge)
@@ -97,7 +88,7 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
     throttled = flow * (mixed - port)
     for name, part in cycle.parts.all(SuctionChange):
         if part.returned > 0.0:
-            energy = share * flow * (discharge.h - intake.line[ENTHALPY])
+            energy = share * flow * (discharge.h - intake.line[slots.ENTHALPY])
             book.add(name, gas=share * flow, energy=energy, exergy=returned)
         if intake.ratio_of(part) < 1.0:  # of several throttles each has its share of the drop
             share_of = log(intake.ratio_of(part)) / log(intake.pressure_ratio)
@@ -142,11 +133,11 @@ def line_streams(cycle: Cycle, paths: Rows) -> Streams:
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
     leak = suction_line.leak(problem, R).times(rate)
-    sucked = Stream(*cycle.streams[SUCTION_IN].tolist()).times(rate)
+    sucked = Stream(*cycle.streams[slots.SUCTION_IN].tolist()).times(rate)
     pressed = problem.pressed(problem.suction.pressure)
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
-    T_leak = float(R[R_DISCHARGE + OIL_TEMPERATURE]) - pressed
-    T_sucked = float(R[R_SUCTION + OIL_TEMPERATURE]) - pressed
+    T_leak = float(R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
+    T_sucked = float(R[slots.R_SUCTION + slots.OIL_TEMPERATURE]) - pressed
     fresh = rate * suction_line.fresh(problem, R, cycle.streams)
     return Streams(fresh, back, leak, sucked, T_back, T_leak, T_sucked)
 
@@ -170,9 +161,9 @@ def enter_line(
     def exergy(state: State) -> float:
         return state.h - cycle.T_0 * state.s
 
-    h_d = float(cycle.R[R_DISCHARGE + ENTHALPY])
+    h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     p = cycle.suction.pressure
-    fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[ENTHALPY]), cycle.at(p, h_d)
+    fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
     warmed = _warmed(book, cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))

@@ -27,24 +27,8 @@ from screwsim.evaluate.ledger.dissolved import Held
 from screwsim.evaluate.ledger.gas import Streams
 from screwsim.evaluate.separator import Circuit
 from screwsim.model import ledger as kernels
+from screwsim.model import slots
 from screwsim.model.exchange import station
-from screwsim.model.slots import (
-    DENSITY,
-    DISCHARGE_IN,
-    DISCHARGE_OUT,
-    ENTHALPY,
-    OF_GAS,
-    OF_OIL,
-    OF_OIL_HEAT,
-    OIL_TEMPERATURE,
-    P_INJECTION,
-    R_DISCHARGE,
-    R_INJECTED,
-    R_OIL_BEFORE,
-    R_RATIO,
-    S_RHO,
-    S_T_OIL,
-)
 from screwsim.model.trajectory import Array
 
 COOLER = "oil_cooler"
@@ -127,7 +111,7 @@ def _released(
     for name, part in cycle.parts.all(OilGas):
         book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
         i = 2 * cycle.parts.number(part.plenum)
-        net = float(cycle.streams[i : i + 2, OF_GAS].sum()) * cycle.rate
+        net = float(cycle.streams[i : i + 2, slots.OF_GAS].sum()) * cycle.rate
         rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
     return rise
 
@@ -170,9 +154,9 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = DI
 def _carried(book: Book, cycle: Cycle, ends: Sequence[End], paths: Rows, met: Streams | None) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil = cycle.oil
-    out, out_T = (-float(cycle.streams[DISCHARGE_OUT, i]) * cycle.rate for i in (OF_OIL, OF_OIL_HEAT))
+    out, out_T = (-float(cycle.streams[slots.DISCHARGE_OUT, i]) * cycle.rate for i in (slots.OF_OIL, slots.OF_OIL_HEAT))
     out_T -= out * cycle.problem.pressed(cycle.lines.p_d)
-    back = float(cycle.streams[DISCHARGE_IN, OF_OIL]) * cycle.rate
+    back = float(cycle.streams[slots.DISCHARGE_IN, slots.OF_OIL]) * cycle.rate
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0
@@ -189,7 +173,7 @@ def _carried(book: Book, cycle: Cycle, ends: Sequence[End], paths: Rows, met: St
             book.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
     if not cycle.composition.ported:
         book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
-    T_line = float(cycle.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.problem.pressed(cycle.lines.p_d)
+    T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - cycle.problem.pressed(cycle.lines.p_d)
     rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
     return rise if met is None else rise - _line(book, cycle, paths, met, T_line)
 
@@ -215,10 +199,10 @@ def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) ->
 def _injection(cycle: Cycle) -> float:
     """Return the entropy [J/K] that one injection generates by mixing with the oil that is there (M53)."""
     oil, R = cycle.oil, cycle.R
-    before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
+    before, injected = float(R[slots.R_OIL_BEFORE]), float(R[slots.R_INJECTED])
     times, dense, steps = cycle.life.rows
-    i = int(np.searchsorted(times[: steps + 1], cycle.composition.P[P_INJECTION] + 1e-9)) - 1
-    T_before, T_after = float(dense[i - 1, 1, S_T_OIL]), float(dense[i, 0, S_T_OIL])
+    i = int(np.searchsorted(times[: steps + 1], cycle.composition.P[slots.P_INJECTION] + 1e-9)) - 1
+    T_before, T_after = float(dense[i - 1, 1, slots.S_T_OIL]), float(dense[i, 0, slots.S_T_OIL])
     mixed = injected * log(T_after / oil.temperature)
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
@@ -233,9 +217,9 @@ def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     times, dense, steps = cycle.life.rows
     c = cycle.composition
     volume = float(cycle.life.module.volume_at(times[steps], c.P, c.TAB))
-    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, S_RHO]) * volume
+    rest = cycle.rate * float(R[slots.R_RATIO] * dense[steps - 1, 1, slots.S_RHO]) * volume
     rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
-    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, S_T_OIL])))
+    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, slots.S_T_OIL])))
     entry -= _thermal(cycle, sums[kernels.MADE], sums[kernels.MADE_T], sums[kernels.MADE_LOG])
     entry += _thermal(cycle, *_mixed(out, out_T)) - rise
     entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])
@@ -258,7 +242,7 @@ def through_circuit(book: Book, cycle: Cycle, of: Evaluation, of_gas: float, of_
         return of_gas, of_oil
     outflow, parted, T_0 = circuit.outflow, circuit.parted, cycle.T_0
     line, T = cycle.suction.line, parted.T_separator
-    sucked = cycle.state(cycle.suction.temperature(line, cycle.lines.T_s), line[DENSITY], line[ENTHALPY])
+    sucked = cycle.state(cycle.suction.temperature(line, cycle.lines.T_s), line[slots.DENSITY], line[slots.ENTHALPY])
 
     def exergy(state: State) -> float:
         return state.h - sucked.h - T_0 * (state.s - sucked.s)

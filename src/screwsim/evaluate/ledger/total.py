@@ -14,18 +14,8 @@ from typing import Any
 from screwsim.cycle.balances import outflow_of
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
+from screwsim.evaluate.ledger import gas
 from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
-from screwsim.evaluate.ledger.gas import (
-    Throttled,
-    enter_intake,
-    enter_line,
-    enter_paths,
-    enter_pulsations,
-    enter_walls,
-    gas_rise,
-    line_streams,
-    mean_back,
-)
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise, through_circuit
 from screwsim.inputs.faults import own_number
 from screwsim.model.exchange import station
@@ -103,19 +93,19 @@ def ledger(of: Evaluation) -> Ledger:
     cool_at_lines(cycle, paths)
     station()
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
-    met = line_streams(cycle, paths) if cycle.parts.suction_line else None
-    back = sucked if met is None else mean_back(cycle, met, sucked)
+    met = gas.line_streams(cycle, paths) if cycle.parts.suction_line else None
+    back = sucked if met is None else gas.mean_back(cycle, met, sucked)
     ends = cycle.ends(back, given)
-    enter_paths(book, cycle, paths, ends, sucked)
-    throttled = {SUCTION: Throttled(suction, sucked, suction), DISCHARGE: Throttled(given, discharge, line)}
-    enter_pulsations(book, cycle, throttled)
-    of_gas = gas_rise(book, cycle, suction, line, discharge)
+    gas.enter_paths(book, cycle, paths, ends, sucked)
+    throttled = {SUCTION: gas.Throttled(suction, sucked, suction), DISCHARGE: gas.Throttled(given, discharge, line)}
+    gas.enter_pulsations(book, cycle, throttled)
+    of_gas = gas.gas_rise(book, cycle, suction, line, discharge)
     if met is not None:
-        of_gas = enter_line(book, cycle, of_gas, met, (suction, sucked, back), discharge)
+        of_gas = gas.enter_line(book, cycle, of_gas, met, (suction, sucked, back), discharge)
     if cycle.suction.changed:
-        of_gas = enter_intake(book, cycle, of_gas, discharge)
+        of_gas = gas.enter_intake(book, cycle, of_gas, discharge)
     warmed = len(cycle.composition.heats)
-    enter_walls(book, cycle, heats[warmed:])
+    gas.enter_walls(book, cycle, heats[warmed:])
     of_oil = None
     station()
     if cycle.parts.oil is not None:

@@ -41,16 +41,12 @@ def averaged(way: Array, angle: Array, length: float) -> Array:
     half = np.minimum(0.5 * length, np.minimum(way - way[0], way[-1] - way))
     total = np.concatenate([[0.0], np.cumsum(0.5 * (angle[1:] + angle[:-1]) * np.diff(way))])
     fine = np.linspace(way[0], way[-1], 20 * len(way))  # the integral of a linear angle, nearly exact
-    sums = np.interp(fine, way, total) + _sag(fine, way, angle)
-    mean = (np.interp(way + half, fine, sums) - np.interp(way - half, fine, sums)) / np.maximum(2.0 * half, 1e-12)
-    return np.where(half > 1e-3 * length, mean, angle)
-
-
-def _sag(fine: Array, way: Array, angle: Array) -> Array:
-    """Return what the integral of a piecewise linear function lies below its chords."""
+    # less what the integral of a piecewise linear function lies below its chords
     i = np.clip(np.searchsorted(way, fine, side="right") - 1, 0, len(way) - 2)
     slope = (angle[i + 1] - angle[i]) / (way[i + 1] - way[i])
-    return -0.5 * slope * (fine - way[i]) * (way[i + 1] - fine)
+    sums = np.interp(fine, way, total) + (-0.5 * slope * (fine - way[i]) * (way[i + 1] - fine))
+    mean = (np.interp(way + half, fine, sums) - np.interp(way - half, fine, sums)) / np.maximum(2.0 * half, 1e-12)
+    return np.where(half > 1e-3 * length, mean, angle)
 
 
 def _curve(x: Array, y: Array, smoothing: float) -> Segment:

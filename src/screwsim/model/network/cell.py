@@ -3,19 +3,7 @@
 Source: docs/model.md M1–M13. Streams are summed by the cell beyond a connection.
 """
 
-from screwsim.model.network import balances
-from screwsim.model.network.flows import (
-    PortState,
-    add_film,
-    add_stream,
-    drag_flux,
-    film_flux,
-    gap_flux,
-    needed,
-    port_flux,
-    port_state_of,
-    read_port_state,
-)
+from screwsim.model.network import balances, flows
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements
@@ -63,44 +51,46 @@ class Cell:
         """Add the stream through a port."""
         if port.opening:
             to.add(f"switch_{self.layout.label(port)} = {self.layout.share(port, 'HELD')}")
-        beyond = port_state_of(self.network, port.cell)
+        beyond = flows.port_state_of(self.network, port.cell)
         with to.within(self.opened(to, f"{port.effect} (M12)", f"{self.e}{self.layout.area(port)}", slopes)):
-            read_port_state(to, self.network, port.cell, *self.line(port.cell))
+            flows.read_port_state(to, self.network, port.cell, *self.line(port.cell))
             if slopes and port.one_way:
                 way = ">" if port.one_way > 0 else "<"
                 to.add(f"switch_{self.layout.label(port)} = 1.0 if {beyond.p} {way} p else 0.0")
-            port_flux(to, port, self.layout.label(port), self.own, beyond)
+            flows.port_flux(to, port, self.layout.label(port), self.own, beyond)
             self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
 
-    def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: PortState, way: str = "ahead") -> None:
+    def gap(
+        self, to: Statements, gap: Gap, inward: str, outward: str, beyond: flows.PortState, way: str = "ahead"
+    ) -> None:
         """Add the streams through a gap to the port state `way` of the chamber, of gas and of oil beside it."""
-        gap_flux(to, gap, self.own, beyond)
+        flows.gap_flux(to, gap, self.own, beyond)
         self.upwind(to, inward, outward, beyond)
         if gap.film:
-            film_flux(to, gap, self.own, beyond)
+            flows.film_flux(to, gap, self.own, beyond)
             to.add("film = area * film")
             with to.within("if film >= 0.0"):
-                add_film(to, self.network, inward, beyond)
+                flows.add_film(to, self.network, inward, beyond)
             with to.within("else"):
-                add_film(to, self.network, outward, self.own)
+                flows.add_film(to, self.network, outward, self.own)
         if gap.drag and way == "ahead":
-            drag_flux(to, self.network, gap, beyond)
+            flows.drag_flux(to, self.network, gap, beyond)
             to.add("film = area * drag")
-            add_film(to, self.network, inward, beyond)
+            flows.add_film(to, self.network, inward, beyond)
             if self.network.pushes:
                 to.add(f"pushed += film * ({beyond.p} - p) * P[P_ROOM]")
         elif gap.drag:
-            drag_flux(to, self.network, gap, self.own)
+            flows.drag_flux(to, self.network, gap, self.own)
             to.add("film = -area * drag")
-            add_film(to, self.network, outward, self.own)
+            flows.add_film(to, self.network, outward, self.own)
 
-    def upwind(self, to: Statements, inward: str, outward: str, beyond: PortState) -> None:
+    def upwind(self, to: Statements, inward: str, outward: str, beyond: flows.PortState) -> None:
         """Add a stream that has the port state that it comes from."""
         to.add("flow = area * flux")
         with to.within("if flux >= 0.0"):
-            add_stream(to, self.network, inward, "flow", beyond)
+            flows.add_stream(to, self.network, inward, "flow", beyond)
         with to.within("else"):
-            add_stream(to, self.network, outward, "flow", self.own)
+            flows.add_stream(to, self.network, outward, "flow", self.own)
 
     def begin(self, to: Statements, sums: list[str]) -> None:
         """Set sums to nothing."""
@@ -129,7 +119,7 @@ class Cell:
         if network.pulsating:
             for cell in filter(None, network.cells):
                 _, port_state = self.line(cell)
-                changing = {name: at for name, at in needed(network).items() if name not in CONSTANT}
+                changing = {name: at for name, at in flows.needed(network).items() if name not in CONSTANT}
                 found |= {f"{name}_{cell}": BY_ANGLE.format(at=f"{port_state} + {at}") for name, at in changing.items()}
         there = f"(E_next[{self.e}E_ANGLE],"
         slow = network.slow.replace("(phi,", there)
@@ -141,8 +131,8 @@ class Cell:
         return {(name, "phi"): text for name, text in found.items()}
 
 
-def own_port_state(network: Network) -> PortState:
+def own_port_state(network: Network) -> flows.PortState:
     """Return the names of the numbers of a chamber's own port state."""
     rho, T_oil = ("rho_felt", "T_felt") if network.roomed else ("rho", "T_oil")
     oil = ("x_oil", T_oil) if network.carried else ("0.0", "0.0")
-    return PortState("p", rho, "h", "exponent", "choke", "choked", *oil, "w_gas" if network.dissolves else "0.0")
+    return flows.PortState("p", rho, "h", "exponent", "choke", "choked", *oil, "w_gas" if network.dissolves else "0.0")

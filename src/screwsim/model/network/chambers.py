@@ -118,11 +118,6 @@ class Chambers(Cell):
         """Return where the derivative of what chamber `row` is given stands, by the state or angle of a column."""
         return f"work[GIVEN_SLOPES{self.ends} + ({row} * GIVEN + GIVEN_{quantity}) * COLUMNS + {column}]"
 
-    def _other(self, of: str) -> PortState:
-        """Return the names of the numbers of another chamber's port state."""
-        names = (self.own.p, self.own.rho, self.own.h, *NOZZLE, self.own.oil_ratio, self.own.T_oil, self.own.held)
-        return PortState(*(name if name == "0.0" else name + of for name in names))
-
     def _read_other(self, to: Statements, slopes: bool) -> None:
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
@@ -140,7 +135,8 @@ class Chambers(Cell):
         self.begin(to, ["given"])
         if self.network.pushes:
             to.add("pushed = 0.0")
-        self.gap(to, gap, "given", "given", self._other("_ahead"))
+        names = (self.own.p, self.own.rho, self.own.h, *NOZZLE, self.own.oil_ratio, self.own.T_oil, self.own.held)
+        self.gap(to, gap, "given", "given", PortState(*(name if name == "0.0" else name + "_ahead" for name in names)))
         if self.network.pushes:
             to.add("pushed_given = pushed")
         return to.lines

@@ -44,7 +44,7 @@ def best(results: Results) -> Best:
     heads = [*map(shown_name, names), "error", *(how.words for how in words), "evaluation"]
     rows = [
         [
-            *(_aim(results, name, int(row)) for name in names),
+            *(figure_text(results.figure(name), float(results.optimum[AIM + name][int(row)])) for name in names),
             f"{_error(results, names, int(row)):.0e}",
             *(how.value(float(axis.values[row])).rpartition(" = ")[2] for how, axis in zip(words, varied, strict=True)),
             str(row),
@@ -57,10 +57,6 @@ def best(results: Results) -> Best:
     wanted = " and ".join(f"{_sense(results, name)} {shown_name(name)}" for name in names)
     sought = f"Search for the {wanted}{over}, {len(evaluations.values)} evaluations"
     return Best(sought, heads, rows, f"{many}error: estimated numerical error of an aim, relative")
-
-
-def _aim(results: Results, name: str, row: int) -> str:
-    return figure_text(results.figure(name), float(results.optimum[AIM + name][row]))
 
 
 def _sense(results: Results, name: str) -> str:

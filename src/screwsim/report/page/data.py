@@ -62,12 +62,13 @@ def selection(results: Results) -> Selection:
 
 def document(results: Results, shown: Selection) -> dict[str, Any]:
     """Return the document that the script of the page reads; JSON types only."""
+    texts = shown.of(results.messages)
     return {
         "axes": [_axis(axis, stride) for axis, stride in zip(results.axis_list, shown.strides, strict=True)],
         "figures": _figures(results, shown),
         "status": bytes_of(shown.of(results.performance["status"])),
         "statuses": list(STATUSES),
-        "messages": _messages(results, shown),
+        "messages": {str(case): str(texts[case]) for case in np.flatnonzero(texts != "").tolist()},
         "warnings": _warnings(results, shown),
         "balance": {name: floats(shown.of(results.balance[name])) for name in _BALANCES if name in results.balance},
         "cycle": _cycle(results, shown),
@@ -130,12 +131,6 @@ def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
     return found
 
 
-def _messages(results: Results, shown: Selection) -> dict[str, str]:
-    """Return {number of the case: why it failed or did not close}."""
-    texts = shown.of(results.messages)
-    return {str(case): str(texts[case]) for case in np.flatnonzero(texts != "").tolist()}
-
-
 def _warnings(results: Results, shown: Selection) -> dict[str, str]:
     """Return {number of the case: what it warns of, a line each}."""
     found = np.flatnonzero(shown.of(warns(results)))
@@ -153,13 +148,19 @@ def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
     if cases <= MOST_WITH_FLOWS:
         kinds[1] = [name for name in results.cycle if name.startswith("mass_flow_")]
     states, flows = (_there(results, shown, names, cases) for names in kinds)
+    lines = [shown.of(results.performance[f"{line}_pressure"]) for line in ("suction", "discharge")]
+    found: list[float | None] = []
+    for case, p in enumerate(states["pressure"]):
+        levels = {str(i): float(line[case]) for i, line in enumerate(lines) if np.isfinite(line[case])}
+        trace = Trace("", angle, {"pressure": p}, levels, {})
+        found.append(round(PRESSURE.of(pressure_limit(trace)[0]), 4) if np.isfinite(p).any() else None)
     return {
         **_packed(angle, states, STATES_OFF),
         "points": int(angle.size),
         "angle_label": plain_label(angle_axis(results)),
         "flows": _packed(angle, flows, FLOWS_OFF) | {"paths": flow_paths(flows)} if flows else None,
         "marks": _all_marks(results, shown, angle, states | flows),
-        "top": _tops(results, shown, angle, states["pressure"]),
+        "top": found,
     }
 
 
@@ -196,17 +197,6 @@ def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: An
         values = {name: trace[case] for name, trace in traces.items()}
         found.append(marks_of(results, there, angle, values))
     return found if any(marks != found[0] for marks in found) else found[:1]
-
-
-def _tops(results: Results, shown: Selection, angle: np.ndarray, pressure: np.ndarray) -> list[float | None]:
-    """Return the top of the pressure axis of each case in the shown unit, as the printed figure has it."""
-    lines = [shown.of(results.performance[f"{line}_pressure"]) for line in ("suction", "discharge")]
-    found: list[float | None] = []
-    for case, p in enumerate(pressure):
-        levels = {str(i): float(line[case]) for i, line in enumerate(lines) if np.isfinite(line[case])}
-        trace = Trace("", angle, {"pressure": p}, levels, {})
-        found.append(round(PRESSURE.of(pressure_limit(trace)[0]), 4) if np.isfinite(p).any() else None)
-    return found
 
 
 def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:

@@ -63,7 +63,11 @@ def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thi
     again, up to 400 angles; ends of a stretch without values are kept.
     """
     last = len(angle) - 1
-    kept = {*np.linspace(0, last, min(_FIRST, last) + 1).astype(int).tolist(), *_edges(traces)}
+    found: set[int] = set()
+    for trace in traces.values():
+        changes = np.flatnonzero((np.diff(np.isfinite(trace).astype(np.int8), axis=1) != 0).any(axis=0))
+        found.update(changes.tolist(), (changes + 1).tolist())
+    kept = {*np.linspace(0, last, min(_FIRST, last) + 1).astype(int).tolist(), *found}
     while len(kept) < _MOST_POINTS:
         places = np.array(sorted(kept))
         off = _relative(angle, traces, places)
@@ -74,15 +78,6 @@ def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thi
         kept.update(split[: _MOST_POINTS - len(kept)])
     places = np.array(sorted(kept))
     return Thinned(places, {name: float(np.max(_off(angle, trace, places))) for name, trace in traces.items()})
-
-
-def _edges(traces: dict[str, np.ndarray]) -> set[int]:
-    """Return the indices at which any trace begins or ends."""
-    found: set[int] = set()
-    for trace in traces.values():
-        changes = np.flatnonzero((np.diff(np.isfinite(trace).astype(np.int8), axis=1) != 0).any(axis=0))
-        found.update(changes.tolist(), (changes + 1).tolist())
-    return found
 
 
 def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarray) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 import hashlib
 from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from screwsim.results.warned import kinds, warns
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed of a sweep
-_CHUNK = 1 << 20  # [byte]
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
@@ -180,9 +178,11 @@ def provenance(results: Results) -> list[tuple[str, str]]:
     """Return what made the file, of what, when, with which versions, and the file's own digest."""
     about = results.attributes
     versions = ", ".join(f"{name.removesuffix('_version')} {about[name]}" for name in _VERSIONS if name in about)
+    with results.path.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
     rows = [
         ("file", printable(results.path.name)),
-        ("SHA-256 of the file", _digest(results.path)),
+        ("SHA-256 of the file", digest),
         ("SHA-256 of the scene", str(about.get("scene_sha256", ""))),
         ("fingerprint of the results", str(about.get("screwsim_fingerprint", ""))),
         ("written by", str(about.get("source", ""))),
@@ -193,14 +193,6 @@ def provenance(results: Results) -> list[tuple[str, str]]:
         ("layout", f"netCDF-4 in HDF5, {about.get('Conventions', '')}, schema {about.get('screwsim_schema', '')}"),
     ]
     return [(what, text) for what, text in rows if text]
-
-
-def _digest(path: Path) -> str:
-    found = hashlib.sha256()
-    with path.open("rb") as file:
-        while part := file.read(_CHUNK):
-            found.update(part)
-    return found.hexdigest()
 
 
 def notes(results: Results, shown: Selection) -> list[str]:

@@ -13,7 +13,7 @@ from screwsim.simulate import simulate
 from screwsim.study.accuracy.effects import EffectCost, Size, effect_costs, lobe_times, sweep_times
 from screwsim.study.accuracy.measure import Asked, Measured, NoReference, Truth, as_asked, measure, one_line, truth
 from screwsim.study.accuracy.solving import QUICK, Case, Extent, all_cases, omitted
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.progress import Progress
 
 __all__ = ["QUICK", "Case", "Extent", "Measured", "NoReference", "Study", "Truth", "study"]
 
@@ -36,7 +36,7 @@ class Study:
 @for_speed()  # times are measured
 def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
     """Return the study of a scene. Raises NoReference where no reference closes."""
-    extent, progress = extent or Extent(), progress or Silent()
+    extent, progress = extent or Extent(), progress or Progress()
     cases, effects = all_cases(scene, extent), list(scene.effects)
     lobe_counts = extent.lobes if ROTORS in kind_of(scene.machine).offers else ()
     jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(lobe_counts)

@@ -185,14 +185,6 @@ def _size(study: Study) -> list[str]:
 
 def report(study: Study) -> str:
     """Return the whole study as text."""
-    blocks = [[study.title] if study.title else [], _reference(study), _asked(study)]
-    best = front(competing(study))
-    blocks += [_part(study, part, best) for part in _TITLES]
-    blocks += [_effects(study), _size(study), _left_out(study), textwrap.wrap(sentence(study), WIDTH)]
-    return "\n\n".join("\n".join(lines) for lines in blocks if lines)
-
-
-def _reference(study: Study) -> list[str]:
     reference = study.reference
     text = f"Reference: {reference.how}. "
     if math.isfinite(reference.difference):
@@ -204,11 +196,11 @@ def _reference(study: Study) -> list[str]:
         )
     else:
         text += f"It is not checked: {reference.second} gave no answer."
-    return textwrap.wrap(text, WIDTH)
-
-
-def _left_out(study: Study) -> list[str]:
+    blocks = [[study.title] if study.title else [], textwrap.wrap(text, WIDTH), _asked(study)]
+    best = front(competing(study))
+    blocks += [_part(study, part, best) for part in _TITLES]
     lines = ["What failed or was left out"]
     for name, reason in study.left_out:
         lines += textwrap.wrap(f"{name}: {reason}", WIDTH, initial_indent="- ", subsequent_indent="  ")
-    return lines
+    blocks += [_effects(study), _size(study), lines, textwrap.wrap(sentence(study), WIDTH)]
+    return "\n\n".join("\n".join(lines) for lines in blocks if lines)

@@ -56,11 +56,6 @@ def terms(x: Array) -> Array:
     return np.stack([np.ones(x.shape[:-1]), *np.moveaxis(x, -1, 0), *products], axis=-1)
 
 
-def keys_of(fit: Fit) -> tuple[Key, ...]:
-    """Return every measured figure, of points that are fitted or not."""
-    return tuple((point.name, figure) for point in fit.points for figure in point.measured)
-
-
 def emulate(
     fit: Fit, low: Array, high: Array, simulate: Simulate | None, jobs: int | None, progress: Progress | None
 ) -> Emulator | None:
@@ -94,7 +89,7 @@ def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) 
 
 def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[Row]) -> Emulator | None:
     """Return the polynomials through solutions, by least squares."""
-    keys = keys_of(fit)
+    keys = tuple((point.name, figure) for point in fit.points for figure in point.measured)
     whole = [len(row.figures) == len(keys) and bool(np.isfinite(row.figures).all()) for row in rows]
     design = terms((places[whole] - low) / (high - low))
     if len(design) <= design.shape[1]:

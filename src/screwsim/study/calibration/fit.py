@@ -42,10 +42,7 @@ class Prior(NamedTuple):
 
     def off(self, value: float) -> float:
         """Return by how many standard deviations a value [SI] is off."""
-        return self._beside(value) / self.deviation
-
-    def _beside(self, value: float) -> float:
-        return math.log(max(value / self.mean, LEAST)) if self.logarithmic else value - self.mean
+        return (math.log(max(value / self.mean, LEAST)) if self.logarithmic else value - self.mean) / self.deviation
 
     def slope(self, value: float) -> float:
         """Return by how much that grows with the value [1/SI]."""

@@ -232,13 +232,9 @@ def told(
     slopes = asked.point_slopes(point, places, result.performance)
     inputs = [by_tolerance(with_values(fit.machine(values), point.values), point, group) for group in groups]
     rows = np.column_stack([slopes, *inputs]) if inputs else slopes
-    return Told(rows, measured, "", asked.solutions, asked.failed, _idle(result.performance))
-
-
-def _idle(figures: Figures) -> bool:
-    """Tell whether nothing is delivered: what a machine without flow takes tells of its leaks, and nobody rates it."""
-    flow = figures.get("gas_mass_flow")
-    return flow is not None and flow <= 0.0
+    # what a machine without flow takes tells of its leaks, and nobody rates it
+    flow = result.performance.get("gas_mass_flow")
+    return Told(rows, measured, "", asked.solutions, asked.failed, flow is not None and flow <= 0.0)
 
 
 def _as_measured(point: Point, figures: Figures, usual: Mapping[str, Typical]) -> dict[str, Measured]:

@@ -139,7 +139,9 @@ def posterior(
         raise UsageError(f"emcee is not installed, which --posterior needs (install it with: {remedy})") from None
     if not found.values:
         return Posterior(found.fit, "failed", f"there is no fit to begin with: {found.message}")
-    low, high = _region(found)
+    reach = np.maximum(REGION * _errors(found), LEAST)
+    places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
+    low, high = np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
     solutions = failed = widened = 0
     while True:
         emulator = emulate(found.fit, low, high, simulate, jobs, progress)
@@ -154,13 +156,6 @@ def posterior(
             return _judged(problem, chain, simulate, cut, (solutions, failed))
         low, high = _wider(low, high, cut)
         widened += 1
-
-
-def _region(found: Calibration) -> tuple[Array, Array]:
-    """Return the places between which the posterior is looked for: some standard errors about the best fit."""
-    reach = np.maximum(REGION * _errors(found), LEAST)
-    places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
-    return np.maximum(0.0, places - reach), np.minimum(1.0, places + reach)
 
 
 def _errors(found: Calibration) -> Array:

@@ -99,15 +99,11 @@ class Objective:
         cost = float(np.sum(outcome.residuals**2))
         if self.best is None or cost < self.best[0]:
             self.best = cost, np.array(places), outcome
-            self._write(cost, places)
+            if self.note is not None:
+                fresh = self.note.with_suffix(".new")
+                fresh.write_text(json.dumps([cost, places.tolist(), self.solutions, self.failed]), encoding="utf-8")
+                fresh.replace(self.note)
         return outcome
-
-    def _write(self, cost: float, places: Array) -> None:
-        """Note the best so far, whole or not at all."""
-        if self.note is not None:
-            fresh = self.note.with_suffix(".new")
-            fresh.write_text(json.dumps([cost, places.tolist(), self.solutions, self.failed]), encoding="utf-8")
-            fresh.replace(self.note)
 
     def solved(self, point: Point, values: Mapping[str, float]) -> Result:
         """Return the result of one point."""
@@ -125,23 +121,20 @@ class Objective:
         The rows of a figure without a solution are zero.
         """
         if self._slopes is None or self._slopes[0] != (places.tobytes(), sides):
-            self._slopes = (places.tobytes(), sides), self._slopes_at(places, sides)
+            outcome, values = self.outcome(places), self.values(places)
+            self.jacobians += 1
+            rows = [
+                self.point_slopes(point, places, figures, sides)
+                for point, figures in zip(self.points, outcome.figures, strict=True)
+            ]
+            priors = np.zeros((len(self.fit.held), len(places)))
+            for row, index in enumerate(self.fit.held):
+                each = self.fit.parameters[index]
+                assert each.prior is not None
+                priors[row, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
+            rows.append(np.asarray(self.fit.whitener @ priors, float) if self.fit.together else priors)
+            self._slopes = (places.tobytes(), sides), np.vstack(rows)
         return self._slopes[1]
-
-    def _slopes_at(self, places: Array, sides: int) -> Array:
-        outcome, values = self.outcome(places), self.values(places)
-        self.jacobians += 1
-        rows = [
-            self.point_slopes(point, places, figures, sides)
-            for point, figures in zip(self.points, outcome.figures, strict=True)
-        ]
-        priors = np.zeros((len(self.fit.held), len(places)))
-        for row, index in enumerate(self.fit.held):
-            each = self.fit.parameters[index]
-            assert each.prior is not None
-            priors[row, index] = each.prior.slope(values[each.path]) * each.slope(values[each.path])
-        rows.append(np.asarray(self.fit.whitener @ priors, float) if self.fit.together else priors)
-        return np.vstack(rows)
 
     def apart(self, slopes: Array) -> Array:
         """Return slopes of all residuals as they would be if no priors erred together."""

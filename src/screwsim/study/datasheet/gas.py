@@ -5,13 +5,11 @@ its inlet in place of the speed where the scene sweeps that, or a range of it is
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
-from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
 from screwsim.study.datasheet.bounds import Bound
-from screwsim.study.datasheet.rated import Asked, Axis, faults_of, pressure_ratio, read_range, spread
+from screwsim.study.datasheet.rated import Asked, Axis, faults_of, pressure_ratio, read_range, spread, without_sweep
 from screwsim.study.part_load import ENDS, GAS, RATIO, SPEED, controls, ratios
 
 SWING = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
@@ -36,18 +34,11 @@ def options_of(scene: Scene) -> dict[str, str]:
 
 def asked_of(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> Asked:
     """Return what of a scene is to be rated, by ranges of its lines' options; raise UsageError."""
-    base, options = replace(scene, sweep={}, joints=()), options_of(scene)
-    (first, inlet), (second, outlet) = options.items()
-    expands = base.machine.expands
+    (first, inlet), (second, outlet) = options_of(scene).items()
+    expands = scene.machine.expands
     beside = {SPEED, RATIO} if expands else {RATIO, *ENDS}
-    others = [path for path in scene.sweep if path not in {inlet, outlet, *beside}]
-    if others or scene.joints:
-        path = others[0] if others else scene.joints[0].paths[0]
-        over = f"{SPEED}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
-        raise UsageError(
-            f"datasheet: a sheet goes over {over}, and the scene varies {path} otherwise (rate one value after the "
-            f"other: a scene without that axis, with --set {path}=VALUE)"
-        )
+    over = f"{SPEED}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
+    base = without_sweep(scene, {inlet, outlet, *beside}, over)
     if expands and ranges.get(first) is None and inlet not in scene.sweep:
         across = Axis(SPEED, _stated(scene, SPEED) or tuple(share * base.operation.speed for share in SPEEDS))
     else:

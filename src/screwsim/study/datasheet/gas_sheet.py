@@ -11,33 +11,12 @@ from screwsim.scene.lines import lines
 from screwsim.scene.operation import EVAPORATING
 from screwsim.scene.types import STANDARD_ATMOSPHERE
 from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.gas import ratio_at
 from screwsim.study.datasheet.rated import Rating, celsius, pressure_ratio
-from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
-from screwsim.study.datasheet.tables import (
-    DUTY,
-    HOUR,
-    KW,
-    PERCENT,
-    Column,
-    control_line,
-    cooled,
-    decimals_of,
-    document_of,
-    envelope_table,
-    has,
-    limit_lines,
-    machine_line,
-    notes_of,
-    oil_line,
-    part_load_drawing,
-    part_load_note,
-    part_load_table,
-    power_lines,
-    shown_at,
-    tables_of,
-)
+from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
+from screwsim.study.datasheet.tables import DUTY, HOUR, KW, PERCENT, Column
 from screwsim.study.part_load import SPEED
 
 FLOW, DISCHARGE, ISENTROPIC, FILLING = (
@@ -62,7 +41,7 @@ def gas_sheet(rated: Rating) -> Sheet:
     scene, expands = rated.asked.scene, _expands(rated)
     heading = f"{'Expander' if expands else 'Gas compressor'}, rating by {' and '.join(_words(rated))}"
     meant = MEANT.replace("of ISO 1217 ", "") if expands else MEANT
-    notes = [*notes_of(rated, _own_point(rated), meant)]
+    notes = [*tables.notes_of(rated, _own_point(rated), meant)]
     if not expands:
         notes[-1:-1] = [NORMAL, *([PACKAGE] if scene.gas.name.lower() == "air" else [])]
     return Sheet(
@@ -93,20 +72,17 @@ def _own_point(rated: Rating) -> str:
     return f"{what} at {quantity('rad s-1', speed)}" if _expands(rated) else what
 
 
-# ---- lines -------------------------------------------------------------------------------------------------------
-
-
 def _lines(rated: Rating) -> Iterator[tuple[str, str]]:
     scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
-    yield from machine_line(scene, found)
+    yield from tables.machine_line(scene, found)
     yield "gas", f"{scene.gas.name}, {_temperature(scene)}"
     yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
-    yield from power_lines(scene, found, _expands(rated))
-    yield from oil_line(scene, found)
+    yield from tables.power_lines(scene, found, _expands(rated))
+    yield from tables.oil_line(scene, found)
     power = "output_power" if _expands(rated) else "shaft_power"
-    yield from limit_lines(rated, (power,) if _expands(rated) else (DISCHARGE, power))
+    yield from tables.limit_lines(rated, (power,) if _expands(rated) else (DISCHARGE, power))
     if not _expands(rated):
-        yield from control_line(rated)
+        yield from tables.control_line(rated)
 
 
 def _temperature(scene: Scene) -> str:
@@ -146,7 +122,7 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
     electrical = motor_of(scene) is not None
     flow = HOUR * (own.get(FLOW) or 1.0)
-    kw = decimals_of(KW * abs(own.get("shaft_power") or 1e5))
+    kw = tables.decimals_of(KW * abs(own.get("shaft_power") or 1e5))
     word = "electrical power" if electrical else "shaft power"
     what, sign = (f"{word} given" if expands else word), (-1.0 if expands else 1.0)
     power, efficiency = ELECTRICAL if electrical else ("shaft_power", ISENTROPIC)
@@ -155,7 +131,7 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     else:
         filled = Column("volumetric_efficiency", "Volumetric efficiency [%]", PERCENT, 1)
     columns = [
-        Column(FLOW, "Mass flow [kg/h]", HOUR, decimals_of(flow)),
+        Column(FLOW, "Mass flow [kg/h]", HOUR, tables.decimals_of(flow)),
         Column(power, f"{what.capitalize()} [kW]", sign * KW, kw),
         Column(efficiency, f"{'Electrical isentropic' if electrical else 'Isentropic'} efficiency [%]", PERCENT, 1),
         filled,
@@ -163,13 +139,10 @@ def _columns(rated: Rating) -> tuple[Column, ...]:
     ]
     if not expands:
         normal = normal_factor(scene)
-        columns.append(Column(FLOW, "Flow [Nm³/h]", normal, decimals_of(normal * flow / HOUR)))
-    if cooled(scene):
+        columns.append(Column(FLOW, "Flow [Nm³/h]", normal, tables.decimals_of(normal * flow / HOUR)))
+    if tables.cooled(scene):
         columns.append(Column(DUTY, "Oil cooler duty [kW]", KW, kw))
     return tuple(columns)
-
-
-# ---- tables and drawings -----------------------------------------------------------------------------------------
 
 
 def _sides(rated: Rating) -> tuple[str, str]:
@@ -191,37 +164,32 @@ def _words(rated: Rating) -> Iterator[str]:
 def _tables(rated: Rating) -> Iterator[Table]:
     across, down = _sides(rated)
     columns = _columns(rated)
-    yield from tables_of(rated, columns, down)
-    yield from envelope_table(rated, across, list(_words(rated))[1])
+    yield from tables.tables_of(rated, columns, down)
+    yield from tables.envelope_table(rated, across, list(_words(rated))[1])
     if _expands(rated):
         return
-    note = part_load_note(rated, f"mass flow over that of the scene as it stands, at {_own_point(rated)}", "η_s")
+    note = tables.part_load_note(rated, f"mass flow over that of the scene as it stands, at {_own_point(rated)}", "η_s")
     flow, power, efficiency, _, discharge, *_ = columns
     word = power.title.split()[0].lower()
     shown = ("flow kg/h", flow), (f"{word} kW", power), ("η_s %", efficiency), ("discharge °C", discharge)
-    yield from part_load_table(rated, shown, ("η_s there", efficiency), note)
+    yield from tables.part_load_table(rated, shown, ("η_s there", efficiency), note)
 
 
 def _drawings(rated: Rating) -> Iterator[Drawing]:
     asked = rated.asked
     across, _ = _sides(rated)
     columns = _columns(rated)
+    rows = [
+        (
+            tables.shown_at(asked.across, value),
+            sorted((ratio_at(asked, value, below), (i, j)) for j, below in enumerate(asked.down.values)),
+        )
+        for i, value in enumerate(asked.across.values)
+    ]
     for column in (columns[1], columns[2]):
-        curves = []
-        for i, value in enumerate(asked.across.values):
-            good = [
-                (ratio_at(asked, value, asked.down.values[j]), column.value(one.performance) or 0.0)
-                for j in range(len(asked.down.values))
-                if (one := rated.points.get((i, j))) is not None and has(one, column)
-            ]
-            if len(good) > 1:
-                x, y = zip(*sorted(good), strict=True)
-                name = shown_at(asked.across, value)
-                curves.append(Curve(x, y, name if curves else f"{across} {name}"))
-        if curves:
-            yield Drawing(column.title, "pressure ratio", column.title, curves)
+        yield from tables.drawing(rated, column, "pressure ratio", across, rows)
     title = columns[2].title
-    yield from part_load_drawing(rated, columns[2], f"Part load: {title[0].lower()}{title[1:]}")
+    yield from tables.part_load_drawing(rated, columns[2], f"Part load: {title[0].lower()}{title[1:]}")
 
 
 def _document(rated: Rating) -> dict[str, Any]:
@@ -233,5 +201,5 @@ def _document(rated: Rating) -> dict[str, Any]:
         "inlet_temperature": lines(scene).T_s,
         "pressure_ratio": pressure_ratio(scene),
         "normal_volume": normal_factor(scene) / HOUR,  # m³ of a kilogram at 0 °C and 1.01325 bar, as an ideal gas
-        **document_of(rated, KEPT),
+        **tables.document_of(rated, KEPT),
     }

@@ -5,8 +5,8 @@ over speed and outlet.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -61,6 +61,18 @@ class Rating:
     def ok(self) -> bool:
         """Tell whether every point closed that there can be."""
         return self.own.status == "ok" and all(result.status == "ok" for result in self.points.values())
+
+
+def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
+    """Return a scene without its sweep; raise UsageError where that varies other than `known` paths, told by `over`."""
+    others = [path for path in scene.sweep if path not in known]
+    if others or scene.joints:
+        path = others[0] if others else scene.joints[0].paths[0]
+        raise UsageError(
+            f"datasheet: a sheet goes over {over}, and the scene varies {path} otherwise (rate one value after the "
+            f"other: a scene without that axis, with --set {path}=VALUE)"
+        )
+    return replace(scene, sweep={}, joints=())
 
 
 def faults_of(base: Scene, values: dict[str, float]) -> list[str]:

@@ -5,38 +5,19 @@ a gas cooler takes the condenser's place, its pressure takes that of the condens
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from screwsim.figures.engineering import quantity
 from screwsim.fluid.composition import is_blend
-from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import raised
 from screwsim.scene import Scene, value_at
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bounds import Bound, motor_of
-from screwsim.study.datasheet.rated import Asked, Axis, Rating, celsius, faults_of, read_range, spread
+from screwsim.study.datasheet.rated import Asked, Axis, Rating, celsius, faults_of, read_range, spread, without_sweep
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
-from screwsim.study.datasheet.tables import (
-    DUTY,
-    HOUR,
-    KW,
-    Column,
-    control_line,
-    cooled,
-    decimals_of,
-    document_of,
-    has,
-    limit_lines,
-    machine_line,
-    notes_of,
-    oil_line,
-    part_load_drawing,
-    power_lines,
-    shown_at,
-)
+from screwsim.study.datasheet.tables import DUTY, HOUR, KW, Column
 from screwsim.study.part_load import ENDS, RATIO, controls, ratios
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
@@ -59,41 +40,45 @@ MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 is applied
 
 def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
     """Return the sheet of a rating, of a heat pump with what its condenser gives."""
+    scene = rated.asked.scene
     return Sheet(
         heading="Refrigeration compressor, rating by evaporating and condensing temperature",
         title=raised(rated.asked.scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
         verdict=None,
-        notes=list(notes_of(rated, own_point(rated), MEANT)),
+        notes=list(tables.notes_of(rated, own_point(rated), MEANT)),
         drawings=list(_drawings(rated)),
-        document=_document(rated),
+        document={
+            "kind": "refrigeration",
+            "title": scene.title,
+            "refrigerant": scene.gas.name,
+            "superheat": scene.operation.superheat,
+            "subcooling": scene.operation.subcooling,
+            **tables.document_of(rated, KEPT),
+        },
         ok=rated.ok,
     )
 
 
 def _lines(rated: Rating, heating: bool) -> Iterator[tuple[str, str]]:
     scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
-    yield from machine_line(scene, found)
-    yield "refrigerant", _refrigerant(scene)
-    yield "point", f"{own_point(rated)}: {_point(rated, found)}"
-    if heating and found:
-        capacity, cop = heating_columns(rated)
-        yield "heating", f"{capacity.cell(found)} kW in the condenser, without the oil cooler; COP {cop.cell(found)}"
-    yield from power_lines(scene, found)
-    yield from oil_line(scene, found)
-    yield from limit_lines(rated, HIGHEST)
-    yield from control_line(rated)
-
-
-def _refrigerant(scene: Scene) -> str:
+    yield from tables.machine_line(scene, found)
     operation = scene.operation
     name = scene.gas.name
     quality = operation.suction.quality
     suction = f"superheat {operation.superheat or 0.0:.4g} K" if quality is None else f"suction quality {quality:.4g}"
     below = f", subcooling {operation.subcooling or 0.0:.4g} K" if operation.gas_cooler is None else ""
     dew = "; temperatures are dew points" if is_blend(name) else ""
-    return f"{name}, {suction}{below}{dew}"
+    yield "refrigerant", f"{name}, {suction}{below}{dew}"
+    yield "point", f"{own_point(rated)}: {_point(rated, found)}"
+    if heating and found:
+        capacity, cop = heating_columns(rated)
+        yield "heating", f"{capacity.cell(found)} kW in the condenser, without the oil cooler; COP {cop.cell(found)}"
+    yield from tables.power_lines(scene, found)
+    yield from tables.oil_line(scene, found)
+    yield from tables.limit_lines(rated, HIGHEST)
+    yield from tables.control_line(rated)
 
 
 def _point(rated: Rating, found: Mapping[str, Any]) -> str:
@@ -108,54 +93,26 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
     asked = rated.asked
     columns = columns_of(rated)
     by = "condensing" if asked.down.path == CONDENSING else "gas cooler"
+    rows = [
+        (tables.shown_at(asked.down, value), [(celsius(x), (i, j)) for i, x in enumerate(asked.across.values)])
+        for j, value in enumerate(asked.down.values)
+    ]
     for column in (columns[0], columns[2]):
-        curves = []
-        for j, value in enumerate(asked.down.values):
-            row = [(i, rated.points.get((i, j))) for i in range(len(asked.across.values))]
-            good = [(i, column.value(one.performance) or 0.0) for i, one in row if one is not None and has(one, column)]
-            if len(good) > 1:
-                x = [celsius(asked.across.values[i]) for i, _ in good]
-                name = shown_at(asked.down, value)
-                curves.append(Curve(x, [y for _, y in good], name if curves else f"{by} {name}"))
-        if curves:
-            yield Drawing(column.title, "evaporating temperature [°C]", column.title, curves)
-    yield from part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
+        yield from tables.drawing(rated, column, "evaporating temperature [°C]", by, rows)
+    yield from tables.part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
     if len(rated.reach) > 1 and asked.down.path == CONDENSING:
-        yield _outline(rated)
-
-
-def _outline(rated: Rating) -> Drawing:
-    corners = [(each.at, each.low) for each in rated.reach]
-    corners += [(each.at, each.high) for each in reversed(rated.reach)] + corners[:1]
-    x, y = ([celsius(corner[k]) for corner in corners] for k in (0, 1))
-    title = "Envelope: condensing temperature [°C]"
-    return Drawing(title, "evaporating temperature [°C]", title, [Curve(x, y)])
-
-
-def _document(rated: Rating) -> dict[str, Any]:
-    scene = rated.asked.scene
-    return {
-        "kind": "refrigeration",
-        "title": scene.title,
-        "refrigerant": scene.gas.name,
-        "superheat": scene.operation.superheat,
-        "subcooling": scene.operation.subcooling,
-        **document_of(rated, KEPT),
-    }
+        corners = [(each.at, each.low) for each in rated.reach]
+        corners += [(each.at, each.high) for each in reversed(rated.reach)] + corners[:1]
+        x, y = ([celsius(corner[k]) for corner in corners] for k in (0, 1))
+        title = "Envelope: condensing temperature [°C]"
+        yield Drawing(title, "evaporating temperature [°C]", title, [Curve(x, y)])
 
 
 def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]) -> Asked:
     """Return what of a scene is to be rated; raise UsageError where it varies something else, or a range is none."""
-    base = replace(scene, sweep={}, joints=())
-    second = GAS_COOLER_P if base.operation.gas_cooler is not None else CONDENSING
-    known = {EVAPORATING, second, RATIO, *ENDS}
-    others = [path for path in scene.sweep if path not in known]
-    if others or scene.joints:
-        path = others[0] if others else scene.joints[0].paths[0]
-        raise UsageError(
-            f"datasheet: a sheet goes over {EVAPORATING}, {second} and controls of the capacity, and the scene varies "
-            f"{path} otherwise (rate one value after the other: a scene without that axis, with --set {path}=VALUE)"
-        )
+    second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
+    over = f"{EVAPORATING}, {second} and controls of the capacity"
+    base = without_sweep(scene, {EVAPORATING, second, RATIO, *ENDS}, over)
     axes = (
         _axis(scene, base, EVAPORATING, evaporating, "--evaporating"),
         _axis(scene, base, second, condensing, "--condensing"),
@@ -165,7 +122,10 @@ def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, boun
 
 def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -> Axis:
     if text is not None:
-        return Axis(path, _range(base, path, text, option))
+        example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
+        first, last = read_range(base, path, text, option, example)
+        count = len(SHARES) if path == GAS_COOLER_P else min(max(round((last - first) / STEP) + 1, 2), MOST)
+        return Axis(path, spread(first, last, count))
     if path in scene.sweep:
         return Axis(path, tuple(sorted(map(float, scene.sweep[path]))))
     own = float(value_at(base, path))
@@ -174,13 +134,6 @@ def _axis(scene: Scene, base: Scene, path: str, text: str | None, option: str) -
     middle = STEP * round((own - ZERO_CELSIUS) / STEP) + ZERO_CELSIUS
     values = [middle + STEP * i for i in range(-round(BELOW / STEP), round(ABOVE / STEP) + 1)]
     return Axis(path, tuple(value for value in values if not faults_of(base, {path: value})) or (own,))
-
-
-def _range(base: Scene, path: str, text: str, option: str) -> tuple[float, ...]:
-    example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
-    first, last = read_range(base, path, text, option, example)
-    count = len(SHARES) if path == GAS_COOLER_P else min(max(round((last - first) / STEP) + 1, 2), MOST)
-    return spread(first, last, count)
 
 
 def own_point(rated: Rating) -> str:
@@ -196,10 +149,11 @@ def own_point(rated: Rating) -> str:
 def columns_of(rated: Rating) -> tuple[Column, ...]:
     """Return what each table is of: capacity, power, COP, flow, discharge temperature, duty of an oil cooler."""
     scene, own = rated.asked.scene, rated.own.performance
-    kw, flow = decimals_of(KW * (own.get(CAPACITY) or KILOWATTS)), decimals_of(HOUR * (own.get(FLOW) or 1.0))
+    kw = tables.decimals_of(KW * (own.get(CAPACITY) or KILOWATTS))
+    flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
     power, cop = ELECTRICAL if motor_of(scene) is not None else SHAFT
     word = "Electrical power" if power in ELECTRICAL else "Shaft power"
-    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if cooled(scene) else ()
+    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.cooled(scene) else ()
     return (
         Column(CAPACITY, "Cooling capacity [kW]", KW, kw),
         Column(power, f"{word} [kW]", KW, kw),
@@ -212,7 +166,7 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
 
 def heating_columns(rated: Rating) -> tuple[Column, ...]:
     """Return what the tables of a heat pump have more: heating capacity, and its COP by the same power."""
-    kw = decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
+    kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
     motor = motor_of(rated.asked.scene) is not None
     word = "electrical" if motor else "shaft"
     return (

@@ -21,6 +21,7 @@ KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
 NONE, BLANK, MARK = "–", "\u00a0", "*"
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
+Place = tuple[int, int]  # numbers on the axes across and down
 
 
 class Column(NamedTuple):
@@ -143,6 +144,21 @@ def _missed(rated: Rating) -> str:
     return f"; not everywhere at {named}, so that a better one may be missed ({why})"
 
 
+def drawing(
+    rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, Place]]]]
+) -> Iterator[Drawing]:
+    """Yield a figure of a column: a curve a row (name, [(x, place)]) with two points of it, the first named `by` it."""
+    curves = []
+    for name, places in rows:
+        known = [(x, rated.points[place]) for x, place in places if place in rated.points]
+        good = [(x, column.value(one.performance) or 0.0) for x, one in known if has(one, column)]
+        if len(good) > 1:
+            x, y = zip(*good, strict=True)
+            curves.append(Curve(x, y, name if curves else f"{by} {name}"))
+    if curves:
+        yield Drawing(column.title, x_label, column.title, curves)
+
+
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
     """Yield a figure over the load, a curve of each control; nothing where none has two points."""
     parts = [each for each in rated.loads if len(each.curve) > 1]
@@ -160,9 +176,6 @@ def _load_curve(each: PartLoad, column: Column) -> Curve:
 def has(result: Result, column: Column) -> bool:
     """Tell whether a result has a column's figure."""
     return result.status == "ok" and result.performance.get(column.figure) is not None
-
-
-# ---- for programs ------------------------------------------------------------------------------------------------
 
 
 def kept(result: Result, names: Sequence[str]) -> dict[str, Any]:

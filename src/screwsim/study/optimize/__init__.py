@@ -27,7 +27,7 @@ from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
 from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.progress import Progress, Silent, shown
+from screwsim.study.progress import Progress, shown
 from screwsim.study.search import Top
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
@@ -167,7 +167,7 @@ def run(
     check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
     if simulate is None:
         simulator(with_values(asked.scene, begin))  # compiled before the fork
-    progress = progress or Silent()
+    progress = progress or Progress()
     target = None if output is None else Path(output)
     if target is not None:
         make_folder(target.parent)

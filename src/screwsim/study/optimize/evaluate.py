@@ -65,14 +65,10 @@ def simulated(asked: Question, values: dict[str, float], simulate: Simulate) -> 
         if full is None and result.status == "ok" and point.load is not None:
             full = result, value_at(scene, asked.points.by)
             own |= {asked.points.by: full[1]}
-        found.append(Simulated(point, own, _whole(asked, result)))
+        lacks = result.lacks(asked.figures) if result.status == "ok" else []
+        whole = replace(result, status="failed", message="; ".join(lacks)) if lacks else result
+        found.append(Simulated(point, own, whole))
     return found
-
-
-def _whole(asked: Question, result: Result) -> Result:
-    """Return a result that has all figures asked for, else a failed one."""
-    lacks = result.lacks(asked.figures) if result.status == "ok" else []
-    return replace(result, status="failed", message="; ".join(lacks)) if lacks else result
 
 
 def _at_load(

@@ -251,7 +251,11 @@ def _point(scene: Scene, row: Row, columns: Sequence[_Column], where: str) -> Op
         elif column.kind == "name":
             found["name"] = text or found["name"]
         elif text or column.kind != "load":
-            found[column.kind] = _share(text, column.kind, where)
+            kind = column.kind
+            if not re.fullmatch(NUMBER, text) or float(text) < 0.0 or (kind == "load" and not 0.0 < float(text) <= 2.0):
+                bounds = "above 0 and at most 2" if kind == "load" else "of at least 0"
+                raise UsageError(f"{where}: {kind} {text!r} is no number {bounds} (write e.g. 0.5)")
+            found[kind] = float(text)
     return OperatingPoint(found["name"], values, found.get("energy", found["weight"]), found["load"])
 
 
@@ -263,11 +267,3 @@ def _value(scene: Scene, text: str, column: _Column, where: str) -> Any:
         return convert(leaf, f"{text} {column.unit}" if column.unit else raw, scene.folder)
     except Refused as refusal:
         raise UsageError(f"{where}: {column.path}: {refusal}") from None
-
-
-def _share(text: str, kind: str, where: str) -> float:
-    """Return a weight or a load, at least zero."""
-    if not re.fullmatch(NUMBER, text) or float(text) < 0.0 or (kind == "load" and not 0.0 < float(text) <= 2.0):
-        bounds = "above 0 and at most 2" if kind == "load" else "of at least 0"
-        raise UsageError(f"{where}: {kind} {text!r} is no number {bounds} (write e.g. 0.5)")
-    return float(text)

@@ -24,7 +24,7 @@ from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulate
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimum import Simulate
 from screwsim.study.point import with_slopes
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
 from screwsim.study.workers import DIED
 
@@ -46,7 +46,7 @@ class Record:
     crew: Crew
     parts: Parts | None = None  # where the cases are kept
     simulate: Simulate | None = None
-    progress: Progress = field(default_factory=Silent)
+    progress: Progress = field(default_factory=Progress)
     reasons: Counter[str] = field(default_factory=Counter)
     reused: int = 0
     warned: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by the evaluation, of those that warn
@@ -86,7 +86,8 @@ class Record:
         if not len(places):
             raise Spent
         case = len(self) * len(self.asked.points.points)
-        table = self._of_earlier_run(case, len(places))
+        cases = range(case, case + len(places) * len(self.asked.points.points))
+        table = self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
         if table is None:
             table = self._computed(places)
             if self.parts is not None:
@@ -114,11 +115,6 @@ class Record:
         self._places.append(places)
         self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
         self.progress.advance(len(found), len(failed))
-
-    def _of_earlier_run(self, case: int, count: int) -> Table | None:
-        """Return the cases of a batch that an earlier run has kept; None where it has not all of them."""
-        cases = range(case, case + count * len(self.asked.points.points))
-        return self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
 
     def _computed(self, places: np.ndarray) -> Table:
         if len(self) // FRESH > self._crews:  # what workers keep in memory is bounded

@@ -116,11 +116,6 @@ def _evolution(record: Record) -> None:
     minimize(score, best, method="Nelder-Mead", bounds=[(0.0, 1.0)] * size, options=ends)
 
 
-def population(evaluations: int) -> int:
-    """Return how many members a population has where so many evaluations are to be spent."""
-    return max(8, 4 * round(1.6 * math.sqrt(evaluations) / 4))
-
-
 def _nsga2(record: Record) -> None:
     """Search for several aims by NSGA-II, the bounds as its constraints."""
     try:
@@ -133,7 +128,7 @@ def _nsga2(record: Record) -> None:
         remedy = "pip install 'screwsim[optimize]'"
         raise UsageError(f"pymoo is not installed, which several aims need (install it with: {remedy})") from None
     asked = record.asked
-    size = population(asked.evaluations)
+    size = max(8, 4 * round(1.6 * math.sqrt(asked.evaluations) / 4))
     problem = Problem(n_var=len(asked.spans), n_obj=len(asked.aims), n_ieq_constr=1, xl=0.0, xu=1.0)
     first: Any = _first(asked, size)
     algorithm = NSGA2(pop_size=size, sampling=first)

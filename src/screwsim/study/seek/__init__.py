@@ -148,7 +148,6 @@ def find_each(
         count,
         died=lambda number: Found("failed", asked.spans, asked.goals, DIED, case_values(rest, number)),
         jobs=jobs,
-        failed=lambda found: found.status != "ok",
         progress=progress,
     )
 

@@ -201,19 +201,15 @@ def next_size(trials: Trials, met: Trial | None, sizes: Iterable[float]) -> Size
     beyond it, that is the smallest size.
     """
     sizes = list(sizes)
-    span, direction = trials.spans[0], _direction(trials)
+    row = sorted(trials.closed, key=lambda trial: trial.places)
+    ends: Sequence[float] = [(trial.off or (0.0,))[0] for trial in row]
+    span, direction = trials.spans[0], 1.0 if len(ends) < 2 or ends[-1] >= ends[0] else -1.0
     least = sizes[0] if met is None else span.value(met.places[0])
     for size in (each for each in sizes if each >= least * (1.0 - SAME)):
         trial = trials.at(span.place(size))
         if trial.off is not None and trial.result is not None and _beyond(trials, trial, direction):
             return Size(size, trial.off[0] + trials.goals[0].value, trial.result)
     return None
-
-
-def _direction(trials: Trials) -> float:
-    row = sorted(trials.closed, key=lambda trial: trial.places)
-    ends: Sequence[float] = [(trial.off or (0.0,))[0] for trial in row]
-    return 1.0 if len(ends) < 2 or ends[-1] >= ends[0] else -1.0
 
 
 def _beyond(trials: Trials, trial: Trial, direction: float) -> bool:

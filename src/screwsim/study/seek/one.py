@@ -21,7 +21,8 @@ Bracket = tuple[Trial, Trial]
 
 def solve(trials: Trials) -> Trial | None:
     """Return the solution that meets the goal; None where there is none: `trials` tells how near it came."""
-    if not _begun(trials):
+    # at the scene's own place, else at others until one has the figure
+    if not any(trials.at(place).closed for place in (trials.spans[0].first, *OTHERS)):
         return None
     _walk(trials)
     best = trials.nearest
@@ -30,11 +31,6 @@ def solve(trials: Trials) -> Trial | None:
     if bracket(trials) is None:
         _scan(trials)
     return _narrowed(trials)
-
-
-def _begun(trials: Trials) -> bool:
-    """Solve at the scene's own place, else at others until one has the figure; tell whether one has."""
-    return any(trials.at(place).closed for place in (trials.spans[0].first, *OTHERS))
 
 
 def bracket(trials: Trials) -> Bracket | None:

@@ -213,9 +213,16 @@ def explain_stages(chain: Chain) -> str:
     """Return the text. Raises UsageError for a fluid that is not there."""
     p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
     ends = " to ".join(readable_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
+    between = chain.intercooler
+    words = BETWEEN[between.kind]
+    if between.outlet_temperature is not None:
+        words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
+    if between.pressure_drop > 0.0:
+        lost = readable_quantity(KINDS["pressure_difference"], between.pressure_drop)
+        words += f" Both lines differ by a pressure drop of {lost}."
     found = (
         f"Two stages, {ends}. The pressure between them is found: that at which what the first stage gives is what the "
-        f"second one takes (M200). {_between(chain.intercooler)} The discharge line of the first scene and the suction "
+        f"second one takes (M200). {words} The discharge line of the first scene and the suction "
         "line of the second follow from that, in place of what these scenes state."
     )
     head = [chain.title] if chain.title else []
@@ -224,13 +231,3 @@ def explain_stages(chain: Chain) -> str:
         title = f"The {name} stage"
         blocks += [f"{title}\n{'=' * len(title)}", str(explain(scene))]
     return "\n\n".join(blocks)
-
-
-def _between(between: Intercooler) -> str:
-    words = BETWEEN[between.kind]
-    if between.outlet_temperature is not None:
-        words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
-    if between.pressure_drop > 0.0:
-        lost = readable_quantity(KINDS["pressure_difference"], between.pressure_drop)
-        words += f" Both lines differ by a pressure drop of {lost}."
-    return words

@@ -154,10 +154,6 @@ def _line(cells: Mapping[str, str]) -> str:
     return " ".join(f"{cells[name]:<{width}}" for name, width in _COLUMNS).rstrip()
 
 
-def _wrapped(text: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
-
-
 def row_text(row: Mapping[str, Any]) -> list[str]:
     """Return the lines of one row: what is too long for its column stands below."""
     uncertainty = shown(row["uncertainty"], 2)
@@ -170,7 +166,7 @@ def row_text(row: Mapping[str, Any]) -> list[str]:
     first, *more = textwrap.wrap(row["quantity"], widths["quantity"], subsequent_indent="  ")
     text = [_line({**cells, "quantity": first}), *more]
     for part in (*below, row["basis"], row["note"]):
-        text += _wrapped(part)
+        text += textwrap.wrap(part, WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
     return text
 
 
