@@ -221,11 +221,12 @@ class Corrections:
         if self._back is None or not len(self._back):
             return None
         factors, along = np.linalg.eig(self._back)
-        real = np.abs(factors.imag) <= EVEN * np.abs(factors)
+        real = np.abs(np.imag(factors)) <= EVEN * np.abs(factors)
         if not real.any():
             return None
-        most = int(np.argmax(np.where(real, factors.real, -np.inf)))
-        return Lasting(float(factors[most].real), along[:, most].real / np.abs(along[:, most].real).max())
+        most = int(np.argmax(np.where(real, np.real(factors), -np.inf)))
+        one = np.real(along[:, most])
+        return Lasting(float(np.real(factors[most])), one / np.abs(one).max())
 
     def _in_full(self, found: Correction) -> Correction:
         """Return a correction with what later ones by the same tangents would add to it.
