@@ -36,7 +36,7 @@ from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
 Array = np.ndarray
 STEP = 2e-7  # of its size, by which a number is shifted
 AROUND = 100.0  # [K, kPa] the size of what lies around the machine ...
-OF_SLICES = 2.0, 1.0  # slices of a collocated cycle in one of another that is made of it, to begin with
+OF_SLICES = 1.0, 2.0, 4.0  # of one collocated cycle in one of the next, made of it: longer where such do not close
 LEFT = 1e-5  # [K, kPa] ... and up to which the collocated cycle may ask for another ...
 TIMES = 3  # ... or after so many of Newton's steps
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
