@@ -146,7 +146,8 @@ class Exact:
 
     def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:
         """Return derivatives [SI] by path and figure times the number at the path."""
-        cycle = settled(collocated(self.problem, self.machinery, self.life, fineness), None, fineness)
+        cycle = collocated(self.problem, self.machinery, self.life, fineness)
+        cycle = settled(cycle, self.life, None, fineness)
         found, _ = derivatives(cycle, {path: self.values[path] for path in paths})
         return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
 

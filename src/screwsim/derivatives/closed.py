@@ -91,21 +91,12 @@ class NotClosed(Exception):
     """The collocated cycle does not close."""
 
 
-def collocated(
-    problem: Problem,
-    machinery: Machinery,
-    life: Trajectory,
-    fineness: Fineness = FINE,
-    lengths: Sequence[float] = STEPS,
-) -> Closed:
-    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found.
-
-    Slices are, to begin with, as many steps of the life long as the first of `lengths` says.
-    """
+def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> Closed:
+    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
     c = machinery.composition
     machinery.composition = replace(c, TAB=c.TAB.copy())  # to be written into
     why = NotClosed()
-    for steps in lengths:
+    for steps in STEPS:
         try:
             return _collocated(problem, machinery, life, steps, fineness)
         except (NotClosed, np.linalg.LinAlgError) as error:

@@ -23,12 +23,13 @@ from screwsim.derivatives.closed import solved as solved_pitch
 from screwsim.derivatives.directions import Direction, Directions, Structural, along
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.peak import peak_pressure, turn_of
-from screwsim.derivatives.pitch import Pitch
+from screwsim.derivatives.pitch import Numbers, Pitch
 from screwsim.derivatives.placed import Placed, Turning, in_step
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.inputs.faults import Impossible, UsageError
 from screwsim.model import leases
+from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.garbage import no_search
 from screwsim.scene import Scene, with_values
 from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
@@ -36,7 +37,6 @@ from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
 Array = np.ndarray
 STEP = 2e-7  # of its size, by which a number is shifted
 AROUND = 100.0  # [K, kPa] the size of what lies around the machine ...
-OF_SLICES = 1.0, 2.0, 4.0  # of one collocated cycle in one of the next, made of it: longer where such do not close
 LEFT = 1e-5  # [K, kPa] ... and up to which the collocated cycle may ask for another ...
 TIMES = 3  # ... or after so many of Newton's steps
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
@@ -84,25 +84,30 @@ def derivatives(
     return found, refused
 
 
-def settled(cycle: Closed, built: Built | None = None, fineness: Fineness = FINE) -> Closed:
-    """Return the collocated cycle at what lies around it as this one asks for that, no more than `LEFT` of it open.
+def settled(cycle: Closed, life: Trajectory, built: Built | None = None, fineness: Fineness = FINE) -> Closed:
+    """Return the collocated cycle of a life at what lies around it as the cycle asks for that, but for `LEFT` of it.
 
     A solution leaves as much open as its accuracy allows: 3 mK of the oil were 1e-4 of a derivative.
     """
     rows, series = _open(cycle.pitch.problem), Series(built)
     for _ in range(TIMES if rows else 0):
-        cycle, before = _asked_for(cycle, series, rows, fineness), cycle
-        if cycle is before:
+        asked = _asked_for(cycle, series, rows)
+        if asked is None:
             break
+        problem, numbers = asked
+        pitch = cycle.pitch
+        pitch.machinery.put(life)
+        pitch.put(numbers)
+        cycle = collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), fineness)
     return cycle
 
 
-def _asked_for(cycle: Closed, series: Series, rows: Sequence[int], fineness: Fineness) -> Closed:
-    """Return the cycle at the surroundings that Newton's method tells from this one; itself where they are its own."""
-    problem, pitch, made = cycle.pitch.problem, cycle.pitch, Directions(cycle)
+def _asked_for(cycle: Closed, series: Series, rows: Sequence[int]) -> tuple[Problem, Numbers] | None:
+    """Return the problem, and its numbers, at the surroundings that Newton's method tells; None where they stand."""
+    problem, made = cycle.pitch.problem, Directions(cycle)
     here = _asked(standing(cycle, made))[rows]
     if float(np.abs(here).max()) <= LEFT:
-        return cycle
+        return None
     around = [made.of(_around(problem, series, i), STEP) for i in rows]
     moves = responses(cycle, around, made)
     asked = [_asked(placed(cycle, each, moves.by(j), made))[rows] for j, each in enumerate(around)]
@@ -112,10 +117,7 @@ def _asked_for(cycle: Closed, series: Series, rows: Sequence[int], fineness: Fin
     x[rows] += by * AROUND
     moved = _posed(problem, series, x)
     met = entries.values(entries.coordinates(cycle.met) + moves.unknowns @ by, cycle.met)
-    numbers, _ = made.numbers(moved, met)
-    pitch.put(numbers)
-    pitch.install_life(made.life + np.tensordot(by, moves.lives(), axes=1))
-    return collocated(moved, pitch.machinery, pitch.machinery.trajectory.copy(), fineness, OF_SLICES)
+    return moved, made.numbers(moved, met)[0]
 
 
 def _asked(of: Evaluation) -> Array:
@@ -209,7 +211,7 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Fou
         return Found({}, {}, "the cycle does not close")
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
     if fineness.estimated:
-        cycle = settled(cycle, (series.stock.lent(), series.composer.lent()), fineness)
+        cycle = settled(cycle, accurate.evaluation.life, (series.stock.lent(), series.composer.lent()), fineness)
     slopes, refused = derivatives(cycle, values, (series.stock.lent(), series.composer.lent()))
     leases.give_back(machinery)
     leave(series)
