@@ -64,9 +64,14 @@ def again(
     found = way_of(cycle).again(problem, machinery, wanted, cycle, led)
     if not found.closed:
         return found
-    lasting = found.lasting or cycle.lasting
-    told = {"needed": cycle.needed, "growth": cycle.growth, "first_gap": cycle.first_gap, "left_at": cycle.left_at}
-    return replace(found, lasting=lasting, **told)
+    return replace(
+        found,
+        needed=cycle.needed,
+        growth=cycle.growth,
+        first_gap=cycle.first_gap,
+        lasting=found.lasting or cycle.lasting,
+        left_at=cycle.left_at,
+    )
 
 
 def fallbacks(

@@ -36,6 +36,7 @@ from screwsim.model.slots import (
     R_SUCTION,
 )
 from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.integrators import Check
 
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
@@ -84,6 +85,22 @@ def image(
     if turn is None:
         return lines[0] if len(lines) == 1 else np.concatenate(lines)
     return np.concatenate([*lines, list(turn.made.values())])
+
+
+def next_pitch(
+    problem: Problem, machinery: Machinery, y: Array, met: Array, rtol: float, check: Check | None = None
+) -> tuple[Array, Array, Array] | None:
+    """Return the states and the unknowns with which the pitch after this one begins, and its quadratures.
+
+    It is left as the last history; y is led to its end [in place]. None where its integration stops.
+    """
+    set_unknowns(problem, machinery, met)
+    status, _, _, q = machinery.pitch(y, rtol, 1e-3, check=check)
+    if status != 0:
+        return None
+    machinery.install_coupled()
+    made = image(problem, machinery.trajectory, q)
+    return machinery.shift(y), made, q
 
 
 def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | None) -> float:

@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.coordinates import logarithms, states_of
-from screwsim.cycle.feedback import image as image_of
-from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.feedback import next_pitch, set_unknowns, unknowns
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.mixing import MixingRule
 from screwsim.cycle.problem import Problem
@@ -195,16 +194,12 @@ class _Pitch:
 
     def at(self, x: Array, raw: tuple[Array, Array]) -> Point | None:
         """Return what a pitch changes from x, left as the last history; None where its integration stops."""
-        machinery, (end, met) = self.machinery, self.values(x, raw)
-        set_unknowns(self.problem, machinery, met)
-        status, _, _, q = machinery.pitch(end, self.rtol, 1e-3, check=self.check)
-        if status != 0:
+        found = next_pitch(self.problem, self.machinery, *self.values(x, raw), self.rtol, self.check)
+        if found is None:
             return None
-        machinery.install_coupled()
-        made = image_of(self.problem, machinery.trajectory, q)
-        to = machinery.shift(end), made
-        changed = self._coordinates(*to) - x
-        return Point(x, changed, to, q) if np.isfinite(changed).all() else None
+        y, made, q = found
+        changed = self._coordinates(y, made) - x
+        return Point(x, changed, (y, made), q) if np.isfinite(changed).all() else None
 
     def inverse(self, here: Point) -> Array | None:
         """Return the inverse of the derivatives of the change where the last pitch began; None where it has none."""

@@ -4,8 +4,6 @@ It evaluates each flow between chambers once, so that it conserves exactly, and 
 (docs/explanation/numerics.md).
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from screwsim.cycle.balances import LEAST_WORK, residuals
@@ -155,8 +153,9 @@ class _Pitches:
         if status != FAILED:
             machinery.install_coupled()
         life, turns, impacts = machinery.trajectory.copy(), self.number / self.c.chambers, machinery.impacts
-        found = CycleSolution(status, life, self.q, self.y, turns, TOGETHER, self.rtol, angle, moved, impacts=impacts)
-        return replace(found, lasting=self.corrections.lasting()) if status == OK else found
+        lasting = self.corrections.lasting() if status == OK else None
+        how = TOGETHER, self.rtol, angle, moved
+        return CycleSolution(status, life, self.q, self.y, turns, *how, impacts=impacts, lasting=lasting)
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:

@@ -8,7 +8,7 @@ suck again most of what they have sucked, where a warmer line makes less flow an
 Source: docs/reference/slider-crank.md S35; docs/explanation/numerics.md, cycles that are not there to be found.
 """
 
-from screwsim.cycle.feedback import image, set_unknowns, unknowns
+from screwsim.cycle.feedback import next_pitch, unknowns
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
@@ -59,13 +59,10 @@ def led_away(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol:
     met = entries.values(here + PUSHED * lasting.along, met)
     for lives in (SETTLE, GO_ON):
         for _ in range(lives * chambers):
-            set_unknowns(problem, machinery, met)
-            status, _, _, q = machinery.pitch(y, rtol, 1e-3)
-            if status != 0:
+            found = next_pitch(problem, machinery, y, met, rtol)
+            if found is None:
                 return 1.0
-            if problem.composition.pulsating:  # the image reads the flows of the pitch
-                machinery.install_coupled()
-            met, y = image(problem, machinery.trajectory, q), machinery.shift(y)
+            y, met, _ = found
         seen.append(float(lasting.along @ (entries.coordinates(met) - here)))
     return max(1.0, seen[1] / seen[0]) if seen[0] != 0.0 else 1.0
 
