@@ -131,7 +131,7 @@ def found_cases() -> list[Case]:
             "found: nothing flows at the discharge port, coupled",
             {**NO_OUTFLOW, "numerics.closing": "coupled"},
             "the same by coupled chambers, which acceleration leads astray",
-            most=1_200_000,
+            most=10_000_000,  # 0.5 to 8.3 million, by the last bits: acceleration throws pitches back, or not
             says=("closing without acceleration",),
             slow=True,
         ),

@@ -39,7 +39,7 @@ effects:
   tip_leakage: {gap: 50 um}
 numerics: {accuracy: 0.01}
 """
-EXTENT = replace(QUICK, asked=(1e-2, 1e-4), points=(1, 3), limit=0.15, pairs=0, seconds=1e-3, runs=1)
+EXTENT = replace(QUICK, asked=(1e-2, 1e-4), points=(1, 3), limit=1.0, pairs=0, seconds=1e-3, runs=1)
 
 
 CO2 = Path(__file__).parents[2] / "configs" / "co2" / "transcritical.yaml"
