@@ -90,7 +90,7 @@ def __getattr__(name: str) -> Any:
     """Return a public name from the module that defines it."""
     if name == "plot":
         return importlib.import_module("screwsim.plot")
-    if name == "__version__":  # in a checkout git tells it, which is asked only where the version is wanted
+    if name == "__version__":  # in a checkout git is asked for it, so only on demand
         return importlib.import_module("screwsim.version").version()
     if name not in _HOMES:
         raise AttributeError(f"module 'screwsim' has no attribute {name!r}")
@@ -100,7 +100,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Return the public names beside what is imported already."""
+    """Return the public names together with the names imported so far."""
     return sorted({*globals(), *__all__})
 
 
@@ -108,12 +108,12 @@ class _Package(ModuleType):
     """This package, in which `simulate` stays the function.
 
     Importing the module `screwsim.simulate` would bind the package's attribute of that name to the module. The
-    function is what users call, found when it is first asked for; the module is reached with
-    `from screwsim.simulate import …`.
+    function is what users call and is found on first use; the module is reached with `from screwsim.simulate import
+    …`.
     """
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute, but that of the module `simulate`."""
+        """Set an attribute, unless it is the module `simulate`."""
         if name != "simulate" or not isinstance(value, ModuleType):
             super().__setattr__(name, value)
 

@@ -1,6 +1,6 @@
-"""Studies as a program calls them: scenes and results as they are at hand, values with units, progress if seen.
+"""Studies for use from Python: they take scenes and results in any form, return values in SI units, and show progress.
 
-Each is the study of the command of that name; its arguments are what the command is given.
+Each function is the study of the command of the same name and takes the same arguments.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def optimum(
         best, = screwsim.optimum("point.yaml", "oil_supply.ratio", low=0.5, high=4)
 
     `low` and `high` are numbers or texts with a unit; the default is the range of the scene's own axis. The default
-    figure is the efficiency, as for the command. `progress`: None shows a bar in a notebook.
+    figure is the efficiency that the command uses. `progress`: None shows a bar in a notebook only.
     """
     at = scene_of(scene)
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
@@ -80,9 +80,9 @@ def datasheet(
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
-    `sheet.document` is the sheet in SI units, as `--json` prints it; a page or a PDF is written to `output`. With
-    `heating` it also tells the heating capacity and its COP, of a heat pump; with a `profile`, a CSV file of flows and
-    hours, the energy that an air package takes over it.
+    `sheet.document` is the sheet in SI units, as `--json` prints it; `output` is the HTML page or PDF to write.
+    With `heating` it also gives the heating capacity and COP of a heat pump; with a `profile` (a CSV file of flows
+    and hours) the energy that an air package uses over that profile.
     """
     if output is not None:
         check_sheet(Path(output))
@@ -108,8 +108,8 @@ def datasheet(
 def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_map.PerformanceMap]:
     """Return the ten-coefficient maps of a sweep over both temperatures, one for each point of its other axes.
 
-    Without figures they are the electrical power (of a machine without a motor that of its shaft), flow and capacity.
-    The results are the path of a sweep's file or what `open_results` returns; run the sweep first with
+    The default figures are the electrical power (the shaft power of a machine without a motor), flow and capacity.
+    `results` is the path of a sweep's file or what `open_results` returns; run the sweep first with
     `screwsim.run_sweep(scene, "map.h5")`.
     """
     return _map.performance_maps(results_of(results), listed(figures))
@@ -119,7 +119,7 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_
 def calibrate(
     fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: Progress | bool | None = None
 ) -> Calibration:
-    """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a fit, or the path of its file."""
+    """Return parameters fitted to measured points (`screwsim calibrate`); `fit` is a `Fit` or the path of its file."""
     return _calibrate(_read(fit), jobs=jobs, progress=shown("calibrate", progress))
 
 
@@ -138,10 +138,10 @@ def posterior(
         found.samples                                        (n, parameters) [SI]
         found.predictions.figures[0].median                  predicted at the first point of later.csv [SI]
 
-    `fit` is the path of a fit's file, a fit, or what `calibrate` returned, which saves fitting again. `predict` is a
-    CSV file of other operating points with the columns of the fit's data, figures empty or absent; columns
-    `…_uncertainty` state how well they would be measured (default: as the fit's points). Raises SceneError, and
-    UsageError (also if emcee, the extra `posterior`, is not installed).
+    `fit` is the path of a fit file, a `Fit`, or what `calibrate` returned, which saves fitting again. `predict` is
+    a CSV file of other operating points with the columns of the fit's data, figures empty or absent; columns
+    `…_uncertainty` state how accurately they would be measured (default: as the fit's points). Raises SceneError,
+    and UsageError (also if emcee, the extra `posterior`, is not installed).
     """
     asked = fit.fit if isinstance(fit, Calibration) else _read(fit)
     points = () if predict is None else points_to_predict(asked, predict)
@@ -160,10 +160,10 @@ def diagnose(
     jobs: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Diagnosis:
-    """Return which parameters of a fit's machine have changed, one or two, with probabilities (`screwsim diagnose`).
+    """Return the probabilities that one or two parameters of a fit's machine have changed (`screwsim diagnose`).
 
     `scene` and `data` replace the files that the fit names; `unchanged` is the prior probability that nothing has
-    changed, `pairs` the prior odds of two changes at once against one (0: only single changes).
+    changed, `pairs` the prior odds of two simultaneous changes against one (0: single changes only).
     """
     asked = _read(fit, scene, data, fixed=False)
     return _diagnose(asked, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=shown("diagnose", progress))
@@ -189,7 +189,7 @@ def plan(
     jobs: int | None = None,
     progress: Progress | bool | None = None,
 ) -> Plan:
-    """Return which candidates to measure next, the most informative first (`screwsim plan`).
+    """Return the candidate points to measure next, the most informative first (`screwsim plan`).
 
         screwsim.plan("x.fit.yaml", ranges={"operation.speed": ("1000 rpm", "4000 rpm")}, count=2)
 
@@ -205,7 +205,7 @@ def plan(
 
 
 def _read(fit: Any, scene: Any = None, data: Any = None, fixed: bool = True) -> Fit:
-    """Return a fit that is one, or that of a file, with other files in it; raise UsageError with what to pass."""
+    """Return a fit, given or read from a file with other files substituted; raise UsageError with what to pass."""
     if not isinstance(fit, Fit | str | os.PathLike):
         raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
     if not isinstance(fit, Fit):
@@ -216,7 +216,7 @@ def _read(fit: Any, scene: Any = None, data: Any = None, fixed: bool = True) -> 
 
 
 def results_of(given: Any) -> Results:
-    """Return the results that are meant by a path or by results themselves; raise UsageError with what to pass."""
+    """Return results, given as such or by their path; raise UsageError with what to pass instead."""
     if isinstance(given, Results):
         return given
     if isinstance(given, str | os.PathLike):

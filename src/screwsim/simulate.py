@@ -1,4 +1,4 @@
-"""One scene → one result: close the cycle, take the figures, judge the balances."""
+"""Turn one scene into one result: close the cycle, compute the figures, judge the balances."""
 
 import math
 import operator
@@ -34,10 +34,11 @@ from screwsim.solve import another, circuit, drive, stability
 from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
 from screwsim.solve.circuit import Search, solved
 
-Trace = bool | Literal["ledger"]  # what of the angle is kept
+Trace = bool | Literal["ledger"]  # what is stored over the angle
 
 
 def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
+    """Return the numerical figures of a result: counts, tolerance and times of closing and of estimating."""
     counts, cycle = accurate.counts, accurate.cycle
     return Figures(
         integrator=accurate.evaluation.problem.scene.numerics.integrator,
@@ -53,7 +54,7 @@ def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
 
 
 def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]:
-    """Return the balances and the ledger of a closed cycle, None where none is wanted."""
+    """Return the balances and the ledger of a closed cycle; the ledger is None where it is not wanted."""
     of = accurate.evaluation
     balance = balance_of(of)
     book = ledger(of) if trace or of.problem.scene.numerics.estimates else None
@@ -64,18 +65,20 @@ def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]
 def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
     """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
-    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file.
-    `trace` keeps the cycle over the angle and the ledger, 'ledger' that alone; the ledger is left out without it where
-    the scene says `numerics.error: none`. Raises UsageError when the scene asks for a fluid that is not there.
+    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. With `trace` True the
+    result keeps the cycle over the angle and the ledger; with 'ledger' the ledger alone; with False neither.
+    Without a trace the ledger is not even computed where the scene says `numerics.error: none`. Raises UsageError
+    for a fluid that is not available.
     """
     return _told(scene_of(scene), trace, None)
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
-    """Yield the result of each scene, every cycle begun from the ones before where these are near.
+    """Yield the result of each scene; each cycle starts from the preceding ones where these are close enough.
 
-    That costs a fraction of `simulate` along a sweep, and changes results by less than the tolerances: they depend on
-    the scenes before. A scene that is not ok ends the course; the next begins afresh.
+    Along a sweep that costs a fraction of `simulate`. Results differ from those of `simulate` by less than the
+    tolerances, and depend on the preceding scenes. A scene that is not ok ends the course; the next one starts
+    afresh.
     """
     series = Series()
     for scene in scenes:
@@ -83,7 +86,10 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
 
 
 def _told(scene: Scene, trace: Trace, series: Series | None) -> Result:
-    """Return the result of a scene; what goes wrong inside an effect of the user's own is told as a fault of that."""
+    """Return the result of a scene.
+
+    An exception inside a user's own effect becomes a failed result that names the effect.
+    """
     own = scene.own
     if not own:
         return _simulate(scene, trace, series)
@@ -103,11 +109,11 @@ def _told(scene: Scene, trace: Trace, series: Series | None) -> Result:
         return Result(FAILED, f"{own[name]}: {what} ({text}); mend that module", effects=tuple(scene.effects))
 
 
-_tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects that were tried, the user's own as imported
+_tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects already tried; their own modules
 
 
 def _survived(scene: Scene) -> None:
-    """Raise UsageError where a process dies over modules of the user's own: a child is the first to try them."""
+    """Raise UsageError where a user's own modules crash the process: a child process tries them first."""
     names, modules = (scene.machine.kind, *scene.effects), [sources.made_of(name) for name in scene.own]
     known = _tried.get(names, [])
     if len(known) == len(modules) and all(map(operator.is_, known, modules)):
@@ -122,6 +128,10 @@ def _survived(scene: Scene) -> None:
 
 
 def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
+    """Return the result of a scene, alone or as the next of a series.
+
+    The speed and the oil's temperatures are found first where the scene leaves them open.
+    """
     course = None if series is None else series.course
     alone, series = series is None, series or one_alone()
     station()
@@ -151,6 +161,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
 def _solved(
     problem: Problem, machinery: Machinery, trace: Trace, course: Course | None, search: Search | None
 ) -> Result:
+    """Solve a problem, judge the cycle and collect its figures, warnings and traces in a result."""
     accurate = solved(problem, machinery, course, search)
     problem = accurate.evaluation.problem
     scene = problem.scene
@@ -175,7 +186,7 @@ def _solved(
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         none = Performance({}, found.about)
         return Result(FAILED, message, (), effects, states, none, numerics=numerics)
-    if not sound:  # of a cycle that is none, states between steps may be none of the gas
+    if not sound:  # an unclosed cycle may pass through states, between steps, that the gas does not have
         book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = drive.judged(of)
     overloaded, of_loads = performance.judged(problem.parts, of.known, found)
@@ -214,23 +225,24 @@ def _refused(problem: Problem, accurate: Accurate) -> str:
 def _closed_in_entropy(
     problem: Problem, machinery: Machinery, accurate: Accurate, trace: Trace
 ) -> tuple[Accurate, Figures, Ledger | None]:
-    """Solve more tightly where entropy does not close: it is judged here only, for it needs the ledger."""
+    """Solve more tightly where the entropy balance is open; it is checked only here because it needs the ledger."""
     balance, book = _balanced(accurate, trace)
     for _ in range(TRIES):
         closed = (balance["entropy"] or 0.0) <= balance["bound"]
         if not accurate.cycle.closed or closed or problem.scene.numerics.rtol is not None:
             break
         before, accurate = accurate, solve_tighter(machinery, accurate)
-        if accurate.cycle is before.cycle:  # none closes: nor would it the next time
+        if accurate.cycle is before.cycle:  # no tighter cycle closed, nor would it at a further try
             break
         balance, book = _balanced(accurate, trace)
     return accurate, balance, book
 
 
 def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> tuple[str, str]:
-    """Return the status of a cycle that has figures, and its message; `forbidden` is what an effect says of it.
+    """Return the status of a cycle that has figures, and its message.
 
-    `why` says why the oil's temperatures, or a package's losses, were not found, where they were not.
+    `forbidden` is an effect's reason to reject the cycle (empty: none), `why` the reason why the oil's temperatures
+    or a package's losses were not found (empty where they were).
     """
     cycle, of = accurate.cycle, accurate.evaluation
     status, message, bound = cycle.status, "", balance["bound"]
@@ -268,7 +280,7 @@ def _shown(residuals: Mapping[str, float]) -> str:
 
 
 def warm_up(scene: Scene) -> None:
-    """Compile or load what the scene needs, so that workers find it ready; each fluid has an equation of its own."""
+    """Compile or load what the scene needs, once for each fluid, so that workers find it ready."""
     trace = scene.output.keeps_cycle
     fluids = first_by_fluid(scene)
     for number, (fluid, one) in enumerate(fluids, 1):

@@ -17,45 +17,48 @@ from screwsim.codegen.kinds import Kind
 from screwsim.inputs.faults import UsageError
 
 Array = np.ndarray
-THREADS = 32  # of a block: points go ways of their own, and one warp a multiprocessor is soonest done
+THREADS = 32  # of a block: points take different paths, so one warp per multiprocessor is fastest
 NEEDS = "points on a GPU need the package cuda-bindings (pip install 'screwsim[gpu]')"
 NO_DEVICE = "points on a GPU need one that NVIDIA's driver finds ({}); leave them to the processor's lanes"
 
 
 class DeviceError(RuntimeError):
-    """A call of the driver failed."""
+    """A call to the driver failed."""
 
 
 class Device(Protocol):
-    """What integrates turns elsewhere: has memory, addressed by whole numbers, and runs a thread for each turn."""
+    """What integrates turns elsewhere: it has memory, addressed by integers, and runs one thread for each turn."""
 
     def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
-        """Return a function of a module as it runs here; `numbers` are arguments that are the same in every run."""
+        """Return a module's function as compiled for this device.
+
+        `numbers` are arguments with the same value in every run.
+        """
         ...
 
     def room(self, words: int) -> int:
-        """Return the address of so many words of 8 bytes; raise MemoryError where there are not as many."""
+        """Allocate `words` words of 8 bytes and return their address; raise MemoryError where there is no room."""
         ...
 
     def free(self, address: int) -> None:
-        """Give room back."""
+        """Free what `room` allocated."""
         ...
 
     def up(self, address: int, table: Array) -> None:
-        """Copy a table, of one piece, to an address."""
+        """Copy a contiguous table to an address."""
         ...
 
     def down(self, table: Array, address: int, pitch: int) -> None:
-        """Copy rows, of one piece here, from where a row begins `pitch` words after the one before."""
+        """Copy rows to a contiguous table; on the device a row begins `pitch` words after the one before."""
         ...
 
     def run(self, turns: Any, words: int, results: int, count: int) -> None:
-        """Run so many threads, each with its own words and room for results; return when they have ended."""
+        """Run `count` threads, each with its own words and room for results; return when they have ended."""
         ...
 
 
 class Driver:
-    """The first device of this machine."""
+    """The first device of this machine (see `Device` for the methods)."""
 
     def __init__(self) -> None:
         try:
@@ -66,13 +69,13 @@ class Driver:
         try:
             self._do("cuInit", 0)
             device = self._do("cuDeviceGet", 0)
-        except RuntimeError as error:  # the package's too, where there is no driver
+        except RuntimeError as error:  # also raised by the package where there is no driver
             raise UsageError(NO_DEVICE.format(str(error).strip().splitlines()[-1])) from None
         self.name: str = self._do("cuDeviceGetName", 256, device).split(b"\0")[0].decode()
         self._context = self._do("cuDevicePrimaryCtxRetain", device)
 
     def _do(self, name: str, *arguments: Any) -> Any:
-        """Call the driver; raise DeviceError where it says that something failed, MemoryError where it has no room."""
+        """Call the driver; raise DeviceError if it reports a failure, MemoryError if it has no room."""
         code, *found = getattr(self._driver, name)(*arguments)
         if code == self._driver.CUresult.CUDA_ERROR_OUT_OF_MEMORY:
             raise MemoryError
@@ -81,11 +84,11 @@ class Driver:
         return found[0] if found else None
 
     def _here(self) -> None:
-        """Let this thread speak to the device."""
+        """Make the device current for this thread."""
         self._do("cuCtxSetCurrent", self._context)
 
     def turns(self, module: Any, name: str, kinds: tuple[Kind, ...], numbers: dict[int, int]) -> Any:
-        """Return a kernel: PTX that the driver translates for its device, once, and keeps itself."""
+        """Return a kernel from PTX, which the driver translates for its device once and caches itself."""
         self._here()
         loaded = self._do("cuModuleLoadData", module.of_device(name, kinds, numbers) + b"\0")
         return self._do("cuModuleGetFunction", loaded, TURNS.encode())
@@ -125,7 +128,7 @@ class Driver:
 
 
 def look_for_driver() -> None:
-    """Raise UsageError without what speaks to a device; opens none, so that this process may still be forked."""
+    """Raise UsageError where a GPU cannot be accessed; nothing is opened, so the process may still be forked."""
     if importlib.util.find_spec("cuda") is None or importlib.util.find_spec("cuda.bindings") is None:
         raise UsageError(NEEDS)
     name = "nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1"
@@ -136,8 +139,8 @@ def look_for_driver() -> None:
 
 
 def device() -> Device:
-    """Return the device of this process; raise UsageError where there is none, or not what speaks to it."""
-    return _device_of(os.getpid())  # one that a parent had opened is of no use after a fork
+    """Return the device of this process; raise UsageError where there is none, or no access to it."""
+    return _device_of(os.getpid())  # one that a parent opened is useless after a fork
 
 
 @cache

@@ -1,7 +1,7 @@
-"""Turns of many points of one structure on a GPU, each in a thread of its own, in double precision.
+"""Turns of many points of one structure on a GPU, each in its own thread, in double precision.
 
-The same text as a single point's, compiled for the device by the same compiler (`codegen.device_library`). What a turn
-reads and writes lies there in one piece; what is done between turns stays on the processor, as with lanes
+The text is that of a single point, compiled for the device by the same compiler (`codegen.device_library`). What a turn
+reads and writes is copied there in one block; everything between turns stays on the processor, as with lanes
 (`batch.tasks`).
 """
 
@@ -23,8 +23,8 @@ from screwsim.model.side_by_side import AXES, TURN, WHOLE, Answer, Asked, arrays
 from screwsim.numerics.rodas import TOO_MANY_STEPS
 
 Array = np.ndarray
-STEPS = 512  # of a turn that find room on the device, at first
-MOST_STEPS = 8192  # and at most
+STEPS = 512  # steps of a turn for which the device has room, at first ...
+MOST_STEPS = 8192  # ... and at most
 NO_ROOM = "the GPU has no room for {} points at once; ask for fewer (screwsim.batch.together with in_flight={})"
 CONTEXT = Kind(
     "c",
@@ -48,23 +48,24 @@ GIVEN: dict[str, Kind] = {
 }
 KINDS = tuple(GIVEN.values())
 N_E = tuple(GIVEN).index("n_E")
-OWN = ("y", "q", "P", "R", "state", "own", "counts", "kept", "hints")  # of a point: go there and come back, in a row
-NEW = {"t_new": "times", "d_new": "dense", "quads": "quads"}  # as a context and as the integrator calls them
+OWN = ("y", "q", "P", "R", "state", "own", "counts", "kept", "hints")  # arrays copied there and back, one row per point
+NEW = {"t_new": "times", "d_new": "dense", "quads": "quads"}  # arrays of the new history: in a context, here
 
 
 class OnDevice:
-    """Turns of one structure on a device, as many as are asked for at once."""
+    """Turns of one structure on a device, any number in one call."""
 
     def __init__(self, like: Machinery, device: Device) -> None:
-        self.device, self.steps = device, STEPS  # of a turn: as many as find room
+        self.device, self.steps = device, STEPS  # steps of a turn for which there is room
         self._turns = device.turns(*asked_of(like))
-        self._room, self._size = 0, 0  # on the device: where, and words
+        self._room, self._size = 0, 0  # allocated on the device: address and words
         self._alone = threading.Lock()
 
     def turns(self, asked: Sequence[Asked]) -> list[Answer]:
-        """Integrate a life of each; what a turn leaves behind is put where `Machinery.turn` leaves it.
+        """Integrate a life of each; store each result where `Machinery.turn` would.
 
-        A turn of more steps than there is room for is integrated by the processor; the next call makes more room.
+        A turn with too many steps for the allocated room is integrated by the processor; the next call
+        allocates more.
         """
         with self._alone:
             call = _Call(asked, self.steps)
@@ -77,12 +78,14 @@ class OnDevice:
             return answers
 
     def _answer(self, each: Asked, call: _Call, i: int, result: Array) -> Answer:
+        """Return the result of a turn, integrating it here if the device had too little room."""
         status = int(result[:1].view(np.int64)[0])
         if status == TOO_MANY_STEPS and self.steps < each.machinery.max_steps:
             return each.machinery.own_turn(each.y, each.rtol, each.h)
         return status, float(result[1]), float(result[2]), call.put(each, i)
 
     def _make_room(self, call: _Call) -> None:
+        """Allocate memory for a call where there is not enough."""
         if call.size <= self._size:
             return
         if self._size:
@@ -96,18 +99,18 @@ class OnDevice:
 
 
 def asked_of(like: Machinery) -> tuple[Any, str, tuple[Kind, ...], dict[int, int]]:
-    """Return what `Device.turns` is asked: the module, the function, kinds of arguments, those that are known."""
+    """Return the arguments of `Device.turns`: module, function, kinds of arguments, known arguments."""
     return like.module, TURN, KINDS, {N_E: like.composition.n_E}
 
 
 def code_of(like: Machinery) -> bytes:
-    """Return the PTX of a structure's turns, compiled or as it was kept; no device is looked for."""
+    """Return the PTX of a structure's turns, compiled or from the cache; no device is needed."""
     module, *asked = asked_of(like)
     return module.of_device(*asked)
 
 
 class _Call:
-    """Where everything of a call lies: in blocks of a row a point, each in one piece, words of 8 bytes."""
+    """The memory layout of a call: contiguous blocks with one row for each point, in words of 8 bytes."""
 
     def __init__(self, asked: Sequence[Asked], steps: int) -> None:
         self.asked, self.count, self.steps = asked, len(asked), steps
@@ -125,7 +128,7 @@ class _Call:
         self.which = [list(tables).index(id(each.machinery.composition.TAB)) for each in asked]
         self.breakpoints = [each.machinery.composition.breakpoints for each in asked]
         _, dense, quads = like.histories[1]
-        self.shapes: dict[str, tuple[int, ...]] = {  # of a row of each block
+        self.shapes: dict[str, tuple[int, ...]] = {  # of one row of each block
             "own": (self.own_size,),
             "breakpoints": (max(map(len, self.breakpoints)),),
             "tables": (max(map(len, self.tables)),),
@@ -141,7 +144,7 @@ class _Call:
         sizes = [rows[name] * int(np.prod(shape)) for name, shape in self.shapes.items()]
         self.at = dict(zip(self.shapes, accumulate(sizes, initial=0), strict=False))
         self.size = sum(sizes)
-        self.given = np.zeros(self.at["results"])  # what goes there, as it lies there
+        self.given = np.zeros(self.at["results"])  # the part that is copied to the device
         self.blocks = {
             name: self.given[self.at[name] : self.at[name] + rows[name] * int(np.prod(shape))].reshape(-1, *shape)
             for name, shape in self.shapes.items()
@@ -150,7 +153,7 @@ class _Call:
         self.own = {name: self._of(name) for name in OWN}
 
     def run(self, device: Device, turns: Any, room: int) -> Array:
-        """Take all there, run the turns, and bring back what they wrote; return a row of results for each."""
+        """Copy everything there, run the turns, and copy back what they wrote; return a row of results for each."""
         self._fill()
         self._write_words(room)
         device.up(room, self.given)
@@ -169,12 +172,13 @@ class _Call:
         return results
 
     def _of(self, name: str) -> Array:
-        """Return a column of what is of each point."""
+        """Return the columns of one array in the rows of all points."""
         end = [*self.columns.values(), self.own_size][OWN.index(name) + 1]
         found = self.blocks["own"][:, self.columns[name] : end]
         return found.view(np.int64) if name in ("counts", *WHOLE) else found
 
     def _fill(self) -> None:
+        """Write the arrays of all points into the blocks."""
         blocks = self.blocks
         for i, arrays in enumerate(self.arrays):
             for name, column in self.own.items():
@@ -186,7 +190,7 @@ class _Call:
             row[: len(table)] = table
 
     def _write_words(self, room: int) -> None:
-        """Write what each thread is given: addresses and sizes of arrays, and numbers."""
+        """Write the arguments of each thread: addresses and sizes of arrays, and numbers."""
         words = self.blocks["words"].view(np.int64)
         rows, column = np.arange(self.count), 0
 
@@ -224,7 +228,7 @@ class _Call:
                     add_array(new.get(name, name))
 
     def put(self, each: Asked, i: int) -> Array:
-        """Put a point's numbers and history where its machinery has them; return its quadratures."""
+        """Store a point's numbers and history in its machinery; return its quadratures."""
         for name, column in self.own.items():
             self.arrays[i][name][:] = column[i]
         steps = int(each.machinery.kept[0])

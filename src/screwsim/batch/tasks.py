@@ -1,8 +1,8 @@
-"""Solve points side by side: each goes its own way, and what they have in common is done for many in one call.
+"""Solve points side by side: each point proceeds on its own, and turns are integrated for many points in one call.
 
-Each task runs in a greenlet of its own until it asks for a turn; then the next goes on, in the same thread. When all of
-them have asked, the turns of one structure are integrated together (`model.side_by_side`). What is done between turns
-(mixing, corrections, estimates, figures, the verdict) is that of a single point, and so is what each lane computes: no
+Each task runs in its own greenlet until it asks for a turn; then the next task continues, in the same thread. When all
+have asked, the turns of one structure are integrated together (`model.side_by_side`). Everything between turns (mixing,
+corrections, estimates, figures, the verdict) is done as for a single point, and so is the arithmetic of each lane: no
 result depends on which points ran beside it.
 """
 
@@ -33,16 +33,18 @@ from screwsim.scene.types import Scene
 from screwsim.simulate import simulate, simulate_many
 
 Answer = TypeVar("Answer")
-IN_FLIGHT = 2 * LANES  # tasks at a time: turns of like tolerance find each other
-IN_STEP = LANES  # the same of courses, whose points take like turns: what more of them hold leaves the cache
-ON_GPU = 1024  # the same on a GPU, and turns in one call
+IN_FLIGHT = 2 * LANES  # tasks at a time: enough to find turns of similar tolerance
+IN_STEP = LANES  # the same for courses, whose points take similar turns; more would not fit in the cache
+ON_GPU = 1024  # tasks at a time on a GPU, and turns in one call
 Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
 HandedOn = Callable[[greenlet, greenlet], None]
-During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # the tasks for which a call is made
+During = Callable[[Sequence[greenlet]], AbstractContextManager[None]]  # called with the tasks for which a call is made
 
 
 @dataclass(eq=False)
 class _Task:
+    """A task with its greenlet, and the turn it asks for or the answer."""
+
     number: int
     run: greenlet
     asked: side_by_side.Asked | None = None
@@ -59,10 +61,11 @@ def together(
 ) -> list[Answer]:
     """Return what each task returns; the turns that they ask for are integrated side by side.
 
-    `in_flight` tasks run at a time. What a task raises is raised here, once all have ended: those that wait for a turn
-    end by GreenletExit. `during` surrounds waiting and calls, for who takes times, and `handed_on` is told when one
-    goes on in place of another. With `gpu` a GPU integrates (`screwsim.batch.on_device`), else the lanes of this core;
-    without `lanes` turns are integrated one after the other, with the bits of single points.
+    `in_flight` tasks run at a time. What a task raises is raised here once all have ended; those that wait for a
+    turn are ended by GreenletExit. `during` is a context around waiting and calls, for measuring times; `handed_on`
+    is called when one task continues in place of another. With `gpu` a GPU integrates (`screwsim.batch.on_device`),
+    otherwise the lanes of this core; without `lanes` turns are integrated one by one, with the bits of single
+    points.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
     turns = _turns_on_gpu if gpu else _turns if lanes else _one_by_one
@@ -70,9 +73,9 @@ def together(
 
 
 def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False) -> list[list[Result]]:
-    """Return the results of courses of scenes, side by side; within a course each scene begins from those before it.
+    """Return the results of courses of scenes, side by side; within a course each scene starts from those before it.
 
-    Courses of one scene each are points that have nothing to do with each other, as those of a sample.
+    Courses of one scene each are independent points, like those of a sample.
     """
     every = [list(scenes) for scenes in courses]
     in_flight = IN_STEP if not gpu and any(len(scenes) > 1 for scenes in every) else None
@@ -80,6 +83,7 @@ def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gp
 
 
 def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:
+    """Return the results of one course."""
     return list(simulate_many(scenes, trace))
 
 
@@ -89,9 +93,9 @@ def warm_up(scene: Scene) -> None:
 
 
 def prepare_for_gpu(scene: Scene) -> None:
-    """Compile what a scene needs on a GPU, without opening one: a process that did may not be forked.
+    """Compile what a scene needs on a GPU, without opening one: a process that has opened one must not be forked.
 
-    Raise UsageError without what speaks to a GPU, or where the scene calls what a GPU does not have.
+    Raises UsageError without access to a GPU, or where the scene calls something that a GPU does not have.
     """
     look_for_driver()
     problem = problem_of(scene)
@@ -102,6 +106,7 @@ def prepare_for_gpu(scene: Scene) -> None:
 
 @contextmanager
 def _told_of_device() -> Iterator[None]:
+    """Turn errors of the compiler and the device into UsageError."""
     try:
         yield
     except (CannotCompile, DeviceError) as why:
@@ -116,7 +121,7 @@ def _plain(tasks: Sequence[greenlet]) -> AbstractContextManager[None]:
 
 
 class _Together:
-    """Tasks in greenlets, of which one runs until it asks for a turn; who runs them lives in the caller's own."""
+    """Tasks in greenlets, one running at a time; the scheduler runs in the caller's greenlet."""
 
     def __init__(
         self,
@@ -134,9 +139,10 @@ class _Together:
         self._ready: deque[_Task] = deque()
         self._waiting: list[_Task] = []
         self._own = getcurrent()
-        self._now: _Task | None = None  # that runs
+        self._now: _Task | None = None  # the running task
 
     def run(self) -> list[Any]:
+        """Run all tasks and return their answers."""
         before = here.turn, here.station
         here.turn, here.station = self._turn, self._station
         try:
@@ -147,7 +153,7 @@ class _Together:
         finally:
             here.turn = here.station = _ended
             try:
-                # tasks that nobody waits for any more are told so where they asked for a turn
+                # end tasks that nobody waits for any more, where they asked for a turn
                 while self._ready or self._waiting:
                     task = self._ready.popleft() if self._ready else self._waiting.pop()
                     task.run.throw()
@@ -155,7 +161,7 @@ class _Together:
                 here.turn, here.station = before
 
     def _go_on(self) -> bool:
-        """Let the next task run: a new one while there is room, one that has its answer, one after a call."""
+        """Run the next task: a new one while there is room, one that has its answer, or one after a call."""
         while self._left and len(self._ready) + len(self._waiting) < self._in_flight:
             self._begin(*self._left.popleft())
         if not self._ready and self._waiting:
@@ -165,18 +171,19 @@ class _Together:
         return bool(self._ready or self._waiting or self._left)
 
     def _begin(self, number: int, work: Callable[[], Any]) -> None:
+        """Start a task in its own greenlet and context."""
         run = greenlet(partial(self._after_begin, work), self._own)
         run.gr_context = copy_context()
         run.switch()
         self._ready.append(_Task(number, run))
 
     def _after_begin(self, work: Callable[[], Any]) -> Any:
-        """Go on when somebody lets this task run: its calls lie on those of who began it, not of the station before."""
+        """Wait until scheduled: the task's stack then starts from the scheduler's, not from another task's station."""
         self._own.switch()
         return work()
 
     def _run(self, task: _Task) -> None:
-        """Let a task run, and others from its stations on, until one asks for a turn or ends; raise what it raises."""
+        """Run a task, and others from its stations on, until one asks for a turn or ends; raise what it raises."""
         self._now = task
         answer = task.run.switch()
         task = self._now
@@ -186,20 +193,20 @@ class _Together:
             self._waiting.append(task)
 
     def _turn(self, machinery: Machinery, y: Any, rtol: float, h: float) -> Any:
-        """Ask for a turn, let others run, and return it (in the task's own greenlet)."""
+        """Ask for a turn, let others run, and return the answer (in the task's own greenlet)."""
         began, before, task = clock(), here.elsewhere, self._now
         assert task is not None
         task.asked = side_by_side.Asked(machinery, y, rtol, h)
         with self._during(()):
             self._own.switch()
-        if isinstance(task.answer, BaseException):  # of the call: it is told in each that was waiting for it
+        if isinstance(task.answer, BaseException):  # an error of the call, raised in every task that waited for it
             raise task.answer
         answer, share = task.answer
         here.elsewhere = before + clock() - began - share
         return answer
 
     def _station(self) -> None:
-        """Let others run until they come as far (in the task's own greenlet): the next one goes on in its place."""
+        """Let others run until they reach the same station (in the task's own greenlet); the next one continues."""
         if not self._ready:
             return
         began, before, task = clock(), here.elsewhere, self._now
@@ -214,7 +221,7 @@ class _Together:
     # ---- turns in one call -----------------------------------------------------------------------------------------
 
     def _call(self) -> None:
-        """Integrate turns of those that wait: of one structure, of like tolerance, the one that waits longest first."""
+        """Integrate turns of waiting tasks: of the longest waiting one's structure, those nearest to its tolerance."""
         first = self._waiting[0].asked
         assert first is not None
         alike = [task for task in self._waiting if _alike(task.asked, first)]
@@ -226,6 +233,7 @@ class _Together:
         self._ready.extend(chosen)
 
     def _answer(self, chosen: Sequence[_Task]) -> None:
+        """Integrate turns and give each task its answer and its share of the time, or the error."""
         asked = [task.asked for task in chosen if task.asked is not None]
         began = clock()
         try:
@@ -241,19 +249,20 @@ class _Together:
 
 
 def _ended(*_asked: object) -> Any:
-    """End a task that asks for another turn although it was told that nobody waits for it."""
+    """End a task that asks for another turn although nobody waits for it."""
     raise GreenletExit
 
 
 def _alike(one: side_by_side.Asked | None, other: side_by_side.Asked) -> bool:
+    """Return whether both turns are of the same structure."""
     return one is not None and one.machinery.module is other.machinery.module
 
 
-_lanes: dict[str, side_by_side.Lanes | None] = {}  # by the name of a module; None where its text cannot be so compiled
+_lanes: dict[str, side_by_side.Lanes | None] = {}  # by module name; None where the text cannot be compiled for lanes
 
 
 def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
-    """Return turns of one structure, side by side, or one by one where its text does not allow that."""
+    """Return turns of one structure, integrated side by side, or one by one where its text does not allow that."""
     machinery = asked[0].machinery
     name = machinery.module.__name__
     if name not in _lanes:

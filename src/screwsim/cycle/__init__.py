@@ -1,1 +1,1 @@
-"""A cycle: the problem that is to be solved, and what closes it."""
+"""A cycle: the problem to be solved, and the methods that close it."""

@@ -1,9 +1,8 @@
-"""Closing the cycle: the periodic state of a chamber among neighbours that live the same life, a pitch apart.
+"""Close the cycle: find the periodic state of a chamber whose neighbours live the same life a pitch apart.
 
-What else may close one that did not: finer steps, no acceleration, damping and searches, another speed.
-
-Two ways (docs/explanation/numerics.md, `cycle.ways`): waveform relaxation (`histories`), and all chambers together
-(`coupled`). `auto` takes the first as long as it has not cost as much as the second would.
+There are two ways (docs/explanation/numerics.md, `cycle.ways`): waveform relaxation (`histories`) and simultaneous
+closing of all chambers (`coupled`). `auto` starts with the first and changes once that has cost as much as the second
+would. Fallbacks follow where neither closes: finer steps, no acceleration, damping and searches, continuation in speed.
 """
 
 from collections.abc import Callable, Iterator
@@ -22,18 +21,18 @@ from screwsim.model.exchange import station
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_OMEGA
 
-MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
-PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
-DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
+MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one fallback
+PITCHES_OF_A_TRY = 2000  # pitches in one fallback: enough for slow but steady contraction
+DAMPED_DEPTH = 5  # depth of Anderson's method in damped closing
 DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
-NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
-NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
-OF_STEPS = 5e-4  # change of a pitch above which it is not the tolerance of its steps that keeps a cycle from closing
-FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
+NEAR_DAMPED = 0.05  # change of a pitch below which damped closing takes full steps
+NEAR_PLAIN = 1e-3  # change of a pitch below which plain closing is accelerated
+OF_STEPS = 5e-4  # change of a pitch above which finer steps will not close the cycle
+FASTER = 4.0  # speed ratio from which a cycle is continued: leaks and stiffness weigh less there
 
 
 def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None = None) -> CycleSolution:
-    """Close the cycle: continued from a course's last ones where that closes it, else from the first guess."""
+    """Close the cycle, continued from the last ones of a course; from the first guess where that does not close."""
     guess = None if course is None else continued(problem, machinery, course)
     station()
     if guess is not None:
@@ -46,7 +45,7 @@ def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course
 def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
     """Close the cycle from a start.
 
-    With a check the chambers are closed together under it, from where our own method closes.
+    With a check, the chambers are then closed together by the check's method, starting from our own solution.
     """
     cycle = by_ways(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, start)
     if wanted.check is None or cycle.failed:
@@ -57,9 +56,10 @@ def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, start: St
 def again(
     problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None = None
 ) -> CycleSolution:
-    """Close a closed cycle, on which the machinery stands, once more with what is wanted now.
+    """Close a closed cycle once more, by the criteria now wanted.
 
-    Or the machinery stands where finer lives of a cycle closed by histories have led.
+    The machinery must hold that cycle as its last history, or, with `led`, the history to which finer lives have
+    moved it.
     """
     found = way_of(cycle).again(problem, machinery, wanted, cycle, led)
     if not found.closed:
@@ -77,12 +77,12 @@ def again(
 def fallbacks(
     problem: Problem, machinery: Machinery, wanted: Wanted, left: float = 0.0
 ) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
-    """Yield what else may close a cycle that did not close: (what it is, how to do it).
+    """Yield further attempts at a cycle that did not close, as (name, function that makes the attempt).
 
-    `left` is what its last pitch changed: where that is much, finer steps are of no help. All begin from the first
-    guess and close all chambers together, which conserves exactly. The machine's own course comes first: a cycle that
-    it leads to is to be preferred to one that it leaves, which damped pitches and searches find as well. Of what they
-    find `growth` is told, and `needed` where a search did.
+    `left` is the change over its last pitch: where that is large, finer steps do not help. All attempts start from
+    the first guess and close all chambers together, which conserves exactly. The machine's own course comes first:
+    a stable cycle is preferred to an unstable one, which damped pitches and searches find as well. Solutions of the
+    latter carry `growth`, and `needed` where a search found them.
     """
 
     def closed(
@@ -127,5 +127,5 @@ def fallbacks(
     if possible(problem):
         yield SEARCH, lambda: sought_from_guess(MixingRule(DAMPED_DEPTH, DAMPING), 3 * MOST_OF_A_TRY)
     if problem.composition.chambers > 1:
-        for name, attempt in tries.items():  # where all was in vain, each once more, to its end
+        for name, attempt in tries.items():  # if all failed: each once more, without giving up early
             yield name, partial(attempt, patient=True)

@@ -1,9 +1,9 @@
-"""Starting a cycle from closed ones nearby: neighbouring points of a sweep differ by little, and smoothly.
+"""Start a cycle from closed ones nearby: neighbouring points of a sweep differ little, and smoothly.
 
-The guess is a polynomial through the last cycles, at most `DEPTH`, over their parameters, where those lie on a line;
-the last cycle alone where they do not. Of the polynomials it is the one that would have told the last cycles best: a
-higher degree follows the trend better and carries more of the cycles' errors. The guess changes what a closing costs,
-and its result by less than the tolerances.
+The guess is a polynomial through the last cycles, `DEPTH` at most, over their parameters where these lie on a line;
+otherwise the last cycle alone. The degree is the one that predicted the last cycles best: a higher one follows the
+trend more closely but amplifies the cycles' errors. The guess changes what a closing costs, and its result by less than
+the tolerances.
 """
 
 from collections.abc import Sequence
@@ -20,54 +20,56 @@ from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.made import LEAST
 
 Array = np.ndarray
-DEPTH = 3
-ON_LINE = 0.1  # share of a step in the parameters that may be off the line of the steps before
-LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
-WELL = 0.2  # of the bound: a residual below it lets the next cycle begin with coarser steps
-COARSER = 2.0  # by this factor
-ALONE = np.ones(1)  # weights of the last cycle alone
-STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
+DEPTH = 3  # most cycles in a guess
+ON_LINE = 0.1  # distance from the line of the steps before, as a share of a step, that still counts as on it
+LARGEST = 8.0  # largest weight of a polynomial; beyond it the cycles' errors prevail over their trend
+WELL = 0.2  # share of the bound: a residual below it lets the next cycle start with coarser steps ...
+COARSER = 2.0  # ... by this factor
+ALONE = np.ones(1)  # weights for the last cycle alone
+STEEP = 2.0  # assumed ratio of a cycle's change to its parameters' largest relative change, before any guess was tested
 
 
 class Guess(NamedTuple):
-    """What closing begins with, and what the cycle makes."""
+    """What closing starts with, and the values that the cycle determines."""
 
     start: Start
     made: Array
 
 
 class _Cycle(NamedTuple):
+    """A closed cycle as the course keeps it."""
+
     angles: tuple[float, ...]  # pitch, life, injection
     parameters: Array
     history: tuple[Array, Array, int]
-    values: Array  # state at 0°, trapped mass, work, what the cycle makes
+    values: Array  # state at 0°, trapped mass, work, the cycle's unknowns
 
 
 class Course:
-    """The last closed cycles of one composition, a guess for the next."""
+    """The last closed cycles of one composition, from which the next is guessed."""
 
     def __init__(self) -> None:
         self._text = ""
         self._cycles: list[_Cycle] = []
-        self._gap: float | None = None  # of the last guess; None where the last cycle was not guessed
+        self._gap: float | None = None  # error of the last guess; None where the last cycle was not guessed
         self._guessed = False
-        self._told: dict[int, Array] = {}  # what each polynomial tells of the next cycle, by the number of its cycles
-        self._missed: dict[int, float] = {}  # how far each was off lately
-        self._share = 1.0  # of the tolerance of a step with which the balances of the last cycle closed
+        self._told: dict[int, Array] = {}  # each polynomial's prediction of the next cycle, by its number of cycles
+        self._missed: dict[int, float] = {}  # recent error of each
+        self._share = 1.0  # on the wanted tolerance of a step, where the last balances closed
         self._last: CycleSolution | None = None
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
-        """Begin anew."""
+        """Forget all cycles and what was learnt from them."""
         self._cycles.clear()
         self._told, self._missed = {}, {}
         self._guessed, self._last = False, None
         self._share = self.tightness = 1.0
 
     def add(self, cycle: CycleSolution, parameters: Array, made: Array, share: float, tightness: float) -> None:
-        """Note a closed cycle of these parameters, what its last turn makes, and how tight its tolerances had to be.
+        """Record a closed cycle with its parameters, its next unknowns `made` and the factor on its tolerances.
 
-        `share` is that of the wanted tolerance of a step with which its balances closed (`cycle.ways`).
+        `share` is the factor on the wanted tolerance of a step with which its balances closed (`cycle.ways`).
         """
         life, c = cycle.trajectory, cycle.trajectory.composition
         self.tightness = tightness
@@ -87,9 +89,9 @@ class Course:
         self._cycles = [*self._cycles, noted][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
-        """Install a history for these parameters and return what goes with it; None where no cycle is near.
+        """Install a history for these parameters and return the guess that goes with it; None where no cycle is near.
 
-        Near are those of the same composition that live the same angles.
+        Near are cycles of the same composition with the same pitch, life and injection angle.
         """
         same, here = machinery.composition.text == self._text, _angles(machinery.composition)
         cycles = [cycle for cycle in self._cycles if same and cycle.angles == here]
@@ -120,15 +122,16 @@ class Course:
 
 
 def _angles(c: Composition) -> tuple[float, ...]:
+    """Return pitch, life and injection angle [rad]."""
     return float(c.P[P_PITCH]), float(c.P[P_LIFE]), float(c.P[P_INJECTION])
 
 
 def _possible(states: Array, signed: Sequence[int]) -> bool:
-    """Tell whether temperatures and densities are positive and nothing else is less than none; one row a state.
+    """Return whether temperature and density are positive and no other state is negative; one row for each state.
 
-    `signed` are the rows of states that may be.
+    `signed` are the rows of states that may be negative.
     """
-    least = np.minimum.reduce(states, axis=-1).tolist() if states.ndim > 1 else states.tolist()  # NaN is neither
+    least = np.minimum.reduce(states, axis=-1).tolist() if states.ndim > 1 else states.tolist()  # NaN fails too
     if not (least[0] > 0.0 and least[1] > 0.0):
         return False
     return all(least[row] >= 0.0 for row in range(2, len(least)) if row not in signed)
@@ -141,14 +144,17 @@ def _distances(a: Array, b: Array) -> Array:
 
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
-    """Return weights of the newest parameter vectors that make the wanted one, the best guess first."""
+    """Return the weights of polynomials that extrapolate to the wanted parameters.
+
+    The last entry is the last cycle alone.
+    """
     last = ALONE
     if len(known) < 2:
         return [last]
     every = np.array([*known, wanted])
     moved = np.logical_or.reduce(every[:-1] != wanted)
     along, squares = [0.0] * len(every), [0.0] * len(every)
-    for column in every[:, moved].T.tolist():  # few: faster without numpy
+    for column in every[:, moved].T.tolist():  # a few numbers: faster without numpy
         scale, before, start = max(map(abs, column)), column[-3], column[-2]
         line = (start - before) / scale  # from the last but one to the last
         for i, x in enumerate(column):
@@ -168,7 +174,7 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
 
 
 def _polynomials(places: list[float | None]) -> list[Array]:
-    """Return Lagrange's weights at the last place of the places before it, of each degree that is tame."""
+    """Return Lagrange's weights at the last place, of each degree whose weights are at most `LARGEST`."""
     *known, x = places
     assert x is not None
     tame = []

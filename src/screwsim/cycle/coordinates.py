@@ -1,4 +1,4 @@
-"""What closing iterates on: logarithms of the states, and those that may be negative as they are."""
+"""The coordinates in which closing iterates: logarithms of the states, and signed states as they are."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ from screwsim.model.composition import Composition
 from screwsim.model.slots import HELD, S_T_OIL, S_X_OIL
 
 Array = np.ndarray
-NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
+NEAR = 0.1  # weight of changes of states against those of mass and work: the states' noise exceeds the tolerance
 
 
 def logarithms(states: Array, c: Composition) -> Array:
-    """Return ln of states, those that may be negative as they are.
+    """Return ln of the states; states that may be negative stay as they are.
 
-    Oil not above LEAST_OIL of the gas counts as that, of one temperature, without dissolved gas.
+    An oil ratio of at most LEAST_OIL counts as LEAST_OIL, at one temperature and without dissolved gas.
     """
     raw = states.reshape(-1, len(c.states))
     rows = np.maximum(raw, 1e-300)
@@ -31,7 +31,7 @@ def logarithms(states: Array, c: Composition) -> Array:
 
 
 def states_of(mixed: Array, raw: Array, c: Composition) -> Array:
-    """Return states from mixed `logarithms`; oil too little to count keeps its raw value: mixing makes none."""
+    """Return states from `logarithms`; where there is too little oil to count, its raw values are kept."""
     rows, raw, signed = mixed.reshape(-1, len(c.states)), raw.reshape(-1, len(c.states)), list(c.signed)
     logs = rows.copy()
     if signed:
@@ -48,6 +48,6 @@ def states_of(mixed: Array, raw: Array, c: Composition) -> Array:
 
 
 def change(new: tuple[float, float], old: tuple[float, float], least_work: float) -> float:
-    """Return the larger relative change of trapped mass and work."""
+    """Return the larger relative change of trapped mass and work, that of work over `least_work` [J] at least."""
     mass = abs(new[0] - old[0]) / max(new[0], old[0], 1e-300)
     return max(mass, abs(new[1] - old[1]) / max(abs(new[1]), abs(old[1]), least_work))

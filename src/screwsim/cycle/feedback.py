@@ -1,6 +1,7 @@
-"""What a cycle makes beside its states and that acts back on it: the lines, and what effects declare.
+"""Feedback unknowns: numbers besides the states that a cycle determines and that act back on it.
 
-They are the feedback unknowns of a cycle; one turn maps them to the next (`image`), together with the states.
+They are the states of the lines and what effects declare (wall temperatures, factors on areas). A turn or pitch maps
+them, together with the states, to their next values (`image`).
 """
 
 from collections.abc import Callable
@@ -40,20 +41,20 @@ from screwsim.numerics.integrators import Check
 
 Array = np.ndarray
 OF_LINE = ENTHALPY, OIL_RATIO, OIL_TEMPERATURE, DISSOLVED
-AT_ENTHALPY, AT_RATIO, AT_TEMPERATURE, AT_HELD = range(len(OF_LINE))  # places of these among the unknowns
-UP_TO_OIL = OIL_TEMPERATURE + 1  # numbers of a port state: its gas, its oil per gas, the oil's temperature
-LINE_POINTS = 256  # of a pitch, around which the flow to a pulsating line is taken
+AT_ENTHALPY, AT_RATIO, AT_TEMPERATURE, AT_HELD = range(len(OF_LINE))  # their indices among the unknowns
+UP_TO_OIL = OIL_TEMPERATURE + 1  # length of a port state up to the oil's temperature: gas, oil per gas, temperature
+LINE_POINTS = 256  # angles of a pitch around which the flow to a pulsating line is averaged
 
 
 class IntoLines(NamedTuple):
-    """Flow [kg/s] into suction and discharge line (2, LINE_POINTS), means around angles; volume [m³] open to each."""
+    """Flows [kg/s] into suction and discharge line (2, LINE_POINTS), means around angles; volumes [m³] open to each."""
 
     flow: Array
     volume: Array
 
 
 def unknowns(problem: Problem, machinery: Machinery) -> Array:
-    """Return the unknowns as the next turn meets them: the discharge line, the suction line, what effects declare."""
+    """Return the unknowns that the next turn will use: discharge line, suction line, what effects declare."""
     composition, R = machinery.composition, machinery.R
     lines = [_line(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
     if not composition.made:
@@ -62,7 +63,7 @@ def unknowns(problem: Problem, machinery: Machinery) -> Array:
 
 
 def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
-    """Let the next turn be integrated with these."""
+    """Set the unknowns for the next turn."""
     made = len(values) - len(problem.parts.made)
     line = len(_cells(problem))
     _set_line(problem, machinery.R, values[:line])
@@ -75,7 +76,10 @@ def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
 def image(
     problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None, into: IntoLines | None = None
 ) -> Array:
-    """Return what a life of these quadratures makes of the unknowns; `turn`, `into`, where they are known already."""
+    """Return the next values of the unknowns by a life with quadratures q.
+
+    `turn` and `into` may be passed where they are known already.
+    """
     lines = [_outflow(problem, life.R, q)]
     turn = turn or turn_of(problem, life, q, into) if problem.parts.made else None
     if problem.parts.suction_line:
@@ -90,9 +94,9 @@ def image(
 def next_pitch(
     problem: Problem, machinery: Machinery, y: Array, met: Array, rtol: float, check: Check | None = None
 ) -> tuple[Array, Array, Array] | None:
-    """Return the states and the unknowns with which the pitch after this one begins, and its quadratures.
+    """Integrate a pitch; return the states and unknowns that the next one starts with, and its quadratures.
 
-    It is left as the last history; y is led to its end [in place]. None where its integration stops.
+    The pitch becomes the last history; y is advanced to its end [in place]. None where the integration stops.
     """
     set_unknowns(problem, machinery, met)
     status, _, _, q = machinery.pitch(y, rtol, 1e-3, check=check)
@@ -112,9 +116,9 @@ def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | Non
 
 
 def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None = None) -> Turn:
-    """Return what a life of these quadratures tells of itself, with what it makes of the effects' unknowns.
+    """Return what effects can read of a life with quadratures q, including the next values of their unknowns (`made`).
 
-    `into` is what flows into lines that pulsate, where that is known; else it is read from the life.
+    `into` is the flow into pulsating lines, where it is known; otherwise it is read from the life.
     """
     parts, P, c = problem.parts, life.composition.P, problem.composition
     sums = problem.rate * walls_of(c, q)
@@ -143,19 +147,19 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: IntoLines | None
 
 
 def into_lines(life: Trajectory) -> IntoLines:
-    """Return the flow of a life's chambers into lines that pulsate."""
+    """Return the flow of a life's chambers into pulsating lines."""
     return IntoLines(*life.into_lines(LINE_POINTS))
 
 
 def _line_flows(
     problem: Problem, life: Trajectory, q: Array, into: IntoLines | None = None
 ) -> Callable[[str], LineFlow]:
-    """Return a function that tells of the chambers' flow to a line; all is read once, when it is first asked."""
+    """Return a function that gives the chambers' flow to a line; the life is read once, on the first call."""
     taken, gas = cache(lambda: into or into_lines(life)), problem.parts.gas
 
     @cache
     def flow_to(line: str) -> LineFlow:
-        """Return the flow over one pitch; its mean is that of the quadratures."""
+        """Return the flow over one pitch, shifted so that its mean is that of the quadratures."""
         number = problem.parts.number(line)
         flow, volume = (each[number] for each in taken())
         streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, OF_GAS]
@@ -168,13 +172,16 @@ def _line_flows(
 
 
 def at_angles(means: Array) -> Array:
-    """Return a flow at even angles of a pitch whose harmonics are those of the one that has these means around them."""
+    """Return a flow at evenly spaced angles of a pitch, from its means around these angles.
+
+    The harmonics of the means are those of the flow times sin x/x.
+    """
     harmonics, count = np.fft.rfft(means), len(means)
     return np.fft.irfft(harmonics / np.sinc(np.arange(len(harmonics)) / count), count)
 
 
 def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
-    """Return why a closed cycle does not suck what comes to its suction line; empty where it does."""
+    """Return why a closed cycle's suction line is not in equilibrium with what flows to it; empty where it is."""
     if not problem.parts.suction_line:
         return ""
     turn = turn_of(problem, life, q) if problem.parts.made else None
@@ -184,7 +191,7 @@ def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
 
 
 def at_its_end(problem: Problem, life: Trajectory) -> str:
-    """Return why an unknown stopped at its end, and what to do; empty where none did."""
+    """Return why an unknown stopped at the end of its range, and what to do; empty where none did."""
     if not problem.composition.made:
         return ""
     values = life.composition.P[list(problem.composition.made)]
@@ -195,24 +202,28 @@ def at_its_end(problem: Problem, life: Trajectory) -> str:
 
 
 def _line(problem: Problem, R: Array) -> Array:
-    """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
+    """Return the discharge line's unknowns.
+
+    They are its enthalpy [J/kg], with carried oil its oil ratio and oil temperature [K], and dissolved gas if a
+    state.
+    """
     port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
     return np.array([max(port_state[cell], 1e-9) for cell in _cells(problem)])
 
 
 def _cells(problem: Problem) -> tuple[int, ...]:
-    """Return which cells of the discharge line are unknowns."""
+    """Return the indices of a port state that are unknowns of the discharge line."""
     if problem.parts.dissolves:
         return OF_LINE if problem.composition.carried else (ENTHALPY, DISSOLVED)
     return OF_LINE[:AT_HELD] if problem.composition.carried else OF_LINE[:AT_RATIO]
 
 
 def _outflow(problem: Problem, R: Array, q: Array) -> Array:
-    """Return the discharge line that an outflow makes (M27): its flow-weighted mean, or the given temperature.
+    """Return the discharge line that results from an outflow (M27): its flow-weighted mean, or the stated temperature.
 
-    What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
-    of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
-    A check valve lets nothing of the line back: what flows back had flowed out, in this turn or before.
+    Backflow beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function of the
+    flows; one that jumped where the net flow passes zero would leave such a machine without a cycle. A check valve
+    lets nothing back from the line: all backflow flowed out before, in this turn or an earlier one.
     """
     parts, streams = problem.parts, streams_of(problem.composition, q)
     mean = outflow_of(streams)
@@ -238,10 +249,10 @@ def _outflow(problem: Problem, R: Array, q: Array) -> Array:
 
 
 def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
-    """Give the discharge line its enthalpy and oil.
+    """Set the discharge line's enthalpy and oil.
 
-    An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the port
-    state.
+    During iteration the enthalpy may be none that the gas can have (extrapolated, or of no outflow); the gas's
+    state then stays as it is.
     """
     suction = problem.suction
     try:
@@ -260,15 +271,15 @@ def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
 
 
 def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d: float | None = None) -> None:
-    """Set the lines to begin with; T_d [K] and the oil ratio d of the discharge line are guesses.
+    """Set the initial state of the lines; T_d [K] and the oil ratio d of the discharge line are guesses.
 
-    `h_d` [J/kg] is the enthalpy that `set_unknowns` gives that line next: its state need not be found from T_d.
+    `h_d` [J/kg] is the enthalpy that `set_unknowns` will give that line; the state need not be found from T_d then.
     """
     parts, R, p_d = problem.parts, machinery.R, problem.lines.p_d
     T_oil, gas = parts.oil.temperature if parts.oil else problem.lines.T_s, parts.gas
     discharge = None
     if h_d is not None and problem.suction.returned == 0.0:
-        with suppress(UsageError):  # none there
+        with suppress(UsageError):  # no state of the gas there
             discharge = gas.port_state_of_enthalpy(p_d, h_d)
     if discharge is None:
         discharge = gas.port_state(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))

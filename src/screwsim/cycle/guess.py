@@ -1,4 +1,4 @@
-"""With what a cycle begins: a guess from cycles nearby, or suction, polytropic compression and discharge."""
+"""Initial guesses of a cycle: from nearby cycles, or suction, polytropic compression and discharge."""
 
 import numpy as np
 
@@ -14,18 +14,18 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import PRESSURE, S_T, S_X_OIL
 
 Array = np.ndarray
-TRACE = 1e-7  # oil per gas in a first guess where none is supplied
+TRACE = 1e-7  # oil per gas in a first guess where no oil is supplied
 
 
 def leased(problem: Problem) -> Machinery:
-    """Return a machinery on loan for a problem, compiled; whoever is done with it gives it back (`leases`)."""
+    """Return a compiled machinery on loan for a problem; give it back when done (`leases`)."""
     machinery = leases.lease(problem.composition)
     machinery.warm_up(lambda: rehearse(problem, machinery))
     return machinery
 
 
 def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
-    """Set the lines and a first guess; return the state at 0°. `oil` is a share of what chambers carry in it."""
+    """Set the lines and install a first guess; return the state at 0°. `oil` scales the guessed oil ratio."""
     _anew(problem, machinery)
     parts, lines, suction, c = problem.parts, problem.lines, problem.suction, machinery.composition
     port_state = suction.port_state(problem.h_isentropic) if suction.changed else suction.line
@@ -42,7 +42,7 @@ def begin(problem: Problem, machinery: Machinery, oil: float = 1.0) -> Array:
 
 
 def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:
-    """Set the lines and a guess from the course of the cycles before; return it, None where there is none."""
+    """Set the lines and a guess from the course of preceding cycles, and return the guess; None where there is none."""
     _anew(problem, machinery)
     station()
     guess = course.guess(machinery, problem.parameters)
@@ -56,13 +56,14 @@ def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess |
 
 
 def rehearse(problem: Problem, machinery: Machinery) -> Array:
-    """Do what `begin` does, and set the unknowns once, so that all it needs is compiled."""
+    """Do what `begin` does, and set the unknowns once, so that everything these need is compiled."""
     y = begin(problem, machinery)
     set_unknowns(problem, machinery, unknowns(problem, machinery))
     return y
 
 
 def _anew(problem: Problem, machinery: Machinery) -> None:
+    """Reset the machinery and its numbers to those of the problem."""
     machinery.reset()
     machinery.composition.P[:] = problem.composition.P
 
@@ -105,7 +106,7 @@ def first_guess(parts: Parts, machinery: Machinery, p_s: float, T_s: float, p_d:
 
 
 def _vapour(gas: Gas, p: Array, T: Array) -> tuple[Array, Array]:
-    """Return temperatures, not below saturation, and densities; the lines' states, which repeat, are asked once."""
+    """Return temperatures, raised to saturation where below it, and densities; repeated states are computed once."""
     known: dict[tuple[float, float], tuple[float, float]] = {}
     states = list(zip(p.tolist(), T.tolist(), strict=True))
     for state in states:

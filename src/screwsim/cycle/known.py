@@ -1,4 +1,4 @@
-"""What a power loss or a reading can ask of a closed cycle, and powers beside its gas work (docs/model.md M28–M33)."""
+"""What power losses and readings may use of a closed cycle, and powers besides gas work (docs/model.md M28–M33)."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -22,7 +22,10 @@ from screwsim.numerics.at_once import at_once
 @at_once
 @dataclass(frozen=True)
 class CycleFigures:
-    """What a power loss or a reading can ask of a closed cycle (SI units); `set_speed` to `turn` are for readings."""
+    """Quantities of a closed cycle that a power loss or a reading may use (SI units).
+
+    `set_speed` to `turn` are for readings only.
+    """
 
     omega: float
     tip_speed: float
@@ -31,16 +34,16 @@ class CycleFigures:
     oil_volume_flow: float
     oil_viscosity: float | None
     injection_pressure: float
-    delivery_pressure: float  # mean to which a pump brings the oil, without the loss of its line (M31, M255)
+    delivery_pressure: float  # mean pressure to which a pump lifts the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
-    drag_power: float  # of walls on oil that takes room, which they drag through gaps: negative where it drives them
-    plenum_pressure: float  # mean behind the discharge port: of its plenum, or of the line
+    drag_power: float  # of walls that drag oil through gaps, where oil takes room; negative where oil drives them
+    plenum_pressure: float  # mean pressure behind the discharge port, in its plenum or the line
     oil_temperature: float | None
     oil_discharge_temperature: float | None
     oil_viscosity_at: Callable[[float], float | None]
     oil_density_at: Callable[[float], float | None]
     pitch: Callable[[], Pitch]
-    set_speed: float | None = None  # that the scene states; omega where it is constant
+    set_speed: float | None = None  # stated in the scene; omega where it is constant
     shaft_power: float | None = None
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None
@@ -48,15 +51,15 @@ class CycleFigures:
     heating_cop: float | None = None
     motor_power: float | None = None  # where a drive lies between motor and shaft
     turn: Turn | None = None
-    leaked_oil_flow: float = 0.0  # [m³/s] from the discharge line to suction, beside the chambers
+    leaked_oil_flow: float = 0.0  # [m³/s] from the discharge line to suction, bypassing the chambers
     intake_pressure: float = 0.0  # before the suction port
-    package: PressureLosses | None = None  # that a package loses around the machine
+    package: PressureLosses | None = None  # pressures that a package loses around the machine
     enthalpy: Callable[[float, float], float] | None = None  # [J/kg] of the gas at a pressure and a temperature
-    drained: Callable[[float, float], tuple[float, Any]] | None = None  # at p, T: share and gas but for liquid
+    drained: Callable[[float, float], tuple[float, Any]] | None = None  # at p, T: share that is not liquid, and its gas
     suction_density: float = 0.0  # of the gas in the suction line
-    theoretical_torque: Callable[[], float] | None = None  # of all that is displaced, compressed without loss (M460)
+    theoretical_torque: Callable[[], float] | None = None  # of compressing the whole displacement without loss (M460)
     fluid: str = ""
-    found: Mapping[str, Any] = field(default_factory=dict)  # the figures that are known already
+    found: Mapping[str, Any] = field(default_factory=dict)  # the figures known so far
 
 
 def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
@@ -67,9 +70,9 @@ def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
 
 
 class LazyPitch:
-    """One pitch of all chambers of a life, found when it is first called for.
+    """One pitch of all chambers of a life, computed on the first call.
 
-    It knows nothing of who reads it: without a way back to that, a life which nobody reads any more is freed at once.
+    It holds no reference to its readers, so that an unused life is freed at once.
     """
 
     def __init__(self, problem: Problem, life: Trajectory, q: Array) -> None:
@@ -77,7 +80,7 @@ class LazyPitch:
         self._found: Pitch | None = None
 
     def __call__(self) -> Pitch:
-        """Return it."""
+        """Return the pitch."""
         if self._found is None:
             self._found = pitch_at(*self._of)
         return self._found
@@ -86,7 +89,7 @@ class LazyPitch:
 def known_of(
     problem: Problem, life: Trajectory, q: Array, pitch: Callable[[], Pitch] | None = None, turn: Turn | None = None
 ) -> CycleFigures:
-    """Return what is known of a life of these quadratures; `turn` is None where nobody asks for it."""
+    """Return the quantities of a life with quadratures q; `turn` may be None where no reading needs it."""
     parts, oil = problem.parts, problem.scene.oil
     T_oil = parts.oil.temperature if parts.oil is not None else None
     injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
@@ -136,13 +139,16 @@ def _theoretical_torque(problem: Problem) -> float:
 
 
 def _leaked_oil(problem: Problem, life: Trajectory) -> float:
-    """Return the oil [m³/s] that leaks from the discharge line to suction beside the chambers (M274)."""
+    """Return the oil [m³/s] that leaks from the discharge line to suction, bypassing the chambers (M274)."""
     oil = problem.parts.oil
     return suction_line.leak(problem, life.R).oil * problem.rate / oil.density if oil is not None else 0.0
 
 
 def pressure_behind(problem: Problem, life: Trajectory, to: str) -> float | None:
-    """Return the mean pressure [Pa] that the chambers meet in a line that pulsates (M184); None in one that not."""
+    """Return the mean pressure [Pa] at the chambers' end of a pulsating line (M184).
+
+    None if the line does not pulsate.
+    """
     parts, c = problem.parts, life.composition
     for part in parts.pulsations:
         if part.to == to:
@@ -154,7 +160,7 @@ def pressure_behind(problem: Problem, life: Trajectory, to: str) -> float | None
 def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> float | None:
     """Return the oil's flow-weighted mean temperature [K] at discharge; None without an oil temperature.
 
-    Oil of less than `SOME_OIL` of the gas has none that the solver would answer for.
+    Also None with less oil than `SOME_OIL` of the gas, as the error control does not cover its temperature.
     """
     c = problem.composition
     if not c.carried:
@@ -166,7 +172,10 @@ def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> 
 
 
 def uncarried_oil_temperature(life: Trajectory) -> float | None:
-    """Return the oil temperature [K] weighted with the gas outflow, oil leaving at constant d (transport: paper)."""
+    """Return the mean oil temperature [K], weighted with the gas outflow.
+
+    Oil leaves at constant d (transport: paper).
+    """
     heat, mass = life.oil_with_outflow()
     return float(heat / mass) if mass != 0.0 else None
 
@@ -174,7 +183,7 @@ def uncarried_oil_temperature(life: Trajectory) -> float | None:
 def oil_lift(parts: Parts, known: CycleFigures) -> float:
     """Return the power [W] that lifts the oil to discharge (M28).
 
-    Where oil takes room ∮ p dV contains it, but for what walls do that drag oil through gaps (M257).
+    Where oil takes room ∮ p dV contains it, except for the work of walls that drag oil through gaps (M257).
     """
     if parts.oil_room:
         return known.drag_power
@@ -183,7 +192,7 @@ def oil_lift(parts: Parts, known: CycleFigures) -> float:
 
 
 def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
-    """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
+    """Return the power losses [W], summed by name; raise Impossible where a user's effect gives no number or a gain."""
     found = {}
     for name, part in parts.all(PowerLoss):
         power = part.power(known)
@@ -194,6 +203,6 @@ def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
 
 
 def shaft_power(parts: Parts, known: CycleFigures) -> float:
-    """Return the power that the shaft takes [W] (M29)."""
+    """Return the shaft power [W] (M29)."""
     lift = oil_lift(parts, known) if parts.oil is not None else 0.0
     return known.indicated_power + lift + sum(power_losses(parts, known).values())

@@ -1,4 +1,4 @@
-"""All chambers over one pitch as a linear map: what small changes make of themselves (made by `tangents`).
+"""The linearised pitch: the linear map of small changes of all chambers over one pitch (built by `tangents`).
 
 Source: docs/explanation/numerics.md, Newton's correction.
 """
@@ -11,13 +11,13 @@ Array = np.ndarray
 
 
 class Tangents(NamedTuple):
-    """One pitch of N coordinates, linearised in the middles of its slices between `edges` [rad].
+    """One pitch of N coordinates, linearised at the middle of each slice between `edges` [rad].
 
-    `enter` (N, N) is the injection of oil at its start. Over a slice, (slices, N, …): `step` takes a change to its end,
-    `gain` a source there; sources are `ahead`, what the chambers ahead changed, and `by_unknowns` (…, u). Of the
-    quadratures, (slices, q, …): `sums` what a change at a slice's start adds, `sums_gain` a source, `sums_by_unknowns`
-    the unknowns at unchanged states. `around` (N, N) is the inverse of 1 − the map of a pitch. Those of another scene's
-    cycle are from `elsewhere`.
+    `enter` (N, N) is the injection of oil at its start. Over a slice, (slices, N, …): `step` maps a change to its
+    end, `gain` a source there. Sources are `ahead`, the response to changes of the chambers ahead, and
+    `by_unknowns` (…, u). For the quadratures, (slices, q, …): `sums` is the response to a change at a slice's
+    start, `sums_gain` to a source, `sums_by_unknowns` to the unknowns at unchanged states. `around` (N, N) is the
+    inverse of 1 − the map of a pitch. `elsewhere`: these belong to another scene's cycle.
     """
 
     edges: Array
@@ -38,7 +38,7 @@ class Tangents(NamedTuple):
         return 0.5 * (self.edges[:-1] + self.edges[1:])
 
     def along(self, start: Array, sources: Array) -> Array:
-        """Return what changes (N, k) at the start and sources (slices, N, k) make of themselves, at all edges."""
+        """Return the response, at all edges, to changes (N, k) at the start and sources (slices, N, k)."""
         made = np.empty((len(sources) + 1, *start.shape))
         made[0] = self.enter @ start
         for k, gained in enumerate(self.gain @ sources):
@@ -46,13 +46,13 @@ class Tangents(NamedTuple):
         return made
 
     def sums_along(self, along: Array, sources: Array) -> Array:
-        """Return what changes `along` a pitch, and their sources, add to the quadratures (slices, q, k)."""
+        """Return the response of the quadratures (slices, q, k) to changes `along` a pitch and their sources."""
         return self.sums @ along[:-1] + self.sums_gain @ sources
 
     def spread(self, given: Array, points: int) -> Array:
-        """Return what a slice gives (slices, …), as rates by the angle [1/rad] at even angles of a pitch (points, …).
+        """Return amounts by slice (slices, …) as rates by the angle [1/rad] at even angles of a pitch (points, …).
 
-        Each rate is the mean around its angle, so that none of what slices give is lost between angles.
+        Each rate is the mean around its angle, so that nothing is lost between angles.
         """
         pitch = float(self.edges[-1])
         sums = np.concatenate([np.zeros((1, *given.shape[1:])), np.cumsum(given, axis=0)])
@@ -65,5 +65,5 @@ class Tangents(NamedTuple):
 
 
 def shifted(changes: Array, chambers: int) -> Array:
-    """Return rows of all chambers a pitch on: each takes the next place."""
+    """Return rows of all chambers a pitch later: each moves to the next place."""
     return np.roll(changes, len(changes) // chambers, axis=0)

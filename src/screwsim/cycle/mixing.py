@@ -1,4 +1,4 @@
-"""How simultaneous closing goes on from one pitch to the next: its acceleration, the tolerance of its steps.
+"""How simultaneous closing proceeds from pitch to pitch: acceleration, and the tolerance of its steps.
 
 Source: docs/explanation/numerics.md, closing the cycle.
 """
@@ -11,14 +11,14 @@ from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
 PITCH_DEPTH = 10  # of Anderson's method for coupled chambers
-THROWN = 0.5  # change of a pitch above which damped or plain closing goes back to its own rule
-LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
-OF_NO_AVAIL = 0.25  # of the change of a pitch at which steps are refined, after a time that was of no avail
-FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
+THROWN = 0.5  # change of a pitch above which damped or plain closing returns to its own rule
+LEAST_GAP = 1e-4  # of the tolerance: below it an open balance is due to the steps' error, not to the change
+OF_NO_AVAIL = 0.25  # factor on the change of a pitch at which steps are refined, after a refinement that did not help
+FINEST_RTOL = 1e-11  # tolerance of a step below which rounding keeps a balance from closing
 
 
 class MixingRule(NamedTuple):
-    """Depth of Anderson's method and share of the way to go; `FULL` where a pitch changes less than `near`."""
+    """Depth of Anderson's method and damping factor; `FULL` applies while a pitch changes less than `near`."""
 
     depth: int
     damping: float = 1.0
@@ -29,14 +29,14 @@ FULL = MixingRule(PITCH_DEPTH)
 
 
 class Mixing:
-    """The next point of a fixed-point iteration by a rule; by the `FULL` one while a pitch changes less than `near`."""
+    """The next point of a fixed-point iteration by a rule; by `FULL` while a pitch changes less than `near`."""
 
     def __init__(self, rule: MixingRule) -> None:
         self.own = self.rule = rule
         self.accelerate = Anderson(rule.depth)
 
     def next(self, point: Array, image: Array, gap: float) -> Array:
-        """Return the next point after `point` was mapped to `image`, which is `gap` away."""
+        """Return the next point after `point` was mapped to `image`; `gap` is their distance."""
         if self.rule is self.own and gap < self.own.near:
             self._follow(FULL)
         elif self.rule is not self.own and gap > THROWN:
@@ -49,7 +49,7 @@ class Mixing:
         return mixed
 
     def restart(self) -> None:
-        """Forget what was seen: the map is another one."""
+        """Forget earlier points: the map has changed."""
         self.accelerate.restart()
 
     def _follow(self, rule: MixingRule) -> None:
@@ -57,14 +57,17 @@ class Mixing:
 
 
 class Refining:
-    """The tolerance of a step, refined where a pitch changes too little to be what keeps a balance from closing."""
+    """The tolerance of a step, refined where a pitch changes too little to explain an open balance."""
 
     def __init__(self, rtol: float, tolerance: float, bound: float) -> None:
         self.rtol, self.tolerance, self.bound = rtol, tolerance, bound
         self.hoped, self.share = np.inf, 1.0
 
     def consider(self, gap: float, residual: float) -> None:
-        """Refine, or not; where the last time was of no avail, pitches must change less before the next."""
+        """Refine the steps if the gap is too small to explain the residual.
+
+        After a vain refinement require a smaller gap.
+        """
         explained = self.share * min(1.0, self.bound / max(residual, 1e-300))
         if gap > self.tolerance * max(LEAST_GAP, explained):
             return
@@ -75,8 +78,8 @@ class Refining:
 
 
 def finer(rtol: float, residual: float) -> float:
-    """Return the next tolerance where the cycle stands but its balances show the error of the integration.
+    """Return the next tolerance of a step where the cycle has settled but the integration error keeps balances open.
 
-    `residual` is the larger one over its bound.
+    `residual` is the largest one over its bound.
     """
     return max(min(0.7, max(0.25, 0.5 / residual)) * rtol, min(rtol, FINEST_RTOL))

@@ -1,8 +1,8 @@
-"""Newton's correction of a turn or a pitch: what its change makes of itself, through all chambers and the unknowns.
+"""Newton's correction of a turn or a pitch: remove at once what would otherwise circulate through many more turns.
 
-A turn leaves a residual: what it changed in the history that the chambers ahead were read from, in the state that a
-life begins with, in the feedback unknowns. The linearised pitch (`tangents`) tells what these changes make of the next
-turns, all at once; what is left of them after the correction is what slices and the equations' curvature leave.
+A turn leaves a residual: its change of the history that the chambers ahead were read from, of the state that a life
+starts with, and of the feedback unknowns. The linearised pitch (`tangents`) gives the limit of this residual's effect
+through all chambers and unknowns. The errors of the slices and the curvature of the equations remain for the next turn.
 
 Source: docs/explanation/numerics.md, Newton's correction.
 """
@@ -23,30 +23,30 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_PITCH, S_RHO
 
 Array = np.ndarray
-STALE = 0.6  # change of a corrected turn over that of the one before, above which it is linearised anew ...
-OF_NO_USE = 0.9  # ... and above which, if it just was, corrections are given up
-BEYOND = 0.1  # of a correction by new tangents, in coordinates, above which the next is by newer ones
-REPEATED = 0.5  # share of a correction that the next repeats, up to which what later ones add is made at once
-LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is made ...
-LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing there
-SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
-TOO_OFTEN = 3  # corrections that were too large, after which there are no more
-NEXT = 1e-9  # of a pitch, from whose end on a place is that of the chamber behind
-EVEN = 1e-9  # imaginary part of an eigenvalue over its size, up to which it is real
-ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
+STALE = 0.6  # ratio of a corrected turn's change to that of the turn before, above which tangents are renewed ...
+OF_NO_USE = 0.9  # ... and above which, if they just were, corrections are given up
+BEYOND = 0.1  # size of a correction by new tangents, in coordinates, above which they are renewed at once
+REPEATED = 0.5  # share of a correction that repeats in the next, up to which the geometric series is summed at once
+LARGEST = 1.0  # size of a correction, in coordinates, to which larger ones are shortened ...
+LEAST_SHARE = 0.4  # ... but none is made if that leaves less: a linear correction is meaningless there
+SINGULAR = 300.0  # ratio of a correction to its residual, above which any state is about as good a cycle as another
+TOO_OFTEN = 3  # shortened or impossible corrections after which no more are made
+NEXT = 1e-9  # share of a pitch before its end at which a chamber's place passes to the one behind
+EVEN = 1e-9  # imaginary part of an eigenvalue over its size, up to which it counts as real
+ITSELF = 1e-6  # departure of an unknown's own derivative from 1 up to which the scene is taken to state it
 
 
 class Correction(NamedTuple):
-    """Changes of coordinates: of states at the start of a pitch (N,), `along` the edges of its slices, of unknowns."""
+    """Changes of coordinates: of states at the start of a pitch (N,), `along` the slices' edges, of the unknowns."""
 
     edges: Array
     start: Array
     along: Array
     unknowns: Array
-    share: float  # of the linear one: less than 1 where that were too large
-    mass: float  # of the trapped gas, relative
-    sums: Array  # of a life's quadratures (q,)
-    back: Array  # (u, u) what the unknowns make of themselves once the states have settled
+    share: float  # of the full linear correction: below 1 where that was too large
+    mass: float  # relative change of the trapped gas
+    sums: Array  # change of a life's quadratures (q,)
+    back: Array  # (u, u) response of the unknowns to themselves, with the states settled
 
     @property
     def work(self) -> float:
@@ -54,15 +54,15 @@ class Correction(NamedTuple):
         return float(self.sums[0])
 
     def times(self, factor: float) -> Correction:
-        """Return the same correction, longer or shorter."""
+        """Return the correction multiplied by a factor."""
         start, along, unknowns, sums = (factor * each for each in (self.start, self.along, self.unknowns, self.sums))
         return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, sums, self.back)
 
 
 class Lasting(NamedTuple):
-    """The change of the unknowns that lasts longest, `along` (u,) in coordinates, and by which `factor` it comes back.
+    """The slowest-decaying change of the unknowns, `along` (u,) in coordinates, and the `factor` by which it returns.
 
-    That is one of an even course, with no change of sign: a real eigenvalue, above 1 where the course leads away.
+    It belongs to a real eigenvalue, so it does not change sign; above 1 the machine's own course leads away.
     """
 
     factor: float
@@ -70,10 +70,11 @@ class Lasting(NamedTuple):
 
 
 class Residual(NamedTuple):
-    """What a turn or a pitch changed, in coordinates.
+    """The changes over a turn or a pitch, in coordinates.
 
-    `ahead` (slices, N): where chambers read the history before of those ahead of them; `start` (N,): the states at the
-    start of a pitch. The quadratures q of the life, which met the unknowns `met` and makes `made` of them.
+    `ahead` (slices, N): where chambers read those ahead from the history before; `start` (N,): of the states at the
+    start of a pitch. q are the quadratures of the life, `met` the unknowns it was integrated with, `made` their
+    next values.
     """
 
     ahead: Array
@@ -84,10 +85,10 @@ class Residual(NamedTuple):
 
 
 def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residual: Residual) -> Correction | None:
-    """Return Newton's correction after the last life; None where a linear one tells nothing."""
+    """Return Newton's correction after the last life; None where a linear correction is meaningless."""
     c, entries = machinery.composition, problem.entries
     by_residual = tangents.ahead @ residual.ahead[:, :, None]
-    sources = np.concatenate([by_residual, tangents.by_unknowns], axis=2)  # a column each, of its own change
+    sources = np.concatenate([by_residual, tangents.by_unknowns], axis=2)  # a column for each change
     start = np.zeros((len(residual.start), sources.shape[2]))
     ends = tangents.along(start, sources)[-1]
     start[:, 0] = residual.start
@@ -118,19 +119,20 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
 
 
 def _trapped(c: Composition, start: Array) -> float:
-    """Return the relative change of the trapped gas: that of the density where oil is injected, or the largest."""
+    """Return the relative change of the trapped gas: that of the density at the injection angle, else the largest."""
     density, index = start.reshape(c.chambers, -1)[:, S_RHO], round(c.P[P_INJECTION] / c.P[P_PITCH])
     return float(density[index]) if index < c.chambers else float(np.abs(density).max())
 
 
 def _largest(changes: Sequence[Array]) -> float:
+    """Return the largest absolute value among several arrays."""
     return max(float(np.abs(each).max(initial=0.0)) for each in changes)
 
 
 class Corrections:
-    """Corrections of turns or pitches: with tangents as long as they serve, given up where new ones are of no use.
+    """Corrections of turns or pitches: tangents are kept while they serve; all is given up where new ones do not help.
 
-    `lent` are those of a cycle nearby, to begin with.
+    `lent` are the tangents of a nearby cycle to start with.
     """
 
     def __init__(self, problem: Problem, machinery: Machinery, lent: Tangents | None = None) -> None:
@@ -140,23 +142,23 @@ class Corrections:
         self.tangents, self.last = lent, lent
         self._fresh, self._moved, self._too_large, self._far = False, np.inf, 0, False
         self._before: Array | None = None  # correction before, in coordinates
-        self._back: Array | None = None  # what the unknowns make of themselves, by the last correction
+        self._back: Array | None = None  # response of the unknowns to themselves, by the last correction
 
     @property
     def begun(self) -> bool:
-        """Were the last ones corrected?"""
+        """Whether corrections are being made."""
         return self.tangents is not None
 
     @property
     def borrowed(self) -> bool:
-        """Are the tangents of another scene's cycle?"""
+        """Whether the tangents come from another scene's cycle."""
         return self.tangents is not None and self.tangents.elsewhere
 
     def due(self, slow: bool, moved: float, near: bool = False) -> bool:
-        """Tell whether what was just integrated, and moved the coordinates by `moved`, is to be corrected.
+        """Return whether the last turn or pitch, which moved the coordinates by `moved`, is to be corrected.
 
-        It is where it contracts slowly, and once it was before. `near` the end it is noise of the steps that moves
-        them: tangents stay.
+        It is if it contracts slowly, and always once corrections have begun. Tangents that have become stale
+        are dropped, but not `near` the end, where changes are noise of the steps.
         """
         stale = self.begun and moved > STALE * self._moved and not near
         if stale and self._fresh and moved > OF_NO_USE * self._moved:
@@ -170,10 +172,10 @@ class Corrections:
     def of_turn(
         self, before: int, start: Array, q: Array, met: Array, made: Array, whole: bool = False
     ) -> Correction | None:
-        """Move the last history by the correction of a turn, and return it.
+        """Return the correction of a turn, and move the last history by it; None where there is none.
 
-        `before` are the steps of the history before, `start` (n,) the change of the state that a life begins with. With
-        `whole` none is made that would have to be shortened.
+        `before` is the number of steps of the history before, `start` (n,) the change of the state that a life
+        starts with. With `whole`, a correction that would have to be shortened is not made.
         """
         machinery, c = self.machinery, self.machinery.composition
 
@@ -199,7 +201,10 @@ class Corrections:
         return self._found(lambda t: Residual(np.zeros((len(t.step), len(start))), start, q, met, made), met)
 
     def _found(self, residual: Callable[[Tangents], Residual], met: Array) -> Correction | None:
-        """Return the correction of a residual; those that are too large again and again lead away, and are the last."""
+        """Return the correction of a residual, with new tangents where needed.
+
+        Stop correcting after `TOO_OFTEN` failures.
+        """
         self._fresh = self.tangents is None
         try:
             tangents = self.tangents or linearised(self.problem, self.machinery, met)
@@ -217,7 +222,7 @@ class Corrections:
         return found
 
     def lasting(self) -> Lasting | None:
-        """Return what lasts longest of a change of the unknowns; None where no correction told."""
+        """Return the slowest-decaying change of the unknowns; None without a correction or a real eigenvalue."""
         if self._back is None or not len(self._back):
             return None
         factors, along = np.linalg.eig(self._back)
@@ -229,9 +234,9 @@ class Corrections:
         return Lasting(float(np.real(factors[most])), one / np.abs(one).max())
 
     def _in_full(self, found: Correction) -> Correction:
-        """Return a correction with what later ones by the same tangents would add to it.
+        """Return a correction together with what later ones by the same tangents would add.
 
-        They repeat a share of each other, which the last two tell.
+        Each repeats a share of the one before, estimated from the last two; the geometric series is summed.
         """
         here = np.concatenate([found.along.ravel(), found.unknowns])
         before, self._before = self._before, here
@@ -245,22 +250,25 @@ class Corrections:
 
 
 def led(problem: Problem, by: Correction, end: Array, y: Array, made: Array) -> Array:
-    """Lead the state y [in place] that the next life begins with, `end` in coordinates; return the unknowns met."""
+    """Set y [in place] to the corrected state that the next life starts with; return the corrected unknowns.
+
+    `end` is the uncorrected state in coordinates.
+    """
     entries = problem.entries
     y[:] = states_of(end + by.along[-1, -len(end) :], y, problem.composition)
     return entries.values(entries.coordinates(made) + by.unknowns, made)
 
 
 def _move(machinery: Machinery, by: Correction) -> None:
-    """Move the last history by a correction, linear between the ends of the slices."""
+    """Apply a correction to the last history, interpolated linearly between the edges of the slices."""
     c, n = machinery.composition, machinery.n
     times, dense, quads, steps = machinery.last()
     t, states = times[: steps + 1].copy(), dense[:steps, :, :n].copy()
     changes = by.along.reshape(-1, c.chambers, n).transpose(1, 0, 2).reshape(-1, n)
     inside = by.edges.copy()
-    inside[-1] *= 1.0 - NEXT  # the next chamber's place begins there
+    inside[-1] *= 1.0 - NEXT  # the next chamber's place starts there
     angles = angles_of(inside, c)
-    ends = t[1:] - NEXT * by.edges[-1]  # that of a step before oil is injected has not met it
+    ends = t[1:] - NEXT * by.edges[-1]  # a step that ends at the injection precedes it
     began, ended = (np.column_stack([np.interp(at, angles, change) for change in changes.T]) for at in (t[:-1], ends))
     signed = list(c.signed)
     at_start, at_end = np.exp(began), np.exp(ended)

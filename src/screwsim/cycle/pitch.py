@@ -1,9 +1,9 @@
 """One pitch of all chambers of a closed cycle: pressure and slope of the volume by angle (docs/model.md M144).
 
-What the shaft and the bearings feel repeats every lobe pitch. Pressures come from the dense output of the last
-history, slopes from the volume law itself; nothing is compiled for it. Curves are shown at evenly spaced angles. Means
-and harmonics are integrals between the ends of all steps, where a port opens and a pressure has its corner: of one
-male lobe, even angles took the gas at 0°, which expands within a degree, for half a degree too much of force.
+The loads on shaft and bearings repeat every lobe pitch. Pressures come from the dense output of the last history,
+slopes from the volume law itself; nothing is compiled for it. Curves are given at evenly spaced angles. Means and
+harmonics are integrals between the ends of all steps, where ports open and pressures have corners: even angles counted
+the gas at 0°, which expands within a degree, for half a degree, and gave a single male lobe too large a force.
 """
 
 from collections.abc import Callable
@@ -16,16 +16,16 @@ from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
-POINTS = 360  # of a pitch: 0.25° with four lobes
-ASIDE = 1e-6  # rad, beside the end of a step, and of a difference of volumes
-NEAR = 17  # points around an extreme, between those beside it
+POINTS = 360  # angles of a pitch: 0.25° apart with four lobes
+ASIDE = 1e-6  # rad, distance from the end of a step, and half the difference for slopes of volumes
+NEAR = 17  # points around an extreme, between its neighbours
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)  # of each part of a pitch between the ends of steps
 
 
 class Within(NamedTuple):
-    """Nodes of a quadrature over one pitch, with no step's end inside any of its parts; columns as those of `Pitch`.
+    """Nodes of a quadrature over one pitch, in parts that contain no end of a step; columns as those of `Pitch`.
 
-    phase (nodes,): share of the pitch that the youngest chamber has gone; weight (nodes,), which add up to 1.
+    phase (nodes,): share of the pitch that the youngest chamber has passed; weight (nodes,), whose sum is 1.
     """
 
     phase: Array
@@ -44,9 +44,9 @@ class Within(NamedTuple):
         return (2.0 * np.abs(turned @ (self.weight * curve))).tolist()
 
     def smooth(self, curve: Array, mean: float, points: int) -> Array:
-        """Return a curve at so many (odd) even angles: of a stated mean, and of harmonics that these tell apart.
+        """Return a curve at an odd number of even angles, with a stated mean and only the harmonics that these resolve.
 
-        A curve taken at the angles alone would count its corners' higher harmonics as some of these.
+        Sampling the curve at the angles would alias the higher harmonics of its corners.
         """
         turned, turn = points * self.weight * curve, np.exp(-2j * np.pi * self.phase)
         spectrum = np.zeros(points // 2 + 1, complex)
@@ -57,11 +57,11 @@ class Within(NamedTuple):
 
 
 class Pitch(NamedTuple):
-    """One pitch at evenly spaced angles, its end left out; columns of arrays are the chambers alive, youngest first.
+    """One pitch at evenly spaced angles, its end excluded; columns of arrays are the chambers alive, youngest first.
 
-    angle (points,) [rad] of the youngest chamber; pressure (points, chambers) [Pa]; slope dV/dφ and its part that the
-    male rotor displaces, known of rotors only (points, chambers) [m³/rad]; low_pressure [Pa]: that of the lower line,
-    around the rotors; torque_mean [N m]: indicated power over ω; high_pressure [Pa]: that of the higher line.
+    angle (points,) [rad] of the youngest chamber; pressure (points, chambers) [Pa]; slope dV/dφ and the male
+    rotor's part of it, known for rotors only (points, chambers) [m³/rad]; low_pressure [Pa]: that of the lower
+    line, around the rotors; torque_mean [N m]: indicated power over ω; high_pressure [Pa]: that of the higher line.
     """
 
     angle: Array
@@ -76,10 +76,10 @@ class Pitch(NamedTuple):
     within: Callable[..., Within]
 
     def extremes(self, *curves: Callable[[Array, Array], Array]) -> list[tuple[float, float]]:
-        """Return the lowest and the highest value over a pitch of curves of all chambers' pressures and slopes.
+        """Return the lowest and highest value over a pitch of curves of all chambers' pressures and slopes.
 
-        Tops and bottoms are corners, or stand between the points: each is asked on both sides of where steps end, too,
-        and once more around its lowest and its highest of all.
+        Extremes may be corners or lie between the points: each curve is also evaluated on both sides of the
+        ends of steps, and once more around its lowest and its highest value.
         """
         apart = self.angle[1]
         width, found = apart * len(self.angle), []
@@ -97,7 +97,7 @@ class Pitch(NamedTuple):
 def pitch_of(
     life: Trajectory, geometry: MachineGeometry, low_pressure: float, torque_mean: float, high_pressure: float
 ) -> Pitch:
-    """Return the pitch of a life."""
+    """Return the pitch of a life; pressures in Pa, `torque_mean` in N m."""
     angle = np.arange(POINTS) * (geometry.pitch / POINTS)
     grid = angle[:, None] + geometry.pitch * np.arange(geometry.chambers)
     found = life.states_at(grid.T.ravel())
@@ -111,7 +111,7 @@ def pitch_of(
 def _within(
     geometry: MachineGeometry, at: Callable[[Array], tuple[Array, Array]], steps: Array, parts: int | None = None
 ) -> Within:
-    """Return nodes between the ends of all steps and of even parts; by default what chambers leave of `POINTS`."""
+    """Return nodes between the ends of all steps and of even parts; by default `POINTS` over all chambers."""
     even = np.linspace(0.0, geometry.pitch, (parts or POINTS // geometry.chambers) + 1)
     ends = np.unique(np.concatenate([even, np.mod(steps, geometry.pitch)]))
     half = 0.5 * np.diff(ends)[:, None]

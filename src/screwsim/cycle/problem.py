@@ -1,4 +1,4 @@
-"""What is to be solved: a scene, what it names built and composed, the lines between which it works, the accuracy."""
+"""The problem to be solved: a scene, its built parts and composed module, the line states and the wanted accuracy."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,12 +30,12 @@ from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_ent
 from screwsim.scene.types import Scene
 
 Array = np.ndarray
-NEARLY = 1e-6  # rad: angles so near to each other are one
-LEAST_OIL = 1e-4  # oil per gas below which its change does not count
+NEARLY = 1e-6  # rad, angles closer than this count as equal
+LEAST_OIL = 1e-4  # oil per gas below which a relative change of it is ignored
 
 
 class Inlet(NamedTuple):
-    """What is sucked in: density [kg/m³] and specific enthalpy [J/kg] in the suction line."""
+    """The gas in the suction line: density [kg/m³] and specific enthalpy [J/kg]."""
 
     density: float
     enthalpy: float
@@ -44,10 +44,10 @@ class Inlet(NamedTuple):
 @at_once
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is to be solved, and with which numbers every solution of it begins (`composition.P`, read-only).
+    """The problem to be solved; every solution of it starts from a copy of the numbers `composition.P` (read-only).
 
-    `entries` are the feedback unknowns: numbers that the cycle makes and that act back on it. `parameters` tell one
-    problem of a series from the next.
+    `entries` are the feedback unknowns: numbers that the cycle determines and that act back on it (discharge line,
+    effects' own). `parameters` are the coordinates of this problem among the others of a series, for extrapolation.
     """
 
     scene: Scene
@@ -62,15 +62,16 @@ class Problem:
 
     @once
     def parted(self) -> float | None:
-        """The angle [rad] beyond which no wide opening leads to the suction line; None where one does to the end.
+        """The angle [rad] at which chambers leave the suction line; None where a wide opening leads there to the end.
 
-        It is the injection angle, or where what else is open to that line has closed: the slot of a slide, a bore.
+        It is the injection angle, or the angle at which the last other opening to that line (the slot of a
+        slide, a bore) has closed.
         """
         return _parted(self.parts.geometry, self.parts.effects)
 
     @once
     def rate(self) -> float:
-        """Chambers born a second [1/s]."""
+        """Number of chambers that begin their life per second [1/s]."""
         return self.parts.omega / self.parts.geometry.pitch
 
     @once
@@ -85,12 +86,12 @@ class Problem:
 
     @once
     def leaked(self) -> dict[bytes, Any]:
-        """What leaks beside the chambers by the states of both lines, those last met: who reads a life asks often."""
+        """Cache of the leaks that bypass the chambers, by the states of both lines, as they are asked for often."""
         return {}
 
     @once
     def refrigerating_effect(self) -> float | None:
-        """What a kilogram of refrigerant takes up in the evaporator [J/kg]; None where there is none."""
+        """The heat that a kilogram of refrigerant takes up in the evaporator [J/kg]; None where there is none."""
         return refrigerating_effect(self.scene)
 
     @once
@@ -99,58 +100,58 @@ class Problem:
         return called_for(self.scene, self.parts)
 
     def pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K], which a port state's oil temperature is higher by where oil takes room (M108)."""
+        """Return p/(ρ_oil c_oil) [K], added to the oil temperature of a port state where oil takes room (M108)."""
         oil = self.parts.oil
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
 
     def gas_share(self, rho: float, ratio: float) -> float:
-        """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
+        """Return the gas's share of a volume at a density [kg/m³] and oil per gas; 1 where oil takes no room (M106)."""
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
 
 Built = tuple[Stock, Composer]
-shared: ContextVar[Built | None] = ContextVar("shared", default=None)  # of what is solved side by side
+shared: ContextVar[Built | None] = ContextVar("shared", default=None)  # used by all series begun inside `sharing`
 
 
 class Series:
-    """What scenes solved one after the other leave to the next: what was built, what was composed, what closed."""
+    """What consecutive scenes pass on: built parts, composed modules, closed cycles and values that were solved for."""
 
     def __init__(self, built: Built | None = None) -> None:
         self.stock, self.composer = built or shared.get() or (Stock(), Composer())
         self.course = Course()
-        self.temperatures: Temperatures | None = None  # that effects.separator found last
-        self.losses: PressureLosses | None = None  # of a package, found last
-        self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.build.sought`)
-        self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
-        self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
+        self.temperatures: Temperatures | None = None  # last solution of effects.separator
+        self.losses: PressureLosses | None = None  # last solution for a package's losses
+        self.sought: list[float] | None = None  # last solution for other open numbers (`screwsim.build.sought`)
+        self.per_step: dict[str, float] = {}  # relative change of the figures with these, per kelvin or kPa
+        self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and the residual of their first guess
 
 
 _free: list[Built] = []
-KEPT = 32  # of them: so many threads may solve points
+KEPT = 32  # number of `_free` that are kept: as many threads may solve points at once
 
 
 def one_alone() -> Series:
-    """Return a series for one scene that has nothing to do with those before, but what was built and composed of them.
+    """Return a series for a single scene that reuses earlier built parts and composed modules, and nothing else.
 
-    That gives the numbers that building anew does. Whoever is done with it gives it back (`leave`).
+    The result has the same numbers as with newly built parts. Hand the series back with `leave` when done.
     """
     if shared.get() is not None:
         return Series()
     try:
-        return Series(_free.pop())  # one step of the interpreter's own
+        return Series(_free.pop())  # atomic in the interpreter, so safe among threads
     except IndexError:
         return Series()
 
 
 def leave(series: Series) -> None:
-    """Keep what was built and composed for the next scene that is solved alone."""
+    """Keep the built parts and composed modules of a series for the next scene that is solved alone."""
     if shared.get() is None and len(_free) < KEPT:
         _free.append((series.stock, series.composer))
 
 
 @contextmanager
 def sharing() -> Iterator[None]:
-    """Let all series that are begun within build and compose as one: scenes of the same sections share the parts."""
+    """Let all series begun inside share one stock of parts and one composer: equal sections are built once."""
     before = shared.set((Stock(), Composer()))
     try:
         yield
@@ -159,7 +160,10 @@ def sharing() -> Iterator[None]:
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
-    """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
+    """Return the problem that a scene poses.
+
+    `set_speed` [rad/s] is the stated speed where the scene's own was derived from it.
+    """
     series = series or Series()
     scene = completed(scene, series.temperatures, series.losses, series.sought)
     station()
@@ -187,7 +191,7 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
 
 @Remembered
 def _parted(geometry: MachineGeometry, effects: Effects) -> float | None:
-    """Return what `Problem.parted` is, once a machine."""
+    """Return the value of `Problem.parted`, computed once for a machine and its effects."""
     at, opens = geometry.injection_angle, geometry.discharge_opens
     wide = [path for _, path in effects.all(FlowPath) if path.to == SUCTION and not path.narrow]
     closed = max((max((*path.breakpoints, *path.own_breakpoints), default=at) for path in wide), default=at)
@@ -197,13 +201,14 @@ def _parted(geometry: MachineGeometry, effects: Effects) -> float | None:
 
 
 def _h_isentropic(parts: Parts, at: Lines, inlet: Inlet) -> float:
+    """Return the enthalpy [J/kg] of the suction gas after isentropic compression to the discharge pressure."""
     if at.quality is not None:
         return inlet.enthalpy + parts.gas.isentropic_work_of_enthalpy(at.p_s, at.p_d, inlet.enthalpy)
     return inlet.enthalpy + parts.gas.isentropic_work(at.p_s, at.p_d, at.T_s)
 
 
 def _by(integrator: str, composition: Composition) -> Composition:
-    """Return a composition that goes by an integrator; a check's own method is Rodas4."""
+    """Return a composition whose text uses the given integrator; for an integrator that is only a check, Rodas4."""
     found = find_integrator(integrator)
     if not isinstance(found, Rosenbrock):
         return composition
@@ -215,9 +220,9 @@ def _by(integrator: str, composition: Composition) -> Composition:
 
 @cache
 def _discharge_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
-    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature.
+    """Return the unknowns of the discharge line (M27): its enthalpy; with carried oil its oil ratio and temperature.
 
-    Where oil dissolves gas, also what it holds there (M230).
+    Where oil dissolves gas, also the dissolved gas (M230).
     """
     ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
     oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
@@ -228,9 +233,9 @@ def _discharge_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
 
 @cache
 def _suction_line(carried: bool, dissolves: bool) -> tuple[Entry, ...]:
-    """Return the entries of a suction line that keeps what flows back (M270): its enthalpy, oil, gas held in that.
+    """Return the unknowns of a suction line that mixes in backflow (M270): its enthalpy, oil, gas dissolved in the oil.
 
-    The amounts are those of a kilogram of gas, over which their changes count: little of them is of little account.
+    The amounts are per kilogram of gas, and their changes count as they are, not relative to the amount.
     """
     amounts = ("suction_oil", "suction_held_gas")[: carried + dissolves]
     return Entry("suction_enthalpy"), *(Entry(name, scale=1.0) for name in amounts)

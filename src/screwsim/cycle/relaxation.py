@@ -1,8 +1,8 @@
-"""Waveform relaxation: one chamber's life after the other among the histories of its neighbours.
+"""Waveform relaxation: integrate one chamber's life again and again among the stored histories of its neighbours.
 
-A turn integrates a life, reading the neighbours ahead from the last turn and those behind from this one; it is repeated
-until no more is to come of the trapped mass, the work and the unknowns, and the balances stand
-(docs/explanation/numerics.md).
+A turn (one sweep of the relaxation) integrates one life of 720°. It reads the neighbours ahead from the history of the
+turn before, those behind from its own. Turns are repeated until the change still to come of trapped mass, work and
+feedback unknowns is within the tolerance and the balances close (docs/explanation/numerics.md).
 """
 
 from functools import lru_cache
@@ -28,48 +28,48 @@ from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
 DEAR = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
-DEAR_RTOL = 1e-4  # this tolerance; waveforms may take as many
-FIRST_RTOL = 2e-3  # of the first turn; later ones follow the gap
-THEN = 0.3  # tolerance of a turn over that of the one before, at most
+DEAR_RTOL = 1e-4  # this tolerance; waveform relaxation may take as many
+FIRST_RTOL = 2e-3  # tolerance of a step in the first turn; later ones follow the gap
+THEN = 0.3  # largest ratio of a turn's tolerance to that of the turn before
 AHEAD = 0.015  # tolerance of a turn over the gap of the one before
-LED = 1e-3  # tolerance of a turn over what the correction before it changed
+LED = 1e-3  # tolerance of a turn over the change that is left after the correction before it
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 DEPTH = 5  # of Anderson's method
-TOO_FAR = 0.3  # of a mixture from the newest image, in coordinates, which is not taken
+TOO_FAR = 0.3  # distance of a mixture from the newest image, in coordinates, above which it is refused
 MAX_TURNS = 40
-LEAKS = 0.13  # mass residual of a first turn, above which it is corrected: what chambers give each other of the charge
-SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
-SPARED = 6  # turns that a correction has to spare where lines pulsate: so much its tangents cost
-LASTING = 0.9  # the same, above which near the end it is noise of the steps
-FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
-FAR_WITH_OIL = 0.01  # the same where oil is carried, whose heat comes back, and whose turns are dearer
-FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
-QUICK = 0.2  # change of a turn over that of the one before, below which what is to come follows from it
-UNSEEN = 0.1  # share of a turn's change that corrections may miss before a second one has shown it
-FORESEEN = 1.5  # tolerances: what a correction may tell to be still to come
-HEAVIER = 2.0  # weight of what is to come of the unknowns: an energy balance with much oil hangs on its temperature
+LEAKS = 0.13  # mass residual of a first turn, over the charge, above which it is corrected: leaks not yet matched
+SLOW = 0.3  # ratio of a turn's change to that of the turn before, above which Newton corrects it
+SPARED = 6  # turns that a correction must save where lines pulsate: its tangents cost as much
+LASTING = 0.9  # the same ratio, above which changes near the end are noise of the steps
+FAR = 0.02  # gap above which the second turn is corrected: contraction is only known from the third on
+FAR_WITH_OIL = 0.01  # the same with carried oil, which brings its heat back and makes turns dearer
+FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction is useless
+QUICK = 0.2  # ratio of a turn's change to that of the turn before, below which the change to come follows from it
+UNSEEN = 0.1  # share of a turn's change that corrections are assumed to miss before a second one shows it
+FORESEEN = 1.5  # tolerances: change to come, as a correction predicts it, with which the cycle may close
+HEAVIER = 2.0  # weight of the unknowns' change to come: with much oil the energy balance hangs on its temperature
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
-PROGRESS = 0.5  # of the least gap before, below which a gap is progress
-REFINED = 0.4  # tolerance of the steps then over that before
-FALLING = 0.5  # residual over that of the turn before, below which it is the turns that close a balance, not the steps
-PASSING = 3.0  # tolerances that the next turn would move the states by, above which the last may have met one by chance
-WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
-LITTLE = 2e-3  # ... and below this
-SHOWS = 5.0  # tolerances that a correction has to foretell, for the turn after it to show what it missed
+PROGRESS = 0.5  # ratio to the smallest gap before, below which a gap is progress
+REFINED = 0.4  # factor on the tolerance of the steps then
+FALLING = 0.5  # ratio of a residual to that of the turn before, below which turns, not finer steps, close the balance
+PASSING = 3.0  # tolerances that the next turn would move the states by, above which a small gap may be chance
+WORTH = 20.0  # tolerances: a smaller change is left to the turns themselves ...
+LITTLE = 2e-3  # ... if it is also below this
+SHOWS = 5.0  # tolerances that a correction must predict for the next turn to show its error
 
 
 def dear(rtol: float) -> float:
-    """Return the evaluations that waveforms may take with steps of a tolerance, by a method of order 4."""
+    """Return the evaluations that waveform relaxation may take at a tolerance of a step, by a method of order 4."""
     return DEAR * (DEAR_RTOL / rtol) ** 0.25
 
 
 def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool) -> CycleSolution | None:
-    """Close by turns from a start; None when one stops and there is another way.
+    """Close by turns from a start; return None when a turn stops and another way is left to try.
 
-    They may cost as much as that other way does in the median (`last` is False), and are left as they are then: the two
-    seldom cost more than twice the cheaper one. The first turns are integrated loosely: their error is that of the
-    guess. A guess made from cycles of machines nearby may be so good that the first turn closes: it is as fine as is
-    hoped of the guess.
+    Unless this is the `last` way, it gives up, unclosed, after the evaluations that the other way takes in the
+    median: the two together seldom cost more than twice the cheaper one. The first turns are integrated loosely,
+    since the error of the guess prevails. A guess from nearby cycles may be good enough to close in the first turn,
+    which is then integrated as finely as its expected error allows.
     """
     turns = _Turns(problem, machinery, wanted, start)
     station()
@@ -91,11 +91,11 @@ def relax(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, 
 
 
 class _Turns:
-    """Turns, each begun from the last: (history, state at 0°, feedback unknowns) are mapped to the next.
+    """The fixed-point iteration: a turn maps (history, state at 0°, feedback unknowns) to their next values.
 
-    Newton's method corrects the images of slow ones; Anderson's mixes those of the others. `gap` is what a turn changed
-    of trapped mass, work and unknowns, beyond what was expected: those of the turn before, corrected or mixed. `left`
-    is what later ones yet would.
+    Newton's method corrects the images of slowly contracting turns, Anderson's method mixes the others. `gap` is
+    the change of trapped mass, work and unknowns by a turn, against the expected values: those of the turn before,
+    corrected or mixed. `left` is the estimated change still to come.
     """
 
     def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> None:
@@ -104,26 +104,26 @@ class _Turns:
         c.P[c.widths] = wanted.widths
         self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
-        self.seen: list[tuple[float, float]] = []  # mass and work of each
+        self.seen: list[tuple[float, float]] = []  # mass and work of each image
         self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
         self.guessed, self.expected, self.contraction = hope is not NO_HOPE, [hope.seen], hope.contraction
         self.finest = self.rtol = hope.share * wanted.of_histories * wanted.rtol
         self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
-        self.before = 1.0, 1.0  # gap, and change of the states, of the turn before
-        self.corrected = self.led = False  # was the last turn, and the one before it?
-        self.open: Residuals | None = None  # what a turn of the finest steps left open
-        self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
-        self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
-        self.returning = NOTHING  # of the discharge line, where turns are not corrected
-        self.missed = hope.missed  # share of what a correction foretold that the turn after it did not follow
+        self.before = 1.0, 1.0  # gap and change of the states in the turn before
+        self.corrected = self.led = False  # whether the last turn was corrected, and the one before it
+        self.open: Residuals | None = None  # residuals of a turn with the finest steps
+        self.residual = self.residual_before = np.inf  # largest of the balances, where steps were the finest
+        self.least_gap, self.stalled = np.inf, 0  # smallest gap near the end, and turns since without progress
+        self.returning = NOTHING  # feedback through the discharge line, where turns are not corrected
+        self.missed = hope.missed  # relative error of a correction's prediction, seen by the next turn
 
     def vector(self, values: Array) -> Array:
-        """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
+        """Return the vector that a turn maps: states at 0° and along the last history, and the unknowns."""
         return np.concatenate([along(self.machinery, self.y), self.problem.entries.coordinates(values)])
 
     def integrate(self) -> float | None:
-        """Integrate a turn and measure what it changed; return where it stopped, None where it came to its end."""
+        """Integrate a turn and measure its changes; return the angle [rad] where it stopped, None if it completed."""
         problem, machinery = self.problem, self.machinery
         self.point, self.steps_before = self.vector(self.met), int(machinery.kept[1])
         self.corrected, self.led = False, self.corrected
@@ -141,7 +141,7 @@ class _Turns:
         changed = min(change(now, expected, self.least_work) for expected in self.expected)
         self.gap = max(changed, problem.entries.change(self.made, self.met))
         self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
-        if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
+        if self.number == 1:  # expected mass and work may agree by chance: the states must agree, too
             self.gap = self.first_gap = max(self.gap, self.moved)
         if self.led and self.left >= SHOWS * self.wanted.tolerance:
             self.missed = self.gap / self.left
@@ -151,9 +151,10 @@ class _Turns:
         return None
 
     def closed(self) -> bool:
-        """Tell whether the last turn changed as little as is wanted, not by chance, and the balances are closed.
+        """Return whether the last turn meets the tolerance, not by chance, with its balances closed.
 
-        Where only these are not, nor on the way there, it is for the steps.
+        Where only the balances are open and no longer fall from turn to turn, the steps are to blame and are
+        refined.
         """
         if not (self.gap <= self.wanted.tolerance and self.rtol <= self.finest):
             return False
@@ -164,11 +165,11 @@ class _Turns:
         return False
 
     def by_chance(self) -> bool:
-        """Tell whether mass, work and unknowns may have met their tolerance as they passed by it.
+        """Return whether mass, work and unknowns may have met their tolerance only in passing.
 
-        The states say so that the next turn, at the pace of the last two, would move by far more; and corrected turns
-        that lead to and fro. Not after a turn that met it likewise: states stall above it where the steps' noise is all
-        that moves them.
+        That is so where the next turn, at the pace of the last two, would move the states by much more, or
+        where corrected turns go back and forth. It is not where the turn before met the tolerance too: states
+        may stall above it, moved by the noise of the steps alone.
         """
         (gap, moved), tolerance = self.before, self.wanted.tolerance
         if self.number == 1 or gap <= tolerance:
@@ -176,54 +177,56 @@ class _Turns:
         return self._swings() or self.moved * min(self.moved / moved, 1.0) > PASSING * tolerance
 
     def _swings(self) -> bool:
-        """Tell whether corrected turns lead to and fro: one that is hardly nearer than another is as likely off."""
+        """Return whether corrected turns go back and forth, so that a small gap says little."""
         return self.stalled > 0 and self.gap > PROGRESS * self.least_gap
 
     def closes(self, corrected: bool) -> bool:
-        """Tell whether so little is still to come that no turn need show it, and the balances are closed well."""
+        """Return whether too little is still to come to need a confirming turn, and the balances are closed well."""
         little = self.left <= (FORESEEN if corrected else 1.0) * self.wanted.tolerance
         return little and self.rtol <= self.finest and self.residual <= self.wanted.ahead * self.wanted.bound
 
     @property
     def near(self) -> bool:
-        """Is the end so near that turns get there by themselves?"""
+        """Whether the end is so near that turns reach it without corrections."""
         return self.gap <= min(WORTH * self.wanted.tolerance, LITTLE)
 
     def slow(self) -> bool:
-        """Tell whether this turn is to be corrected: where turns contract slowly, or will.
+        """Return whether this turn should be corrected: where turns contract slowly, or will.
 
-        Chambers that nothing leads out of come back as they were: any state is a cycle, and corrections find no one.
+        Chambers without any leak path return to their own state: any state is a cycle then, and a correction
+        singles out none.
         """
         if not self.problem.parts.all(FlowPath):
             return False
-        if self.problem.composition.pulsating:  # a dozen unknowns and more; without a valve turns lead there as soon
+        if self.problem.composition.pulsating:  # a dozen unknowns or more; without a valve turns alone are as quick
             return any(line.shut is not None for line in self.problem.parts.pulsations) and self._spares()
-        if self.number == 1:  # states that are far off still lead nearer there
+        if self.number == 1:  # a correction helps there even from states that are far off
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
-        if self.near:  # where turns by themselves would take more than two more
+        if self.near:  # where more than two further turns would be needed
             return known and SLOW < ratio < LASTING and self.gap * ratio * ratio > self.wanted.tolerance
         far = FAR_WITH_OIL if self.problem.composition.carried else FAR
         return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > far)
 
     def _spares(self) -> bool:
-        """Tell whether turns by themselves would be so many more that a correction of many unknowns is worth it."""
+        """Return whether turns alone would take so many more that a correction of many unknowns pays."""
         ratio = self.gap / self.before[0]
         noise = self.near and ratio >= LASTING
         known = self.number > (1 if self.guessed else 2) and self.moved < FARTHEST and not noise
         return known and self.gap * ratio**SPARED > self.wanted.tolerance
 
     def correction(self) -> Correction | None:
-        """Return Newton's correction of this turn, by which the last history is moved; foresee what is still to come.
+        """Return Newton's correction of this turn, applied to the last history; set `left`, the change still to come.
 
-        None where none is due, or to be had. Without one, what is to come follows from how fast turns contract.
+        None where no correction is due or possible. Without one, the change to come follows from the
+        contraction of the turns.
         """
         self.left, n, corrections, self.returning = self.gap, self.machinery.n, self.corrections, NOTHING
         begun = corrections.begun
         if corrections.due(self.slow(), self.moved, self.near):
             self.corrected = True
             start = self.image[:n] - self.point[:n]
-            whole = self.number == 1  # of a guess that is farther off a correction may be anything
+            whole = self.number == 1  # far from the solution a shortened correction may lead anywhere
             found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made, whole)
             if found is not None and not begun:
                 self.accelerate.restart()
@@ -231,7 +234,7 @@ class _Turns:
                 work = abs(found.work) / max(abs(self.q[Q_WORK]), self.least_work)
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
                 self.left = max(told, self.gap * self._missed())
-                if self.led:  # by a linear correction, as this one is
+                if self.led:  # also by a linear correction, which erred alike
                     again = self.missed * self.problem.entries.change(self.made, self.met)
                     self.left = max(self.left, HEAVIER * again)
             return found
@@ -239,15 +242,15 @@ class _Turns:
             if self.number > (1 if self.guessed else 2):
                 self.contraction = max(self.gap / self.before[0], self.moved / self.before[1])
             self.returning = returning(self.problem, self.q, self.met, self.made)
-            pace = max(self.contraction, self.returning.share)  # by which a change comes back, though next to none will
+            pace = max(self.contraction, self.returning.share)  # a small contraction may be chance, the backflow is not
             if self.contraction < QUICK:
                 self.left = self.gap * pace / (1.0 - pace)
         return None
 
     def _missed(self) -> float:
-        """Return the share of a turn's change that corrections miss by tangents of another cycle, which may be far off.
+        """Return the share of a turn's change that corrections miss when their tangents are another cycle's.
 
-        What they miss is repeated by turns: two corrected ones tell how much of it.
+        What one correction misses, the next turn repeats: two corrected turns in a row show how much.
         """
         if not self.corrections.borrowed:
             return 0.0
@@ -259,10 +262,11 @@ class _Turns:
     def refine(self, correction: Correction | None) -> None:
         """Refine the steps where their error is all that is left.
 
-        It is where the cycle stands, its balances are open and stay so by what the correction tells; and where
-        corrected turns near the end make no progress: what they correct is their noise.
+        That is so where the gap is within the tolerance but the balances are open and, by the correction's
+        prediction, stay open; and where corrected turns near the end make no progress, as they then correct the
+        noise of the steps.
         """
-        if self.rtol > self.finest:  # they are already
+        if self.rtol > self.finest:  # the next turn is finer anyway
             return
         if correction is not None and self.gap <= self.wanted.tolerance:
             foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
@@ -277,7 +281,7 @@ class _Turns:
                 self.finest, self.least_gap, self.stalled = REFINED * self.finest, np.inf, 0
 
     def go_on(self, correction: Correction | None) -> None:
-        """Let the next turn begin where this one leads: corrected, or mixed with those before."""
+        """Set the start of the next turn: this one's image, corrected or mixed with earlier ones."""
         problem, machinery, n = self.problem, self.machinery, self.machinery.n
         made = self.made
         if correction is not None:
@@ -295,10 +299,10 @@ class _Turns:
         set_unknowns(problem, machinery, self.met)
 
     def _mixed(self, image: Array, wanted: bool = True) -> Array:
-        """Return what Anderson's method mixes of the last images, where that is wanted, and do so with their histories.
+        """Return Anderson's mixture of the last images, with their histories blended likewise; else the image.
 
-        Those that were corrected are not mixed as long as corrections lead on: what different steps leave between their
-        histories is a residual of the gas.
+        Corrected images are not mixed (`wanted` False) while corrections make progress: blending histories of
+        different steps leaves a mass residual. Mixtures too far from the image are refused.
         """
         self.images = [*self.images, self.machinery.image()][-DEPTH - 1 :]
         self.seen = [*self.seen, self.expected[0]][-DEPTH - 1 :]
@@ -340,5 +344,5 @@ def along(machinery: Machinery, y: Array) -> Array:
 
 @lru_cache(maxsize=8)
 def _angles(life: float, chambers: int) -> Array:
-    """Return where states of the last history are compared and mixed [rad], beside those at 0°."""
+    """Return the angles [rad] of the last history at which states are compared and mixed, besides 0°."""
     return np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3

@@ -1,11 +1,11 @@
-"""What comes back from the discharge line: how far the effect of one turn is from that of all turns to come.
+"""Backflow from the discharge line: extrapolate its effect from one turn to all turns to come.
 
 Gas and oil that flow back mix with what is compressed and leave with it. If they are warmer by ΔT, they warm the
 outflow by s ΔT, where s is their share of its heat capacity, and that is what flows back next: all later turns together
 add s/(1 − s) ΔT. This holds where oil is carried, whose heat leaves with it. It does not hold for heat that goes to a
 stated outlet temperature, to droplets, or to a gas whose two phases are followed: that heat does not come back.
 
-Source: docs/explanation/numerics.md, what the cycle makes.
+Source: docs/explanation/numerics.md, what comes back of the line.
 """
 
 from typing import NamedTuple
@@ -18,20 +18,20 @@ from screwsim.cycle.problem import Problem
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, OF_OIL
 
 Array = np.ndarray
-MOST = 0.5  # share of what flows back, up to which it is believed that nothing else takes its heat
-LEAST = 0.1  # of the gas's heat capacity in the oil: of less it is the oil itself that comes back, which turns tell
-FARTHEST = 0.1  # of the oil's temperature, up to which what is to come of it is believed
+MOST = 0.5  # largest share of backflow for which it is assumed that nothing else takes its heat
+LEAST = 0.1  # smallest heat capacity of the oil over the gas's; with less, the amount of oil itself returns slowly
+FARTHEST = 0.1  # largest relative change of the oil's temperature that is extrapolated
 
 
 class Returning(NamedTuple):
-    """The share of the outflow that flows back, and what later turns would add to the discharge line [J/kg], [K]."""
+    """The share of the outflow that flows back, and the later turns' addition to the discharge line [J/kg], [K]."""
 
     share: float = 0.0
     enthalpy: float = 0.0
     temperature: float = 0.0
 
     def led(self, made: Array) -> Array:
-        """Return what was made of the unknowns, with what later turns would add; the same where that is nothing."""
+        """Return the unknowns `made` with the addition of later turns; unchanged where that is zero."""
         if self.temperature == 0.0:
             return made
         line = made.copy()
@@ -44,7 +44,10 @@ NOTHING = Returning()
 
 
 def returning(problem: Problem, q: Array, met: Array, made: Array) -> Returning:
-    """Return what comes back of the line in a life of quadratures q, which met the unknowns and made others of them."""
+    """Return the backflow's share and later effect.
+
+    The life has quadratures q; `met` are its unknowns, `made` their next values.
+    """
     parts, known = problem.parts, problem.scene.gas
     if not problem.composition.carried or parts.oil is None or parts.held_back or known.equilibrium:
         return NOTHING

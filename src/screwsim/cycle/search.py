@@ -1,9 +1,9 @@
-"""A cycle sought by Newton's method from afar, where iterating the pitch leads away from it or hardly nearer.
+"""Newton's method from afar: seek a cycle where iterating pitches diverges or hardly converges.
 
-A steady cycle that a machine's own course leaves (docs/explanation/numerics.md, cycles that are not there to be found)
-is still a zero of what a pitch changes, F(x) = Φ(x) − x, in the coordinates that closing iterates on. Its derivatives
-are those of the linearised pitch (`tangents`), at every step anew. A step is as long as the next one, by the same
-derivatives, is shorter for it.
+A steady cycle that is unstable under the machine's own course (docs/explanation/numerics.md, cycles that are not there
+to be found) is still a zero of the change over a pitch, F(x) = Φ(x) − x, in the coordinates of closing. Derivatives are
+those of the linearised pitch (`tangents`), renewed at every step. A step is shortened until the simplified Newton step
+after it, by the same derivatives, is shorter than it.
 
 Source: P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, section 3.3 (natural monotonicity test).
 """
@@ -30,34 +30,33 @@ from screwsim.outputs.variables import NOT_CLOSED
 
 Array = np.ndarray
 SEARCH = "Newton's method from afar"
-FINE = 1e-5  # tolerance of a step, at most
-SLICES = 48  # of a pitch that is linearised: far from the cycle a coarse one leads astray
-FOUND = 0.1  # of the tolerance: what a pitch changes where the cycle is found
+FINE = 1e-5  # largest tolerance of an integration step
+SLICES = 48  # of a linearised pitch: far from the cycle a coarse linearisation misleads
+FOUND = 0.1  # tolerances: change over a pitch at which the cycle counts as found
 LONGEST = 1.0  # step, in coordinates
-LEAST_SHARE = 0.01  # of a Newton step: where only less would do, this is no way to the cycle
-SINGULAR = 1e-12  # a derivative over the largest, below which it tells of no way
-MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates from one beginning ...
-MOST_OF_AN_EARLY_ONE = 700_000  # ... while other ways have not been tried ...
-MOST_STEPS = 60  # ... and steps: those that found a cycle took 42 at most
-MOST_TO_VERIFY = 1_000_000  # and in closing what was found
-BETWEEN = 300_000  # evaluations of damped pitches from one beginning to the next
-PITCHES_BETWEEN = 400  # and so many pitches at most
+LEAST_SHARE = 0.01  # smallest share of a Newton step; where even that is too long the search has failed
+SINGULAR = 1e-12  # singular value over the largest, below which its direction is left out
+MOST_OF_A_SEARCH = 2_000_000  # evaluations of one chamber's rates in one search ...
+MOST_OF_AN_EARLY_ONE = 700_000  # ... while other fallbacks are still to come ...
+MOST_STEPS = 60  # ... and steps: successful searches took 42 at most
+MOST_TO_VERIFY = 1_000_000  # evaluations for closing by pitches what was found
+BETWEEN = 300_000  # evaluations of damped pitches between two searches
+PITCHES_BETWEEN = 400  # and pitches at most
 
 
 def possible(problem: Problem) -> bool:
-    """Tell whether a search may find a cycle: not of one chamber, nor, as far as was tried, where lines pulsate."""
+    """Return whether a search may find a cycle: not with one chamber, nor, as far as tried, with pulsating lines."""
     return problem.composition.chambers > 1 and not problem.composition.pulsating
 
 
 def sought_on(
     problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, rule: MixingRule, most: int, early: bool = False
 ) -> CycleSolution:
-    """Return the cycle found from the states y by searches, each begun some damped pitches after the one before.
+    """Return the cycle found from the states y by alternating damped pitches and searches.
 
-    `most` evaluations bound them all, and less each `early` one than another.
-
-    `needed` is set where a search found it; where damped pitches closed it, it is empty. Where none closes, the cycle
-    is the last one that damped pitches left, with its unknowns.
+    `most` bounds all evaluations together; `early` searches have a smaller bound each. `needed` is set where a
+    search found the cycle and empty where damped pitches closed it. Where neither did, the cycle is the last one
+    that damped pitches left, with its unknowns.
     """
     budget = int(machinery.counts[EVALUATED]) + most
     while True:
@@ -74,9 +73,9 @@ def sought_on(
 def sought(
     problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = True
 ) -> CycleSolution | None:
-    """Return the cycle that a search from the states y finds, closed by pitches as any other; None where none is.
+    """Return the cycle that a search from the states y finds, then closed by pitches like any other; None if none.
 
-    Where it is judged, its `growth` tells whether pitches lead to it.
+    With `judged`, its `growth` says whether pitches converge to it.
     """
     zero = searched(problem, machinery, wanted, y, most, judged)
     if zero is None:
@@ -87,7 +86,10 @@ def sought(
 
 
 def judged(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
-    """Return a cycle with its `growth`, where it closed and a search would be possible; the machinery stands on it."""
+    """Return a cycle with its `growth`, if it closed and searches are possible.
+
+    It is the machinery's last history again.
+    """
     if not cycle.closed or not possible(problem):
         return cycle
     pitch = _Pitch(problem, machinery, wanted)
@@ -98,10 +100,10 @@ def judged(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleS
 
 
 class Zero(NamedTuple):
-    """States of all chambers from which a pitch changes next to nothing, and what a pitch makes of a small change.
+    """States of all chambers that a pitch hardly changes, and the growth of a small change over a pitch.
 
-    That is the largest absolute value of an eigenvalue of the linearised pitch, in the coordinates of closing: above 1
-    pitches lead away. 0 where it was not asked.
+    The growth is the largest absolute eigenvalue of the linearised pitch, in the coordinates of closing: above 1
+    pitches diverge from the cycle. 0 where it was not computed.
     """
 
     y: Array
@@ -111,11 +113,11 @@ class Zero(NamedTuple):
 def searched(
     problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, most: int = MOST_OF_A_SEARCH, judged: bool = False
 ) -> Zero | None:
-    """Return the zero that Newton's method finds from the states y, the unknowns set to its own; or None."""
+    """Return the zero that Newton's method finds from the states y, with its unknowns set; None if it finds none."""
     pitch = _Pitch(problem, machinery, wanted)
     budget = int(machinery.counts[EVALUATED]) + most
     here, share = pitch.first(y), 1.0
-    before: tuple[Array, Array] | None = None  # the last step, and the one that was to follow it
+    before: tuple[Array, Array] | None = None  # the last step, and the simplified step after it
     for _ in range(MOST_STEPS + 1):
         if here is None or machinery.counts[EVALUATED] >= budget:
             return None
@@ -139,9 +141,10 @@ def searched(
 def _gone(
     pitch: _Pitch, here: Point, step: Array, inverse: Array, share: float, budget: int
 ) -> tuple[Point | None, float, Array]:
-    """Return where a share of a step leads, the share and the step that is left there, which is shorter; or no point.
+    """Return the point after a shortened step, its share and the simplified step there; the point may be None.
 
-    The share is lessened as far as it takes.
+    The share is reduced until the simplified step is shorter than the step; None where that would take too small a
+    share.
     """
     rest, length, least = step, _length(step), min(LEAST_SHARE, share)
     while share >= least and pitch.machinery.counts[EVALUATED] < budget:
@@ -157,12 +160,13 @@ def _gone(
 
 
 def _length(step: Array) -> float:
+    """Return the Euclidean length of a step."""
     return float(np.linalg.norm(step))
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A point in coordinates, what a pitch changes there, and the states and unknowns that it made; their q."""
+    """A point in coordinates, the change of a pitch there, the states and unknowns after it, and its quadratures q."""
 
     x: Array
     changed: Array
@@ -180,20 +184,21 @@ class _Pitch:
         self.c.P[self.c.widths] = wanted.widths
 
     def first(self, y: Array) -> Point | None:
-        """Return the point of the states y and of the unknowns as they are set."""
+        """Return the point of the states y and the unknowns as they are set."""
         raw = y, unknowns(self.problem, self.machinery)
         return self.at(self._coordinates(*raw), raw)
 
     def _coordinates(self, y: Array, met: Array) -> Array:
+        """Return the coordinates of states and unknowns."""
         return np.concatenate([logarithms(y, self.c), self.problem.entries.coordinates(met)])
 
     def values(self, x: Array, raw: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Return states and unknowns; what is too little to count keeps its raw value."""
+        """Return states and unknowns at x; amounts too small to count keep their raw values."""
         n = len(raw[0])
         return states_of(x[:n], raw[0], self.c), self.problem.entries.values(x[n:], raw[1])
 
     def at(self, x: Array, raw: tuple[Array, Array]) -> Point | None:
-        """Return what a pitch changes from x, left as the last history; None where its integration stops."""
+        """Integrate a pitch from x and return its point, None where it stops; the pitch becomes the last history."""
         found = next_pitch(self.problem, self.machinery, *self.values(x, raw), self.rtol, self.check)
         if found is None:
             return None
@@ -202,7 +207,10 @@ class _Pitch:
         return Point(x, changed, (y, made), q) if np.isfinite(changed).all() else None
 
     def inverse(self, here: Point) -> Array | None:
-        """Return the inverse of the derivatives of the change where the last pitch began; None where it has none."""
+        """Return the pseudo-inverse of the derivatives of the change at the start of the last pitch.
+
+        None if not finite.
+        """
         try:
             J = self._derivatives(here)
             return np.linalg.pinv(J, rcond=SINGULAR) if np.isfinite(J).all() else None
@@ -210,12 +218,12 @@ class _Pitch:
             return None
 
     def growth(self, here: Point) -> float:
-        """Return the largest absolute value of the eigenvalues of the map, where the last pitch began."""
+        """Return the largest absolute eigenvalue of the pitch's map at the start of the last pitch."""
         J = self._derivatives(here)
         return float(np.abs(np.linalg.eigvals(J + np.eye(len(J)))).max()) if np.isfinite(J).all() else math.inf
 
     def _derivatives(self, here: Point) -> Array:
-        """Return those of what a pitch changes by the coordinates of states and unknowns."""
+        """Return the derivatives of the change over a pitch by the coordinates of states and unknowns."""
         problem, machinery = self.problem, self.machinery
         y, met = self.values(here.x, here.raw)
         tangents = linearised(problem, machinery, met, SLICES)

@@ -1,6 +1,6 @@
-"""Simultaneous closing: all chambers over one pitch, accelerated by Anderson's method.
+"""Simultaneous closing: integrate all chambers together over one pitch, accelerated by Anderson's method.
 
-It evaluates each flow between chambers once, so that it conserves exactly, and converges where leakage rules
+Each flow between chambers is evaluated once, so that it conserves exactly; it also converges where leakage is strong
 (docs/explanation/numerics.md).
 """
 
@@ -21,15 +21,15 @@ from screwsim.numerics.settings import TOGETHER
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
-STALL = 3  # pitches without progress of the states
+STALL = 3  # pitches without progress of the states, after which a change is noise of the steps
 MAX_PITCHES = 160
-IN_VAIN = 40  # accelerated pitches, all of which change more than `LOST`: over the second half of them no less than ...
-IN_VAIN_PLAIN = 32  # (the same of pitches that are the machine's own course)
-LOST = 0.2
-NEARER = 0.7  # ... this share of what those of the first half changed at least: they lead nowhere
-FARTHEST = 0.3  # change of a pitch above which a linear correction tells nothing
-MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which a cycle that does not close is given up,
-OF_A_CHECK = 20  # so many times that under a check: its pitch may take a million
+IN_VAIN = 40  # accelerated pitches, all with a change above `LOST` and the second half with no less than ...
+IN_VAIN_PLAIN = 32  # (the same without acceleration)
+LOST = 0.2  # smallest change, in coordinates, of pitches that lead nowhere
+NEARER = 0.7  # ... this share of the smallest change of the first half, after which closing is given up
+FARTHEST = 0.3  # change of a pitch above which a linear correction is meaningless
+MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which an unclosed cycle is given up ...
+OF_A_CHECK = 20  # ... times this under a check, one pitch of which may take a million
 
 
 def close_together(
@@ -42,9 +42,9 @@ def close_together(
     pitches: int = MAX_PITCHES,
     patient: bool = False,
 ) -> CycleSolution:
-    """Close all chambers from their states y; the fixed point in logarithms of the states, accelerated.
+    """Close all chambers from their states y by the accelerated fixed-point iteration of pitches.
 
-    Pitches that lead nowhere end, unless it is `patient`.
+    Unless it is `patient`, iteration ends early where pitches make no progress.
     """
     run = _Pitches(problem, machinery, wanted, y, rule)
     budget = int(machinery.counts[EVALUATED]) + (OF_A_CHECK * most if wanted.check else most)
@@ -63,10 +63,10 @@ def close_together(
 
 
 class _Pitches:
-    """Pitches of all chambers, each begun from the last: (states, feedback unknowns) are mapped to the next.
+    """The fixed-point iteration: a pitch maps (states, feedback unknowns) to their next values.
 
-    Newton's method corrects the images of slow ones; Anderson's mixes those of the others. `gap` is what a pitch
-    changed of states and unknowns. `astray` are those before the first correction.
+    Newton's method corrects the images of slowly contracting pitches, Anderson's method mixes the others. `gap` is
+    the change of states and unknowns over a pitch. `astray` keeps those from before the first correction.
     """
 
     def __init__(self, problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, rule: MixingRule) -> None:
@@ -77,12 +77,12 @@ class _Pitches:
         self.mixing, self.refining = Mixing(rule), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
         self.met, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), wanted.rtol
         self.astray: tuple[Array, Array] | None = None
-        self.seen: list[tuple[float, float]] = []  # trapped mass and work of each
+        self.seen: list[tuple[float, float]] = []  # trapped mass and work of each pitch
         self.gaps: list[float] = []
         self.number, self.gap = 0, 1.0
 
     def integrate(self) -> float | None:
-        """Integrate a pitch and measure what it changed; return where it stopped, None where it came to its end."""
+        """Integrate a pitch and measure its changes; return the angle [rad] where it stopped, None if it completed."""
         problem, machinery, c, entries = self.problem, self.machinery, self.c, self.entries
         self.point = np.concatenate([logarithms(self.y, c), entries.coordinates(self.met)])
         end, self.rtol = self.y.copy(), self.refining.rtol
@@ -101,12 +101,12 @@ class _Pitches:
         return None
 
     def in_vain(self) -> bool:
-        """Tell whether undamped pitches of several chambers lead nowhere."""
+        """Return whether undamped pitches of several chambers make no progress."""
         count = IN_VAIN if self.rule.depth else IN_VAIN_PLAIN
         return self.c.chambers > 1 and self.rule.damping == 1.0 and _lead_nowhere(self.gaps, count)
 
     def closed(self) -> bool:
-        """Tell whether pitches settled and their balances close; what these leave decides on the next tolerance."""
+        """Return whether pitches have settled and the balances close; open balances may refine the next steps."""
         problem, wanted = self.problem, self.wanted
         least = LEAST_WORK * self.seen[-1][0] * problem.pv
         if not (_settled(self.seen, wanted.tolerance, least) and _stands(self.gaps, wanted.tolerance)):
@@ -118,12 +118,12 @@ class _Pitches:
         return False
 
     def go_on(self) -> None:
-        """Begin the next pitch at the image, corrected or mixed with those before."""
-        plain = self.rule is FULL and not self.c.pulsating  # states at a pitch's start kick what a line is given there
+        """Set the start of the next pitch: the image, corrected or mixed with earlier ones."""
+        plain = self.rule is FULL and not self.c.pulsating  # a jump of states at a pitch's start would kick a line
         near = self.wanted.tolerance < self.gap < FARTHEST
         if self.corrections.due(plain and self.number > 1 and near, self.gap):
             self._correct()
-        if self.astray is not None and not self.corrections.able:  # on without them, from where they began
+        if self.astray is not None and not self.corrections.able:  # continue without corrections, from where they began
             (self.y, self.met), self.astray = self.astray, None
             self.mixing.restart()
         else:
@@ -135,7 +135,7 @@ class _Pitches:
         set_unknowns(self.problem, self.machinery, self.met)
 
     def _correct(self) -> None:
-        """Move the image to where Newton's method leads, if that has tangents."""
+        """Move the image by Newton's correction, if there is one."""
         begun, n = self.corrections.begun, len(self.y)
         if not begun:
             self.machinery.install_coupled()
@@ -148,7 +148,7 @@ class _Pitches:
             self.image = np.concatenate([self.point[:n] + found.start, unknowns_led])
 
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
-        """Return the outcome; its states are those with which the last pitch began, or where it stopped."""
+        """Return the outcome; its states are those that the last pitch started with, or where it stopped."""
         machinery, moved = self.machinery, 0.0 if status == FAILED else self.gap
         if status != FAILED:
             machinery.install_coupled()
@@ -159,12 +159,15 @@ class _Pitches:
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
-    """Tell whether trapped mass and work of the last three pitches agree."""
+    """Return whether trapped mass and work of the last three pitches agree."""
     return len(seen) >= 3 and max(change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
 
 
 def _lead_nowhere(gaps: list[float], count: int) -> bool:
-    """Tell whether so many last pitches changed much, and hardly less in the end: a machine that swings goes on to."""
+    """Return whether the last `count` pitches changed much, and hardly less at the end.
+
+    A machine that oscillates does so.
+    """
     if len(gaps) < count:
         return False
     before, last = min(gaps[-count : -count // 2]), min(gaps[-count // 2 :])
@@ -172,7 +175,10 @@ def _lead_nowhere(gaps: list[float], count: int) -> bool:
 
 
 def _stands(gaps: list[float], tolerance: float) -> bool:
-    """Tell whether the states of the last pitch agree, or stall near that: what is left is noise of the steps."""
+    """Return whether the last pitch changed the states within the tolerance, or stalled near it.
+
+    What is left is noise then.
+    """
     if gaps[-1] <= tolerance:
         return True
     stalled = len(gaps) > 2 * STALL and min(gaps[-STALL:]) >= 0.5 * min(gaps[:-STALL])
@@ -191,5 +197,5 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
         states.append(dense_value(theta, *dense[i])[: machinery.n])
     states = np.array(states)
     oil = slice(2, len(c.states) - len(c.own_states))
-    states[:, oil] = np.maximum(states[:, oil], 0.0)  # the cubic of an oil ratio may dip below none by its error
+    states[:, oil] = np.maximum(states[:, oil], 0.0)  # the cubic of an oil ratio may dip below zero
     return states.ravel()

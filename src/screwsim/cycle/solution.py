@@ -1,4 +1,4 @@
-"""What counts as a closed cycle and how it is sought; a cycle as closing left it, and what is hoped of one before."""
+"""The criteria for a closed cycle, the cycle as closing left it, and the start of the next one."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ if TYPE_CHECKING:
     from screwsim.cycle.balances import Residuals
     from screwsim.cycle.newton import Lasting
 
-ENOUGH = 0.95  # of the bound on the balances, with which a cycle counts as closed
-HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of waveforms are finer in proportion to it ...
+ENOUGH = 0.95  # share of the bound on the balances within which a cycle counts as closed
+HISTORIES_FINER = 1e-4  # wanted accuracy below which steps of waveform relaxation are refined in proportion to it ...
 HISTORIES_FINEST = 0.1  # ... down to this factor
 
 
 @at_once
 @dataclass(frozen=True, eq=False)
 class CycleSolution:
-    """The outcome of closing: one chamber's life and its quadratures, how far it got, why it stopped.
+    """The outcome of closing: one chamber's life, its quadratures `q`, and why iteration stopped.
 
-    `y` are the states from which it goes on: of the chamber at 0°, or of all chambers, as it was closed.
+    `y` are the states to continue from: of the chamber at 0° (waveform relaxation) or of all chambers
+    (simultaneous), in the way that closed the cycle. `angle` [rad] is where a failed integration stopped, `change`
+    the last relative change.
     """
 
     status: str  # one of outputs.variables.STATUSES
@@ -39,29 +41,29 @@ class CycleSolution:
     rtol: float
     angle: float = 0.0
     change: float = 0.0
-    needed: str = ""  # the fallback that it took; empty where the first way closed
-    growth: float = 0.0  # of a small change over a pitch, above 1 where pitches lead away from the cycle; 0: not asked
-    first_gap: float = 1.0  # what the first turn changed: how far the guess was off
-    residual: float = 0.0  # of waveforms: the larger residual of mass and energy over their bound
-    impacts: int = 0  # of the last turn, where something moves between seat and stop
-    speed_curve: Array | None = None  # of the speed that the drive made last (model.speed)
-    tangents: Tangents | None = None  # of Newton's correction, where one was made
-    contraction: float = 1.0  # of waveforms: change of a turn over that of the one before, as it was seen last
-    open: Residuals | None = None  # what the last turn left open, where that is known and nothing corrected it
-    made: Array | None = None  # the same of what it made of the feedback unknowns
-    left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
-    missed: float = 1.0  # share of what corrections foretold by which the turn after them went elsewhere; 1: not known
-    lasting: Lasting | None = None  # what lasts longest of a change of the unknowns, where Newton's corrections told
-    left_at: CycleSolution | None = None  # where another way was left, unclosed, before this one closed the cycle
+    needed: str = ""  # the fallback that was needed; empty where the first way closed
+    growth: float = 0.0  # of a small change over a pitch, above 1 where the cycle is unstable; 0: not computed
+    first_gap: float = 1.0  # change over the first turn: the error of the guess
+    residual: float = 0.0  # of waveform relaxation: the larger residual of mass and energy, over their bound
+    impacts: int = 0  # impact events of the last turn, where something moves between seat and stop
+    speed_curve: Array | None = None  # last speed over the angle as the drive gave it (model.speed)
+    tangents: Tangents | None = None  # the linearisation of the last Newton correction, where one was made
+    contraction: float = 1.0  # of waveform relaxation: last known ratio of a turn's change to that of the turn before
+    open: Residuals | None = None  # balance residuals of the last turn, where known and not corrected since
+    made: Array | None = None  # the feedback unknowns that the last turn gave, under the same condition
+    left: float = 0.0  # change still to come by Newton's correction, where that closed the cycle
+    missed: float = 1.0  # relative error of the corrections' predictions, seen by the turn after; 1: not known
+    lasting: Lasting | None = None  # slowest-decaying change of the unknowns, where Newton's corrections gave it
+    left_at: CycleSolution | None = None  # the unclosed cycle of the way that was given up before this one
 
     @property
     def closed(self) -> bool:
-        """Is the cycle closed?"""
+        """Whether the cycle is closed."""
         return self.status == OK
 
     @property
     def failed(self) -> bool:
-        """Did an integration stop?"""
+        """Whether an integration stopped before its end."""
         return self.status == FAILED
 
     @property
@@ -71,10 +73,11 @@ class CycleSolution:
 
 
 class Hope(NamedTuple):
-    """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change.
+    """What is expected of a guess: `seen`, trapped mass [kg] and work [J], and `gap`, the change over the first turn.
 
-    `share` is that of the wanted tolerance of a step with which the balances will close, `contraction` what turns left
-    of a change lately, `missed` what corrections by the tangents that come with it did not lead to (1: not known).
+    `share` is the factor on the wanted tolerance of a step with which the balances should close, `contraction` the
+    recent ratio of a turn's change to that of the one before, `missed` the relative error of corrections by the
+    tangents that come with the guess (1: not known).
     """
 
     seen: tuple[float, float]
@@ -85,7 +88,7 @@ class Hope(NamedTuple):
 
 
 class Led(NamedTuple):
-    """Where lives and a correction have led from a closed cycle: the state at 0°, trapped mass [kg] and work [J]."""
+    """Where finer lives and a correction have moved a closed cycle: the state at 0°, trapped mass [kg] and work [J]."""
 
     y: Array
     seen: tuple[float, float]
@@ -95,9 +98,9 @@ NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
 class Start(NamedTuple):
-    """What closing begins with beside the guess that is installed as the last history: the state at 0°, and its hope.
+    """What closing starts with, besides the guessed history already installed: the state at 0°, and its `Hope`.
 
-    `tangents` are those by which a cycle nearby was corrected.
+    `tangents` are the linearisation about a nearby cycle, where there is one.
     """
 
     y: Array
@@ -107,11 +110,12 @@ class Start(NamedTuple):
 
 @dataclass(frozen=True)
 class Wanted:
-    """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.
+    """The closing criteria: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.
 
-    Steps of waveforms have `of_histories` times that `rtol`; `widths` [Pa] are those of the regularisation, in the
-    order of `Composition.widths`. `ahead` is the share of the bound with which a cycle may close while little is
-    still to come, before a turn shows it. With a `check` its method closes the cycle once ours has.
+    Waveform relaxation multiplies `rtol` by `of_histories`; `widths` [Pa] are those of the regularisation, in the
+    order of `Composition.widths`. `ahead` is the share of the bound within which a cycle may close on a prediction
+    that little change is still to come, without a further turn. With a `check`, that method closes the cycle again
+    after ours has.
     """
 
     rtol: float
@@ -125,17 +129,17 @@ class Wanted:
 
     @property
     def fallbacks(self) -> bool:
-        """Whether further tries follow where the ways of its closing close no cycle."""
+        """Whether fallbacks are tried where none of the wanted ways closes the cycle."""
         return CLOSINGS[self.closing].fallbacks
 
     def tighter(self, factor: float) -> Wanted:
-        """Return the same with tolerances and regularisation times a factor."""
+        """Return the same criteria with tolerances and regularisation widths multiplied by a factor."""
         widths = tuple(factor * width for width in self.widths)
         return replace(self, rtol=factor * self.rtol, tolerance=factor * self.tolerance, widths=widths)
 
 
 def wanted_of(numerics: NumericsSettings, widths: tuple[float, ...]) -> Wanted:
-    """Return what follows from the wanted accuracy (docs/explanation/numerics.md), with given widths."""
+    """Return the closing criteria for the wanted accuracy (docs/explanation/numerics.md), with given widths [Pa]."""
     rtol, accuracy = numerics.rtol or 0.3 * numerics.accuracy, numerics.accuracy
     of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, accuracy / HISTORIES_FINER))
     check = check_of(numerics.integrator)

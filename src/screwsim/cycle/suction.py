@@ -1,4 +1,4 @@
-"""What the machine sucks: the suction line's gas, mixed with returned gas and throttled (docs/model.md M160–M163)."""
+"""The gas at the suction port: that of the line, mixed with returned gas and throttled (docs/model.md M160–M163)."""
 
 from dataclasses import dataclass, replace
 
@@ -12,9 +12,9 @@ PortState = tuple[float, ...]
 
 @dataclass(frozen=True)
 class SuctionState:
-    """The gas, the suction line's port state, the pressure ratio over throttles, and the share of gas that is returned.
+    """The gas, the suction line's port state, the pressure ratio across throttles, and the share of returned gas.
 
-    `kept` is what a package's losses leave of the pressure, one of those throttles.
+    `kept` is the pressure ratio due to a package's losses, which count as one of the throttles.
     """
 
     gas: Gas
@@ -24,12 +24,12 @@ class SuctionState:
     kept: float = 1.0
 
     def ratio_of(self, part: SuctionChange) -> float:
-        """Return the pressure ratio over one of the throttles."""
+        """Return the pressure ratio across one of the throttles."""
         return self.kept if part.package else part.pressure_ratio
 
     @property
     def changed(self) -> bool:
-        """Tell whether the machine sucks another state than the line's."""
+        """Whether the state at the suction port differs from the line's."""
         return self.pressure_ratio < 1.0 or self.returned > 0.0
 
     @property
@@ -57,7 +57,7 @@ class SuctionState:
 
 
 def suction_of(parts: Parts, line: PortState, lost: float = 0.0) -> SuctionState:
-    """Return what the effects of a scene make of the line's gas, of which a package has lost a pressure [Pa] (M341)."""
+    """Return the suction state with the effects of a scene, after a package's loss of pressure `lost` [Pa] (M341)."""
     state = SuctionState(parts.gas, line, kept=1.0 - lost / line[PRESSURE])
     ratio, returned = 1.0, 0.0
     for _, part in parts.all(SuctionChange):

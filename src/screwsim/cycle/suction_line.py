@@ -1,7 +1,7 @@
-"""The suction line where what flows back stays in it: gas and oil mix with what is sucked in (docs/model.md M270–M274).
+"""A suction line that keeps backflow: gas and oil that flow back mix with fresh gas (docs/model.md M270–M274).
 
-Its enthalpy, and with carried oil its ratio and what that holds dissolved, are feedback unknowns of the cycle. Sums are
-those of one chamber's life, as the streams are (`balances.streams_of`).
+Its enthalpy, and with carried oil its oil ratio and dissolved gas, are feedback unknowns of the cycle. Sums are per
+life of one chamber, like the streams (`balances.streams_of`).
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from screwsim.model.slots import (
 from screwsim.numerics.roots import brentq
 
 Array = np.ndarray
-CLOSE = 1e-13  # relative width of the interval in which the mixture's enthalpy is found
-LEFT_OPEN = 0.01  # relative difference of its enthalpy from that of what comes, above which the line is not closed
-REACH = 0.02  # relative distance from the first guess of that enthalpy in which it is looked for first
+CLOSE = 1e-13  # relative width of the interval to which the mixture's enthalpy is bracketed
+LEFT_OPEN = 0.01  # relative difference between the line's enthalpy and its inflow's, above which it is not closed
+REACH = 0.02  # relative distance from the guessed enthalpy that is searched first
 
 
 class Stream(NamedTuple):
-    """Gas [kg], its enthalpy [J], oil [kg], that times its enthalpy over heat capacity [kg K], gas held in it [kg]."""
+    """Gas [kg], its enthalpy [J], oil [kg], oil mass × temperature [kg K], gas dissolved in the oil [kg]."""
 
     gas: float = 0.0
     enthalpy: float = 0.0
@@ -50,15 +50,15 @@ class Stream(NamedTuple):
 
     @property
     def fluid(self) -> float:
-        """Gas and what the oil holds of it [kg]."""
+        """Free and dissolved gas [kg]."""
         return self.gas + self.held
 
     def times(self, rate: float) -> Stream:
-        """Return the stream with all sums multiplied."""
+        """Return the stream with all sums multiplied by a factor."""
         return Stream(*(rate * each for each in self))
 
     def plus(self, other: Stream, share: float = 1.0) -> Stream:
-        """Return the sum of this stream and a share of another one."""
+        """Return the sum of this stream and a share of another."""
         return Stream(*(one + share * more for one, more in zip(self, other, strict=True)))
 
 
@@ -66,7 +66,7 @@ _NONE = Stream()
 
 
 class Mixture(NamedTuple):
-    """What is sucked in: enthalpy of the gas [J/kg], oil per gas, and what that holds dissolved, per gas, too."""
+    """The mixture that is sucked in: gas enthalpy [J/kg], oil per gas, dissolved gas per gas."""
 
     enthalpy: float
     oil: float = 0.0
@@ -74,14 +74,14 @@ class Mixture(NamedTuple):
 
 
 def values(problem: Problem, R: Array) -> Array:
-    """Return the unknowns as the next turn meets them."""
+    """Return the unknowns that the next turn will use."""
     c = problem.composition
     h, oil, held = (float(R[R_SUCTION + cell]) for cell in (ENTHALPY, OIL_RATIO, DISSOLVED))
     return np.array(Mixture(h, oil, oil * held)[: 1 + c.carried + c.dissolves])
 
 
 def set_values(problem: Problem, R: Array, found: Array) -> None:
-    """Let the next turn suck this; what no state of the gas has, on the way, leaves the line as it is."""
+    """Set the unknowns for the next turn; an enthalpy that the gas cannot have, during iteration, changes nothing."""
     mixture = Mixture(*found.tolist())
     try:
         port_state = problem.parts.gas.port_state_of_enthalpy(problem.suction.pressure, mixture.enthalpy)
@@ -99,7 +99,7 @@ def set_values(problem: Problem, R: Array, found: Array) -> None:
 
 
 def leak(problem: Problem, R: Array) -> Stream:
-    """Return what leaks from the discharge line beside the chambers, per life of one of them (M274)."""
+    """Return the leak from the discharge line that bypasses the chambers, per life of one chamber (M274)."""
     if not problem.parts.all(LineLeak):
         return _NONE
     lines, known = R[: R_DISCHARGE + PORT_STATE].tobytes(), problem.leaked
@@ -112,6 +112,7 @@ def leak(problem: Problem, R: Array) -> Stream:
 
 
 def _leak(problem: Problem, R: Array) -> Stream:
+    """Return the same, computed."""
     leaks = [part for _, part in problem.parts.all(LineLeak)]
     suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
     port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
@@ -135,35 +136,34 @@ def _passing(problem: Problem, part: LineLeak, port_state: list[float], flux: fl
 
 
 def _nozzle(port_state: list[float]) -> tuple[float, ...]:
-    """Return what a nozzle asks of a port state: p, ρ, 1/k, drop and ψ² of choking."""
+    """Return the arguments of a nozzle from a port state: p, ρ, 1/k, drop and ψ² at choking."""
     p, rho, _h, *rest = port_state
     return p, rho, *rest
 
 
 def back(problem: Problem, R: Array, streams: Array) -> Stream:
-    """Return what comes to the suction line from the chambers and from leaks beside them."""
+    """Return what flows to the suction line from the chambers and through leaks that bypass them."""
     return Stream(*(-streams[SUCTION_OUT]).tolist()).plus(leak(problem, R))
 
 
 def fresh(problem: Problem, R: Array, streams: Array) -> float:
-    """Return the gas [kg] that the line takes from before it, net, a life: what is sucked less what came back."""
+    """Return the net gas [kg] that the line takes in per life: what is sucked less what came back."""
     if not problem.parts.suction_line:
         return float(streams[SUCTION_IN, OF_GAS] + streams[SUCTION_OUT, OF_GAS])
     return Stream(*streams[SUCTION_IN].tolist()).fluid - back(problem, R, streams).fluid
 
 
 def heat(problem: Problem, power: float) -> float:
-    """Return the heat [W] that the fresh gas takes up on its way, by the power of the shaft [W] (M275)."""
+    """Return the heat flow [W] into the fresh gas on its way to the line, at a shaft power [W] (M275)."""
     return sum(part.power(power, problem.parts.omega) for _, part in problem.parts.all(SuctionHeat))
 
 
 def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Array:
-    """Return the unknowns that a life makes of the line; h_d [J/kg] is the enthalpy of the discharge line.
+    """Return the next values of the line's unknowns after a life; h_d [J/kg] is the enthalpy of the discharge line.
 
-    `heat` [J] is what the fresh gas takes up before it comes there (M275).
-
-    Where more flows back than is sucked the rest leaves by the line, mixed as it came: the mixture is a continuous
-    function of the flows (as M27).
+    `heat` [J] is what the fresh gas takes up before the line (M275). Where more flows back than is sucked, the
+    excess leaves through the line with the mixture's composition: the mixture is a continuous function of the flows
+    (as M27).
     """
     before = values(problem, R)
     try:
@@ -174,7 +174,10 @@ def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -
 
 
 def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Mixture | None:
-    """Return what a life makes of the line; None where nothing is sucked. Raise UsageError where gas has no state."""
+    """Return the mixture in the line after a life, None where nothing is sucked.
+
+    Raise UsageError where it cannot exist.
+    """
     sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, back(problem, R, streams)
     if not sucked > 0.0:
         return None
@@ -185,9 +188,9 @@ def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float
 
 
 def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> str:
-    """Return why a closed cycle does not suck what comes to the line: a mixture that is no state of the gas; else ''.
+    """Return why a closed cycle's suction line does not match its inflow; empty where it does.
 
-    On the way to a cycle such a mixture leaves the line as it is; one that stays so is none that the line has.
+    During iteration a mixture that the gas cannot form leaves the line unchanged; in a closed cycle it is an error.
     """
     try:
         found = _mixture(problem, R, streams, h_d, heat)
@@ -201,28 +204,29 @@ def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
 
 
 def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
-    """Return the mixture in equilibrium at the pressure of the intake: one temperature, and gas dissolved (M271, M272).
+    """Return the equilibrium mixture at intake pressure: one temperature, and gas dissolved in the oil (M271, M272).
 
-    The enthalpy of gas, oil and dissolved gas together grows with the gas's, in which it is sought from a guess [J/kg].
+    The total enthalpy grows with that of the gas, which is sought from a guess [J/kg].
     """
     if not total.oil > LEAST_OIL * max(total.gas, 0.0):
         return Mixture(*(each / total.gas for each in (total.enthalpy, max(total.oil, 0.0), total.held)))
     parts, p = problem.parts, problem.suction.pressure
     gas, oil, content = parts.gas, parts.oil, parts.oil_content
-    assert oil is not None  # of the stream
+    assert oil is not None  # the stream has oil
     solution = content if isinstance(content, OilSolution) else None
     pressed = problem.pressed(p)
     wanted = total.enthalpy + oil.heat_capacity * total.oil_heat
     wanted += solution.enthalpy * total.held if solution else 0.0
 
     def held_at(T: float) -> float:
-        """Return what a kilogram of oil holds in equilibrium with the gas (M232)."""
+        """Return the equilibrium gas dissolved in a kilogram of oil [kg] (M232)."""
         if solution is None:
             return 0.0
-        s = gas.entropy(p, T) - (gas.enthalpy(p, T) - solution.enthalpy) / T  # the same in both phases
+        s = gas.entropy(p, T) - (gas.enthalpy(p, T) - solution.enthalpy) / T  # equal chemical potential in both phases
         return min(held_of(solution, s), total.fluid / total.oil)
 
     def excess(h: float) -> float:
+        """Return the total enthalpy [J] beyond that of the stream."""
         T = gas.temperature(p, h)
         held = held_at(T) * total.oil
         dissolved = solution.enthalpy * held if solution else 0.0
@@ -235,12 +239,12 @@ def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
 
 
 def held_of(solution: OilSolution, entropy: float) -> float:
-    """Return the gas [kg per kg of oil] whose entropy [J/(kg K)], dissolved, is this: it falls as more is held."""
+    """Return the dissolved gas [kg per kg of oil] at its entropy [J/(kg K)], which falls as more is dissolved."""
     return exp(float(np.interp(-entropy, -np.asarray(solution.entropy), np.asarray(solution.log_held))))
 
 
 def _root(excess: Callable[[float], float], guess: float) -> float:
-    """Return where a function that grows passes zero, looked for from a guess on."""
+    """Return the zero of an increasing function, bracketed outwards from a guess."""
     low = high = guess
     at, reach = excess(guess), REACH * guess
     grows = at < 0.0

@@ -1,15 +1,15 @@
-"""All chambers over one pitch, linearised along a history: what small changes make of themselves.
+"""Linearise all chambers over one pitch along a history.
 
-A change δ of the states' coordinates, of all chambers alive (chamber by chamber), follows δ' = A δ + B r + F u: A are
-the derivatives of the rates by the states, B its part by the chambers ahead, r a change of these alone, u a change of
-the feedback unknowns. A, B, F are taken in the middles of a few slices and held there; over a slice z = h A goes by
-(1 − z + z²/2)⁻¹, of order 2 and damped where stiff, with the sums that belong to it. That is nearly right, as Newton's
-matrix has to be; the equations themselves stay those of the integrator. Derivatives by the states are those that it
-steps with, those by the unknowns differences of the rates.
+A change δ of the coordinates of all chambers alive (chamber by chamber) follows δ' = A δ + B r + F u: A are the
+derivatives of the rates by the states, B the part of A by the chambers ahead, r a change of these alone, u a change of
+the feedback unknowns. A, B, F are evaluated at the middle of each of a few slices and held over it; over a slice z = h
+A is advanced by (1 − z + z²/2)⁻¹, of order 2 and damped where stiff, and the quadratures likewise. That is approximate,
+as Newton's matrix may be; the equations solved remain those of the integrator. Derivatives by the states are those of
+its steps, derivatives by the unknowns are differences of the rates.
 
-What the changes make of the feedback unknowns are differences of the image itself. It reads the quadratures, which the
-linearised pitch tells, and, where lines pulsate, the flow into them over the pitch: that changes by what the slices of
-the pitch give the lines, each spread over its angles.
+The derivatives of the unknowns' next values are differences of the image itself. It reads the quadratures, which the
+linearised pitch gives, and where lines pulsate the flow into them over the pitch, whose change is what the slices give
+the lines, spread over the slices' angles.
 
 Source: docs/explanation/numerics.md, Newton's correction.
 """
@@ -30,22 +30,22 @@ from screwsim.model.slices import INSIDE
 from screwsim.model.slots import P_INJECTION, P_OMEGA, P_PITCH
 from screwsim.numerics.rodas import EVALUATED
 
-STEP = 1e-4  # of a change of the quadratures and unknowns, for differences of what they make of the unknowns
+STEP = 1e-4  # factor on changes of quadratures and unknowns for differences of the image
 
 
 Array = np.ndarray
 SLICES = 12  # of a pitch
-EVEN = 0.2  # share of an even division in theirs; the rest is as dense as the integrator's steps
-LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
-RELAXED = 3  # steps that lead the states in the middle of a slice to where they change as the history does ...
-STRAYED = 0.02  # ... while T or ρ would change by so much more, or less, of itself over the slice ...
-AT_MOST = 0.1  # ... of at most so much each
-SHIFT = 1e-5  # of a coordinate, for differences ...
-OF_LINES = 1e-7  # ... and where lines pulsate: a chamber open to one is a few pascals from it
+EVEN = 0.2  # weight of an even division into slices; the rest follows the density of the integrator's steps
+LEAST = 1e-6  # share of a pitch: steps that end so near to its ends are ignored
+RELAXED = 3  # Newton steps, at most, that move a slice's middle state to where it changes as the history does ...
+STRAYED = 0.02  # ... while T or ρ would change, relatively, by this much more or less over the slice ...
+AT_MOST = 0.1  # ... of at most this size each
+SHIFT = 1e-5  # difference of a coordinate for derivatives ...
+OF_LINES = 1e-7  # ... and where lines pulsate: a chamber open to one is within a few pascals of it
 
 
 def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
-    """Return the edges [rad] of the slices of a pitch: as dense as the steps of the last history, of all chambers."""
+    """Return the edges [rad] of the slices of a pitch, as dense as all chambers' steps in the last history."""
     c, (times, _, _, steps) = machinery.composition, machinery.last()
     pitch = float(c.P[P_PITCH])
     ends = np.sort(np.mod(times[1:steps], pitch))
@@ -56,12 +56,12 @@ def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
 
 
 def angles_of(angles: Array, c: Composition) -> Array:
-    """Return angles of a pitch [rad] in all chambers' lives, chamber by chamber."""
+    """Return the angles [rad] in all chambers' lives at given angles of a pitch, chamber by chamber."""
     return (float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + angles).ravel()
 
 
 def linearised(problem: Problem, machinery: Machinery, met: Array, count: int = SLICES) -> Tangents:
-    """Return the pitch linearised along the last history in so many slices, with unknowns as they are met."""
+    """Return the pitch linearised along the last history in `count` slices, with the unknowns set to `met`."""
     c, n = machinery.composition, machinery.n
     edges = edges_of(machinery, count)
     middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
@@ -83,7 +83,7 @@ def linearised(problem: Problem, machinery: Machinery, met: Array, count: int = 
 
 
 class _Slices(NamedTuple):
-    """Middles and widths [rad] of slices, the states there, and by how much their coordinates change over each."""
+    """Middles and widths [rad] of slices, the states there, and the change of their coordinates over each slice."""
 
     middles: Array
     widths: Array
@@ -92,7 +92,7 @@ class _Slices(NamedTuple):
 
 
 def _changes(machinery: Machinery, edges: Array) -> Array:
-    """Return by how much the coordinates of all chambers change over each slice (slices, N) along the last history."""
+    """Return the change of all chambers' coordinates over each slice (slices, N) along the last history."""
     c, n, count = machinery.composition, machinery.n, len(edges) - 1
     ends = np.concatenate([edges[:-1] + INSIDE, edges[1:] - INSIDE])
     at = logarithms(machinery.states_at(angles_of(ends, c)), c).reshape(c.chambers, 2, count, n)
@@ -100,9 +100,10 @@ def _changes(machinery: Machinery, edges: Array) -> Array:
 
 
 def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices) -> tuple[Array, Array, Array, Array]:
-    """Return derivatives of the coordinates' rates by them and by the unknowns, then those of the quadratures' rates.
+    """Return the derivatives of rates of coordinates, then of quadratures, each by coordinates and by unknowns.
 
-    One entry a slice each, in its middle, where the states are led (`model.slices`).
+    Values are A (by coordinates), F (by unknowns), and the same two for the quadratures, one entry for each slice,
+    at its middle, to which the states are first adjusted (`model.slices`).
     """
     c, (phi, h, y, changes), N = machinery.composition, slices, slices.states.shape[1]
     logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
@@ -125,7 +126,7 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
 
 
 def _moved(problem: Problem, machinery: Machinery, met: Array, shift: float) -> tuple[Array, Array]:
-    """Return R and P with each unknown shifted, one row each, and as they are met in the last one, as they are left."""
+    """Return R and P with each unknown shifted, one row each, and unshifted in the last row; leave them unshifted."""
     entries, R, P = problem.entries, [], []
     here = entries.coordinates(met)
     for j in range(len(met) + 1):
@@ -139,7 +140,7 @@ def _moved(problem: Problem, machinery: Machinery, met: Array, shift: float) -> 
 
 
 def _injected(machinery: Machinery) -> Array:
-    """Return the derivatives of the coordinates after the injection of oil by those before it, of all chambers."""
+    """Return the derivatives of all chambers' coordinates after the injection of oil by those before it."""
     c, n = machinery.composition, machinery.n
     found = np.eye(c.chambers * n)
     index = round(c.P[P_INJECTION] / c.P[P_PITCH])
@@ -169,10 +170,10 @@ def _injected(machinery: Machinery) -> Array:
 def slopes_of_image(
     problem: Problem, machinery: Machinery, tangents: Tangents, given: Array, q: Array, met: Array, made: Array
 ) -> Array:
-    """Return what changes of the last life make of the unknowns, in coordinates (u, k), a column each.
+    """Return the response of the unknowns' next values to changes of the last life, in coordinates (u, k).
 
-    `given` (slices, q, k) are what the changes add to the quadratures q, slice by slice; the last u changes are of one
-    unknown each, which are met as `met` and made `made`.
+    `given` (slices, q, k) are the changes of the quadratures q by slice; the last u columns belong to a change of
+    one unknown each. `met` are the unknowns of the life, `made` their next values.
     """
     entries, here = problem.entries, problem.entries.coordinates(met)
     at_made, sums, count = entries.coordinates(made), given.sum(axis=0), given.shape[2]

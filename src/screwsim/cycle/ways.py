@@ -1,7 +1,7 @@
-"""The ways to close a cycle, and how what one of them closed is taken further.
+"""The ways to close a cycle, and what depends on the way that closed it.
 
-`cycle.how` is the name of the way that closed it: what depends on that is asked of the way, nowhere else. Another one
-is a `Way` in `WAYS` and an entry of `numerics.settings`.
+`cycle.how` is the name of that way; whatever depends on it is asked of the `Way`, nowhere else. A further way is a
+`Way` in `WAYS` and an entry of `numerics.settings`.
 
 Source: docs/explanation/numerics.md.
 """
@@ -24,10 +24,10 @@ from screwsim.outputs.variables import NOT_CLOSED
 
 
 class Way(ABC):
-    """How a cycle is closed.
+    """A way to close a cycle.
 
-    `whole`: a turn has all chambers in it, so that what comes back from others shows; else it is one life among stored
-    ones. `instead` is what to try where it does not close a cycle.
+    `whole`: a turn integrates all chambers, so that feedback through the others shows within it; otherwise one life
+    among stored ones. `instead` is the setting to suggest where this way closes no cycle.
     """
 
     whole: bool
@@ -37,31 +37,31 @@ class Way(ABC):
     def close(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
-        """Close the cycle from a start; None or what is not closed where another way, if not `last`, is due."""
+        """Close the cycle from a start; None or an unclosed cycle hands over to the next way (never None if `last`)."""
 
     @abstractmethod
     def again(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
     ) -> CycleSolution:
-        """Close a cycle that it closed once more, from where finer lives have led, if that is told."""
+        """Close a cycle that this way has closed once more, from where finer lives have moved it, if given."""
 
     @abstractmethod
     def finer(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
-        """Close a cycle with finer steps, which may take `most` evaluations where they can be many."""
+        """Close a cycle with finer steps, within `most` evaluations where the number is not bounded otherwise."""
 
     @abstractmethod
     def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
-        """Return the share of the wanted tolerance of a step with which the balances closed."""
+        """Return the factor on the wanted tolerance of a step with which the balances closed."""
 
     @abstractmethod
     def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
-        """Return the states, of so many each, that may be where a cycle that failed has stopped."""
+        """Return the candidates, `states` numbers each, for the state at which a failed cycle stopped."""
 
 
 class Waveforms(Way):
-    """Waveform relaxation: one life among its own last ones."""
+    """Waveform relaxation: one chamber's life is integrated among stored earlier ones."""
 
     whole = False
     instead = "numerics.closing: coupled"
@@ -69,13 +69,13 @@ class Waveforms(Way):
     def close(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
-        """Relax, until that has cost as much as all chambers together would."""
+        """Relax until that has cost as much as simultaneous closing would."""
         return relax(problem, machinery, wanted, start, last)
 
     def again(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
     ) -> CycleSolution:
-        """Relax from the cycle, or from where its finer lives have led."""
+        """Relax from the cycle, or from where its finer lives have moved it."""
         y, seen = led or (cycle.y, cycle.seen)
         hope = Hope(seen, 0.0, 1.0, cycle.contraction, cycle.missed)
         return by_ways(problem, machinery, wanted, Start(y, hope, cycle.tangents))
@@ -83,34 +83,34 @@ class Waveforms(Way):
     def finer(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, most: int
     ) -> CycleSolution | None:
-        """Relax from the machinery's last life; how long is bounded by itself."""
+        """Relax from the machinery's last life; relaxation bounds its own length."""
         hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[Q_WORK])), 0.0)  # the last life's mass
         return relax(problem, machinery, wanted, Start(cycle.y, hope), last=True)
 
     def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
-        """Return that of the steps of waveforms."""
+        """Return the factor relative to the tolerance that waveform relaxation starts with."""
         return cycle.rtol / (wanted.of_histories * wanted.rtol)
 
     def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
-        """Return that of the one chamber."""
+        """Return the state of the one chamber."""
         return [cycle.y[:states]]
 
 
 class Together(Way):
-    """Simultaneous closing: all chambers over a pitch."""
+    """Simultaneous closing: all chambers are integrated together over a pitch."""
 
     whole = True
 
     def close(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, start: Start, last: bool
     ) -> CycleSolution | None:
-        """Close from where the chambers stand in the installed life."""
+        """Close from the states that the installed life has at the chambers' angles."""
         return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
 
     def again(
         self, problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution, led: Led | None
     ) -> CycleSolution:
-        """Close from the states of the cycle; by a search where that has found it."""
+        """Close from the states of the cycle, by a search where a search found it."""
         found = None
         if cycle.needed == SEARCH:
             found = sought(problem, machinery, wanted, cycle.y.copy(), judged=False)
@@ -123,11 +123,11 @@ class Together(Way):
         return close_together(problem, machinery, wanted, cycle.y.copy(), most=most)
 
     def share(self, cycle: CycleSolution, wanted: Wanted) -> float:
-        """Return all of it: waveforms that follow learn nothing from pitches."""
+        """Return 1: what pitches needed says nothing about waveform relaxation."""
         return 1.0
 
     def stopped(self, cycle: CycleSolution, states: int, chambers: int) -> Iterable[Array]:
-        """Return those of all chambers that stopped in their first pitch, else that of the first."""
+        """Return the states of all chambers if they stopped in the first pitch, else that of the first chamber."""
         first = cycle.turns * chambers <= 1.0
         return np.reshape(cycle.y, (-1, states)) if first else [cycle.y[:states]]
 
@@ -136,12 +136,12 @@ WAYS: dict[str, Way] = {WAVEFORMS: Waveforms(), TOGETHER: Together()}
 
 
 def way_of(cycle: CycleSolution) -> Way:
-    """Return the way that closed a cycle, or failed to."""
+    """Return the way that closed a cycle or failed to close it."""
     return WAYS[cycle.how]
 
 
 def by_ways(problem: Problem, machinery: Machinery, wanted: Wanted, start: Start) -> CycleSolution:
-    """Close the cycle by the ways that are wanted, one after the other."""
+    """Close the cycle by the wanted ways in turn; an unclosed attempt before the last way is kept as `left_at`."""
     *first, last = (WAYS[name] for name in CLOSINGS[wanted.closing].ways)
     left = None
     for way in first:

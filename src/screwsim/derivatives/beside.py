@@ -1,7 +1,7 @@
-"""Rates at all nodes side by side in the lanes of a core: each lane has its own numbers, or its own nodes.
+"""Rates at all nodes, computed side by side in the lanes of a core, each lane with its own numbers or its own nodes.
 
-Lanes are compiled when they are first asked for, which takes seconds, and kept. What runs in a lane does not depend on
-what ran before, so that a scene always has the same answer.
+Kernels for lanes are compiled on first use, which takes seconds, and kept. The result in a lane does not depend on
+earlier calls, so a scene always gives the same answer.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from screwsim.numerics.reused import empty
 
 Array = np.ndarray
 RATES = "slices__rates_at_all"
-FEWEST = 4  # rates that lanes are worth
-BESIDE = ("P", "R", "port_states", "work")  # of a context: laid side by side
+FEWEST = 4  # sets of rates from which on lanes pay
+BESIDE = ("P", "R", "port_states", "work")  # parts of a context that are interleaved by lane
 _whole, _beside = Kind("v", (FLOAT,), 1), Kind("p", (FLOAT,), 1)
 _CONTEXT = Kind(
     "c", tuple(_beside if name in BESIDE else _whole for name in CoupledContext._fields), names=CoupledContext._fields
@@ -33,7 +33,7 @@ KINDS = (_whole, _whole, Kind("v", (FLOAT,), 2), _CONTEXT, INTEGER, _ROWS, _ROWS
 
 
 class Laid(NamedTuple):
-    """Where the rows of each lane stand, of which shape they are, and what holds them."""
+    """The addresses of each lane's rows, their shape, and the arrays that own the memory."""
 
     addresses: list[int]
     shape: tuple[int, ...]
@@ -41,7 +41,7 @@ class Laid(NamedTuple):
 
     @classmethod
     def each(cls, arrays: Sequence[Array]) -> Laid:
-        """Return arrays, one a lane; those that are missing at the end stand where the first does."""
+        """Return one array for each lane; unused lanes point to the first array."""
         first, *others = arrays = [np.ascontiguousarray(each) for each in arrays]
         at = address(first)
         addresses = [at, *(at if each is first else address(each) for each in others)]
@@ -49,7 +49,7 @@ class Laid(NamedTuple):
 
     @classmethod
     def parts(cls, whole: Array, part: int) -> Laid:
-        """Return parts of an array, so many rows a lane; rows that are missing at the end are its last one again."""
+        """Return one part of an array for each lane, `part` rows each; missing rows at the end repeat the last one."""
         missing = LANES * part - len(whole)
         whole = np.concatenate([whole, *[whole[-1:]] * missing]) if missing else np.ascontiguousarray(whole)
         at, step = address(whole), part * whole.strides[0]
@@ -57,7 +57,7 @@ class Laid(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Where rates are asked: angles [rad], angles of the same segments of the laws [rad], states, a row each."""
+    """Where rates are evaluated: angles [rad], angles [rad] that select segments of the laws, states, a row each."""
 
     angles: Laid
     middles: Laid
@@ -65,17 +65,17 @@ class Nodes(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """Numbers that rates are asked with, and edges [rad] of the slices; None for those of the pitch."""
+    """The numbers for a set of rates, and the edges [rad] of the slices; None for those of the pitch."""
 
     numbers: Numbers
     edges: Array | None
 
 
-_entries: dict[str, Any] = {}  # of lanes by module; None where its text cannot be so compiled
+_entries: dict[str, Any] = {}  # entries of compiled lanes by module; None where its text cannot be compiled so
 
 
 def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
-    """Return what `Pitch.rates` does, each lane with a part of the nodes."""
+    """Return the same as `Pitch.rates`, each lane computing a part of the nodes."""
     entry = _entry(pitch.machinery)
     if entry is None:
         return pitch.rates(Y, edges)
@@ -93,14 +93,15 @@ def rates(pitch: Pitch, Y: Array, edges: Array | None = None) -> tuple[Array, Ar
 
 
 def _one_behind_the_other(found: Sequence[Sequence[Array]]) -> Sequence[Array]:
-    """Return arrays of several runs of slices as one each."""
+    """Return the arrays of several runs of slices, concatenated."""
     return found[0] if len(found) == 1 else [np.concatenate(each) for each in zip(*found, strict=True)]
 
 
 def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[slice, Array, Array]]:
-    """Yield which of those asked, their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
+    """Yield ranges of `asked`, with their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
-    As many at a time as there are lanes; behind the last ones stands nothing of meaning; numbers stand as they stood.
+    Each range has as many entries as there are lanes, or fewer at the end, where the other lanes are meaningless.
+    The pitch's numbers are left as they were.
     """
     at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
     for first in range(0, len(asked), LANES):
@@ -127,7 +128,7 @@ def rates_of(pitch: Pitch, Y: Array, asked: Sequence[Asked]) -> Iterator[tuple[s
 
 
 def _entry(machinery: Machinery) -> Any:
-    """Return the entry of the lanes; None where they cannot be written."""
+    """Return the entry of the compiled lanes; None where they cannot be compiled."""
     module = machinery.together
     if module.__name__ not in _entries:
         try:
@@ -139,11 +140,15 @@ def _entry(machinery: Machinery) -> Any:
 
 
 def _room(size: int, _of: Any) -> Array:
+    """Return an array of so many numbers, uninitialised."""
     return empty(size)
 
 
 def _in_lanes(pitch: Pitch, nodes: Nodes, numbers: Sequence[Numbers], entry: Any) -> tuple[Array, Array]:
-    """Return rates at the nodes (nodes, …, lanes) of each lane, with its numbers; all lanes have as many."""
+    """Return the rates at the nodes (nodes, …, lanes) of each lane, with its numbers.
+
+    All lanes have equally many nodes.
+    """
     machinery = pitch.machinery
     port_states, work = machinery.coupled_space()["spaces"]
     rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
@@ -167,6 +172,6 @@ def _in_lanes(pitch: Pitch, nodes: Nodes, numbers: Sequence[Numbers], entry: Any
     words.append(machinery.composition.n_E_all)
     for each in out:
         words.extend([address(each), *each.shape[:2]])
-    held = np.array(words, np.int64)  # as long as the call looks at it
+    held = np.array(words, np.int64)  # keeps the memory alive during the call
     entry(held.ctypes.data, None)
     return out[0], out[1]

@@ -1,4 +1,4 @@
-"""The stage equations of all slices, solved: a chamber meets the next ones alone, so their matrix is a band."""
+"""The factored stage equations of all slices: each chamber couples only to the next ones, so their matrix is banded."""
 
 from __future__ import annotations
 
@@ -15,16 +15,20 @@ class Blocks:
     """1 − h a J of every slice, factored; J (slices, NODES, N, N) are derivatives by the states of all chambers."""
 
     def __init__(self, J: Array, widths: Array, states: int, reach: int) -> None:
-        """`states` are those of a chamber, `reach` is how many chambers on it meets others; others are left out."""
+        """Factor.
+
+        `states` are those of a chamber, `reach` is how many chambers on it couples to, further ones are left
+        out.
+        """
         count, _, N, _ = J.shape
         self.states, self.reach = states, reach
         self.factors, self.pivots = empty(count, NODES * N, NODES * N), np.empty((count, NODES * N), np.int64)
         compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
 
     def among(self, others: Blocks, own: Array, at: Array, chambers: int) -> Blocks:
-        """Return these together with others, both of each of so many chambers: `own` tells which slices are of these.
+        """Return a mixture of these factors and others, for each chamber: slices marked in `own` are from these.
 
-        The rest are those at `at` among the others.
+        The remaining slices are those at indices `at` of the others.
         """
         found = object.__new__(Blocks)
         found.states, found.reach = self.states, self.reach
@@ -40,7 +44,7 @@ class Blocks:
     def follow(self, start: Array, right: Array) -> Array:
         """Return changes at all nodes (slices, NODES, N, k) from those at the start (N, k).
 
-        `right`, of the nodes' shape, are the right sides of the stage equations; it is written over.
+        `right`, of the nodes' shape, are the right sides of the stage equations; it is overwritten.
         """
         count, _, N, k = right.shape
         if k:
@@ -49,10 +53,10 @@ class Blocks:
         return right
 
     def follow_one_by_one(self, right: Array, inject: Array) -> Array:
-        """Return changes at the nodes (slices, NODES, N) of chambers that make nothing of each other.
+        """Return changes at the nodes (slices, NODES, N) of uncoupled chambers.
 
-        The blocks are those of all slices of the first chamber, then of the next. `right`, of that shape, are the right
-        sides; each chamber begins with what `inject` (N, N) makes of the end of the one before.
+        The factors are those of all slices of the first chamber, then of the next. `right`, of that shape, are
+        the right sides; each chamber starts with `inject` (N, N) applied to the end of the one before.
         """
         count, _, N = right.shape
         parts = right.reshape(count, NODES, -1, self.states).transpose(2, 0, 1, 3)  # by chamber
@@ -62,7 +66,7 @@ class Blocks:
 
 
 def follow_once(J: Array, widths: Array, states: int, reach: int, start: Array, right: Array) -> Array:
-    """Do what `Blocks(J, …).follow(start, right)` does, without keeping what is factored: slice after slice."""
+    """Return the same as `Blocks(J, …).follow(start, right)`, slice by slice without keeping the factors."""
     count, _, N, k = right.shape
     now, rows = np.array(start, order="C"), right.reshape(count, NODES * N, k)
     compiled().stages__follow_once(J.reshape(-1, N, N), widths, states, reach, now, rows)

@@ -1,4 +1,4 @@
-"""Closing the collocated cycle, from the one that the integrator closed."""
+"""Close the collocated cycle, starting from the one that the integrator closed."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,32 +21,32 @@ from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
-STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
-ERROR = 0.03  # of the wanted accuracy: of a slice
-READ_INSIDE = 0.1  # of that where flows into lines that pulsate are read inside slices, which the error tells less of
-WIDER_INSIDE = 0.8  # ... and of how slices around a turning of a flow grow
+STEPS = (4.0, 2.0, 1.0)  # integrator's steps per slice at the start; fewer where more do not close
+ERROR = 0.03  # of the wanted accuracy: error of a slice
+READ_INSIDE = 0.1  # factor on that where flows to pulsating lines are read inside slices, less surely estimated
+WIDER_INSIDE = 0.8  # ... and on the growth of slices around the turning of a flow
 ROUNDS = 9  # of refinement
-MOST = 20  # of Newton's iterations ...
-STALLED = 6  # ... of which so many may come no nearer
-CLOSED = 1e-7  # relative residual with which it is ...
-ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
-NEARLY = 1e-4  # ... and with which it is near enough to place its slices, where states nearby are not found
-SETTLED = 0.1  # of a slice's error: what states leave open of which its estimate is made ...
-ROUGHLY = 100.0  # ... and in the first round, whose slices are too long by far
-SHIFT = 1e-6  # of coordinates, for differences of what they make
-KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
-LOST = 20.0  # layers from a crossing, within which it may be one of before
-STANDS = 0.5 * slices.BEFORE  # layers from where slices end before a crossing, within which it stands
-ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
+MOST = 20  # Newton iterations ...
+STALLED = 6  # ... of which this many may pass without progress
+CLOSED = 1e-7  # relative residual of a closed cycle ...
+ENOUGH = 1e-5  # ... that is accepted where no iteration reduces it further ...
+NEARLY = 1e-4  # ... and that is enough to place slices, where `nearby` finds no states
+SETTLED = 0.1  # of a slice's error: residual of the states with which that error is estimated ...
+ROUGHLY = 100.0  # ... and in the first round, whose slices are much too long
+SHIFT = 1e-6  # of coordinates, for differences of the image
+KEPT = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
+LOST = 20.0  # layers around a crossing, within which it may be one of the round before
+STANDS = 0.5 * slices.BEFORE  # layers between a crossing and its slice's end, within which it counts as placed
+ITSELF = 1e-6  # departure of an unknown's own derivative from 1 up to which the scene is taken to state it
 
 
 class Fineness(NamedTuple):
-    """How exact derivatives are asked, in multiples of the constants above and of those of slices.
+    """The wanted accuracy of derivatives, as factors on the constants above and on those of `slices`.
 
-    That is of the error of a slice, `divided` times which needs no second look once it is divided, of what the cycle
-    leaves open, of the slices around a turning of a flow: of the first, and of each further one over that before; of
-    the longest slice, and of how near to its turning a slice must end. Where the cycle is not `estimated` it is the one
-    that the scene's tolerances close first, whatever the error of its figures.
+    They apply to the error of a slice, `divided`: the factor on it up to which a divided slice is not checked
+    again; the residual of the cycle; the slices around a turning of a flow, the first and the ratio from each to
+    the next; the longest slice; and how near to its turning a slice must end. If not `estimated`, the cycle is the
+    first that the scene's tolerances close, whatever the error of its figures.
     """
 
     error: float = 1.0
@@ -59,8 +59,8 @@ class Fineness(NamedTuple):
     estimated: bool = True
 
 
-FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # 1e-3
+FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100 cases
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # 1e-3 of a derivative
 
 
 class Closed(NamedTuple):
@@ -76,9 +76,10 @@ class Closed(NamedTuple):
 
 
 class Linearised(NamedTuple):
-    """How a collocated cycle responds to changes, a column each, the unknowns held, and to each unknown.
+    """The response of a collocated cycle to changes, a column each, at fixed unknowns, and to each unknown.
 
-    `back` (u, u) is what the unknowns make of themselves, in coordinates; `given` tells which of them the scene states.
+    `back` (u, u) is the response of the unknowns to themselves, in coordinates; `given` marks those that the scene
+    states.
     """
 
     by_changes: Response
@@ -92,9 +93,9 @@ class NotClosed(Exception):
 
 
 def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> Closed:
-    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
+    """Return the collocated cycle of a closed life; raise NotClosed where none is found."""
     c = machinery.composition
-    machinery.composition = replace(c, TAB=c.TAB.copy())  # to be written into
+    machinery.composition = replace(c, TAB=c.TAB.copy())  # a writable copy
     why = NotClosed()
     for steps in STEPS:
         try:
@@ -105,7 +106,10 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
 
 
 def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness) -> Closed:
-    """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
+    """Collocate with slices of so many steps at first.
+
+    Refine and place them at turning flows until both have settled.
+    """
     machinery.put(life)
     inside = bool(problem.parts.pulsations)
     seams = slices.seams_of(machinery, problem.parts)
@@ -136,15 +140,15 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
 
 
 def _peak(pitch: Pitch) -> float:
-    """Return where in a pitch [rad] the pressure of the last history is highest; NaN for nowhere."""
+    """Return the angle [rad of the pitch] of the highest pressure in the last history; NaN if there is none."""
     c = pitch.machinery.composition
     return peak(pitch.machinery.trajectory, pitch.problem.parts.geometry)[1] % float(c.P[P_PITCH])
 
 
 def _with_lost(turns: list[slices.Crossing], before: list[slices.Crossing]) -> list[slices.Crossing]:
-    """Return crossings with those of before that are there no more: pressures that all but touch, by slices or not.
+    """Return crossings together with earlier ones that have disappeared, as where pressures barely touch.
 
-    Each of before goes with one that is there: of two side by side, one is lost where only one is left.
+    Each earlier one is matched with at most one that is present: of two close together, one may be lost.
     """
     pairs = sorted(
         (abs(one.angle - each.angle) / one.layer, i, j)
@@ -162,7 +166,7 @@ def _with_lost(turns: list[slices.Crossing], before: list[slices.Crossing]) -> l
 
 
 def _stand(turns: list[slices.Crossing], before: list[slices.Crossing], bound: float) -> bool:
-    """Tell whether crossings are where slices end before them, within so many layers."""
+    """Return whether all crossings are within so many layers of where slices were ended for them."""
     if len(before) != len(turns):
         return False
     pairs = zip(turns, before, strict=True)
@@ -170,7 +174,7 @@ def _stand(turns: list[slices.Crossing], before: list[slices.Crossing], bound: f
 
 
 def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
-    """Return the relative error of each slice: Radau's embedded estimate, of order 3, each chamber's by itself."""
+    """Return the relative error of each slice: Radau's embedded estimate, of order 3, separately for each chamber."""
     before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
     f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
     defect = f + slices.EMBEDDED @ (Y - before[:, None]) / widths[:, None]
@@ -181,9 +185,9 @@ def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
 
 
 def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tuple[Array, Linear | None]:
-    """Close the cycle up to a relative residual; return the states at the nodes, installed, and the last slopes.
+    """Close the cycle to a relative residual; return the states at the nodes, installed, and the last linearisation.
 
-    It begins with the slopes of the slices before, where these are as many.
+    It starts from the linearisation of the slices before, if their number is the same.
     """
     Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
     found = nearby.closed(pitch, Y, nearly, own)
@@ -217,10 +221,10 @@ def _closed(pitch: Pitch, nearly: float, linear: Linear | None, own: Kept) -> tu
 
 
 def linearised(cycle: Closed, changes: Sequence[Change], injected: Sources) -> Linearised:
-    """Return the cycle's responses to changes, and what its unknowns make of it and of themselves.
+    """Return the cycle's responses to changes and to its unknowns.
 
-    `injected` are what of each change the injection makes of the states and of the cells it sets (…, changes). All are
-    asked for together: rates side by side, and changes that follow the slices in one pass, cost less.
+    `injected` are the changes of states and cells by the injection, one column for each change (…, changes). All
+    are computed together, as rates side by side, followed through the slices in one pass, cost less.
     """
     pitch, Y, at, met = cycle.pitch, cycle.nodes, cycle.at, cycle.met
     pitch.put(at)
@@ -232,12 +236,12 @@ def linearised(cycle: Closed, changes: Sequence[Change], injected: Sources) -> L
 
 
 def _given(back: Array) -> Array:
-    """Tell which unknowns the scene states: they are what they are met as."""
+    """Return which unknowns the scene states: these map to themselves."""
     return np.abs(np.eye(len(back)) - back).max(axis=1, initial=0.0) < ITSELF
 
 
 class Read(NamedTuple):
-    """What of a cycle is read: states at the start and the nodes, quadratures, numbers."""
+    """What is read of a cycle: states at the start and the nodes, quadratures, numbers."""
 
     start: Array
     nodes: Array
@@ -246,7 +250,7 @@ class Read(NamedTuple):
 
 
 def _moved(pitch: Pitch, at: Numbers, met: Array, j: int) -> Change:
-    """Return the change of the numbers by a coordinate of an unknown."""
+    """Return the change of the numbers with a coordinate of an unknown."""
     coordinates = pitch.problem.entries.coordinates(met)
     found = []
     for sign in (1.0, -1.0):
@@ -260,7 +264,10 @@ def _moved(pitch: Pitch, at: Numbers, met: Array, j: int) -> Change:
 
 
 def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: int) -> Array:
-    """Return what columns of a response make of the unknowns; from `first` on each goes with an unknown's unit."""
+    """Return the response of the unknowns' next values to columns of a response.
+
+    The columns from `first` on each include a unit change of one unknown.
+    """
     found, read = np.empty((len(met), response.sums.shape[1])), False
     coordinates = pitch.problem.entries.coordinates(met)
 
@@ -288,7 +295,10 @@ def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: in
 
 
 def solved(back: Array, off: Array, given: Array) -> Array:
-    """Return the change of the unknowns that makes them what the cycle makes of them; those given go as they are."""
+    """Return the change of the unknowns that makes them equal to their image.
+
+    Stated ones are changed by `off` itself.
+    """
     if not len(off):
         return np.zeros_like(off)
     matrix, right = np.eye(len(back)) - back, off.copy()

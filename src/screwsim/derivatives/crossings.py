@@ -1,7 +1,7 @@
-"""Where flows turn round or rates jump.
+"""Find where flows turn round or rates jump.
 
-A chamber's pressure passes that of what it is open to, its oil's gas is in equilibrium, its gas passes the border of
-its phases.
+This is where a chamber's pressure passes that of what it is open to, where its oil's gas is in equilibrium, and where
+its gas crosses a phase border.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,24 +18,24 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import bracketed, brentq
 
 Array = np.ndarray
-PLACED = 1e-10  # of the distance between two of these, and of the angle: how well a crossing is placed
-OF_LAYER = 1e-6  # of its regularisation, the pressure difference at which a crossing is placed well enough
+PLACED = 1e-10  # tolerance on a crossing, over the distance of its two angles and over the angle
+OF_LAYER = 1e-6  # of its regularisation: pressure difference at which a crossing is placed well enough
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
 LOOKED = np.array((0.08, SHARES[0], 0.4, SHARES[1], 0.85, 0.97))  # shares of a slice where pressures are read
-STEEP = 1.0  # of a slice: layers of gaps that are wider are resolved anyway
+STEEP = 1.0  # widths of a slice: wider layers of gaps are resolved anyway
 
 
 class Side(NamedTuple):
-    """A chamber, at an angle [rad] of its life when the pitch begins, or a line, at none, by its number."""
+    """One side of a path: a chamber, by its angle [rad] when the pitch starts, or a line (no angle), by its number."""
 
     start: float | None
     line: int = 0
 
 
 class Turn(NamedTuple):
-    """A path whose flow turns round: its sides, between which angles [rad], the width [Pa] of its regularisation.
+    """A path whose flow turns round: its sides, the angles [rad] between which it does, its regularisation [Pa].
 
-    `wide` [rad] is the slice in which it does.
+    `wide` [rad] is the width of the slice.
     """
 
     own: Side
@@ -46,9 +46,9 @@ class Turn(NamedTuple):
 
 
 def crossings(pitch: Pitch) -> list[Crossing]:
-    """Return where flows turn round in the last history, by their angles: through ports, steep ones of gaps, from oil.
+    """Return where flows turn round in the last history, by angle: through ports, steep ones through gaps, from oil.
 
-    And where the gas passes the border of its phases. What a gap carries is little, but near its turn as steep in the
+    Crossings of phase borders are included. A gap carries little, but near its turning its flow is as steep in the
     pressures as that of a port.
     """
     slices = pitch.slices
@@ -63,12 +63,13 @@ def crossings(pitch: Pitch) -> list[Crossing]:
 
 
 def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
-    """Yield where oil that gives gas off begins to take it up, or the other way round, by another rate (M231)."""
+    """Yield where oil changes between releasing and absorbing gas, which have different rates (M231)."""
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     if not c.dissolves:
         return
 
     def given_off(angle: float) -> float:
+        """Return the rate at which oil gives off gas at an angle [rad]."""
         return float(life.given_off(np.array([angle]))[0])
 
     for start in (float(c.P[P_PITCH]) * np.arange(c.chambers)).tolist():
@@ -80,15 +81,15 @@ def _equilibria(pitch: Pitch, angles: Array) -> Iterator[Crossing]:
 
 
 def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Turn]:
-    """Yield where between angles [rad] flows turn round in paths that are open; `wide` are their slices [rad].
+    """Yield where, between angles [rad], flows turn round in open paths; `wide` are the widths of their slices [rad].
 
-    `p` [Pa] are the pressures of all chambers there. Areas are asked for only where pressures pass each other, which is
-    the same for all gaps between the same chambers.
+    `p` [Pa] are the pressures of all chambers there. Areas are evaluated only where pressures pass each other,
+    which is the same for all gaps between the same chambers.
     """
     c, parts = pitch.machinery.composition, pitch.problem.parts
     life, gaps, ports = pitch.machinery.trajectory, 0, 0
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
-    passing: dict[int, tuple[Any, ...]] = {}  # of gaps, by how many pitches apart chambers are
+    passing: dict[int, tuple[Any, ...]] = {}  # for gaps, by the offset of the chambers in pitches
     for path in (path for _, path in parts.all(FlowPath)):
         of_port = not path.between
         index = ports if of_port else len(c.plenum_paths) + gaps
@@ -96,7 +97,7 @@ def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Tur
         number, passes = parts.number(path.to) if of_port else 0, passing.get(path.offset)
         if of_port:
             passes = _passes(p - _line_pressures(life, number, angles))
-        elif passes is None:  # those ahead of the last one are the discharge, whose port tells
+        elif passes is None:  # ahead of the last chamber is the discharge, treated as a port
             passes = passing[path.offset] = _passes(p[: c.chambers - path.offset] - p[path.offset :])
         if not len(passes[0]):
             continue
@@ -111,19 +112,19 @@ def _turning(pitch: Pitch, angles: Array, wide: Array, p: Array) -> Iterator[Tur
 
 
 def _passes(drops: Array) -> tuple[Any, ...]:
-    """Return behind which angles, and of which chambers, pressure differences change their sign: rows, columns."""
+    """Return after which angles, and for which chambers, pressure differences change sign: rows, columns."""
     return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
 
 
 def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:
-    """Return that of `_line_pressure` at angles [rad]: one where the line does not pulsate."""
+    """Return `_line_pressure` at angles [rad]; constant where the line does not pulsate."""
     if not life.composition.pulsating or number >= FIRST_OWN:
         return np.full(len(angles), float(life.R[number * PORT_STATE + PRESSURE]))
     return np.array([_line_pressure(life, number, angle) for angle in angles.tolist()])
 
 
 def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
-    """Return the pressure [Pa] that a port meets at an angle [rad], of a line that pulsates with the lobes (M185)."""
+    """Return the pressure [Pa] at a port to a line at an angle [rad], which may pulsate with the lobes (M185)."""
     c, pressure = life.composition, float(life.R[number * PORT_STATE + PRESSURE])
     if not c.pulsating or number >= FIRST_OWN:
         return pressure
@@ -131,11 +132,10 @@ def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
 
 
 def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
-    """Return where the pressures of both sides of paths are equal, by the states themselves.
+    """Return where the pressures on both sides of paths are equal, computed from the states themselves.
 
-    Of two chambers it is left out where these tell of none, or of one in a wide layer.
-
-    The pressure that a history stores is held between its ends near a line, which is good for flows and not for this.
+    Between two chambers a crossing is left out where the states show none, or one in a wide layer. The pressure
+    stored in a history is held at its ends near a line, which is good for flows but not for this.
     """
     if not turns:
         return []
@@ -155,7 +155,7 @@ def _placed(life: Trajectory, turns: list[Turn]) -> list[Crossing]:
 
 
 def _drops(life: Trajectory, turns: list[Turn]) -> Callable[[Array], Array]:
-    """Return what makes of an angle [rad] for each path the pressure [Pa] on one side less that on the other."""
+    """Return a function of angles [rad], one for each path, giving the pressure difference [Pa] between its sides."""
     sides = [turn.own for turn in turns] + [turn.beyond for turn in turns]
     starts = np.array([np.nan if side.start is None else side.start for side in sides])
     chambers, found = np.flatnonzero(np.isfinite(starts)), np.empty(len(sides))

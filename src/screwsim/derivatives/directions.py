@@ -1,7 +1,7 @@
-"""How a number of a scene moves what the rates take: parameters, tables, lines, breakpoints, the injected oil.
+"""The effect of a number of a scene on the rates' arguments: parameters, tables, lines, breakpoints, injected oil.
 
-A scene with the number shifted is composed, not solved: that is a plain function. Its differences go to one side of the
-cycle, whose own side is the same for all numbers: they are exact but for less than a millionth.
+The scene with the number shifted is composed, not solved, which makes it an explicit function. Differences are
+one-sided, against the cycle's own numbers, which are shared by all directions: their relative error is below 1e-6.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,19 +21,19 @@ from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
 from screwsim.numerics.remembered import once
 
 Array = np.ndarray
-ROOM = 8  # steps in the spare machinery, which integrates none
-SAME = 1e-9  # rad by which a breakpoint that stays may move
+ROOM = 8  # steps in the spare machinery, which does not integrate
+SAME = 1e-9  # rad: movement of a breakpoint up to which it counts as fixed
 
 
 class Structural(Exception):
-    """A number decides on the structure: what is composed with it shifted is another model."""
+    """A number affects the structure: the scene composed with it shifted is another model."""
 
 
 class Direction(NamedTuple):
-    """One number of a scene, shifted by `step` (either sign), and what that moves per unit of it.
+    """One number of a scene, shifted by `step` (of either sign), and the effects per unit of it.
 
-    `problem` is that shifted, `side` its numbers as the cycle stands; `change` that of the rates, `start` and `cells`
-    of what the injection does, `stated` of the unknowns that the scene states, in coordinates.
+    `problem` is the shifted one, `side` its numbers at the cycle; `change` is the effect on the rates, `start` and
+    `cells` that on the injection, `stated` that on unknowns that the scene states, in coordinates.
     """
 
     problem: Problem
@@ -46,7 +46,7 @@ class Direction(NamedTuple):
 
 
 class Directions:
-    """Makes directions of a collocated cycle; a spare machinery takes the numbers of shifted scenes."""
+    """Directions of a collocated cycle; a spare machinery holds the numbers of shifted scenes."""
 
     def __init__(self, cycle: Closed) -> None:
         self.cycle, machinery = cycle, cycle.pitch.machinery
@@ -59,9 +59,10 @@ class Directions:
         self.tightened = np.where(width != 0.0, cycle.at.P[c.widths] / np.where(width != 0.0, width, 1.0), 1.0)
 
     def of(self, shifted: Callable[[float], Problem], step: float) -> Direction:
-        """Return the direction of a number, from the problem posed with it shifted by so much.
+        """Return the direction of a number, from a function that poses the problem with it shifted.
 
-        Where no scene can be posed on one side of it, it stays there; raise UsageError where neither can.
+        Where no scene can be posed on one side, the other is used; raises UsageError where neither can, and
+        Structural.
         """
         try:
             problem, by = shifted(step), step
@@ -71,8 +72,8 @@ class Directions:
             raise Structural("decides on the structure of the model")
         problem.__dict__["called"] = (
             self.cycle.pitch.problem.called
-        )  # of one structure, and nothing stated more or less
-        own, own_given = self.own  # found before: the spare machinery is that of `problem` from here on
+        )  # the structure is the same, so are the figures called for
+        own, own_given = self.own  # compute first: the spare machinery is overwritten below
         side, given = self.numbers(problem, self.cycle.met)
         if side.TAB.shape != self.cycle.at.TAB.shape:
             raise Structural("changes the size of the model's tables")
@@ -82,9 +83,9 @@ class Directions:
         return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
 
     def numbers(self, problem: Problem, met: Array) -> tuple[Numbers, Array]:
-        """Return the numbers of a problem that meets unknowns, and in coordinates what of these its scene states.
+        """Return the numbers of a problem with unknowns `met`, and the coordinates of unknowns that its scene states.
 
-        Cells that the injection sets, and what the cycle makes, stay those of the cycle.
+        Cells that the injection sets keep the values of the cycle.
         """
         machinery, at, entries = self.spare, self.cycle.at, problem.entries
         machinery.begin(problem.composition)
@@ -98,7 +99,7 @@ class Directions:
         return Numbers(P.copy(), c.TAB, machinery.R.copy()), given
 
     def meeting(self, direction: Direction, met: Array) -> Numbers:
-        """Return the numbers of a direction's problem where it meets other unknowns than its cycle does."""
+        """Return the numbers of a direction's problem with other unknowns than its cycle's."""
         machinery, at, side, noted = self.spare, self.cycle.at, direction.side, self.cycle.pitch.noted
         P, R = machinery.composition.P, machinery.R
         P[:], R[:] = side.P, side.R
@@ -113,15 +114,15 @@ class Directions:
 
     @once
     def own(self) -> tuple[Numbers, Array]:
-        """What `numbers` returns of the cycle's own problem."""
+        """The result of `numbers` for the cycle's own problem."""
         return self.numbers(self.cycle.pitch.problem, self.cycle.met)
 
     def _change(self, problem: Problem, numbers: Numbers, by: float) -> Change:
-        """Return the change of the rates: of numbers and of edges, which move with the breakpoints, and its side."""
+        """Return the change of the rates: of numbers, and of edges, which move with the breakpoints; with its side."""
         stay = problem.composition.breakpoints is self.cycle.pitch.problem.composition.breakpoints
         if stay and not numbers.P[P_PITCH]:
             return Change(numbers)
-        there = self.spare.pitch_breakpoints()  # it has the numbers of this problem (`numbers`)
+        there = self.spare.pitch_breakpoints()  # it holds this problem's numbers (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
             edges = moved(self.cycle.pitch.slices, self.breakpoints, rates) if rates.any() else None
@@ -133,7 +134,7 @@ class Directions:
         return Change(numbers, None, np.where(ways == 0.0, 1.0, ways))
 
     def _ways(self, breakpoints: Array, pitch: float) -> Array:
-        """Return the sign of the way in which breakpoints leave the end of each slice; 0 where none does."""
+        """Return the sign of the movement of breakpoints away from the end of each slice; 0 where there is none."""
         apart = (breakpoints[:, None] - self.breakpoints + 0.5 * pitch) % pitch - 0.5 * pitch
         nearest = np.abs(apart).argmin(axis=1)
         ways = np.zeros(len(self.breakpoints))
@@ -146,7 +147,7 @@ class Directions:
         return found
 
     def _injected(self, numbers: Numbers, step: float) -> tuple[Array, Array]:
-        """Return by how much states behind the injection and the cells it sets change with numbers."""
+        """Return the change of states after the injection, and of the cells it sets, with numbers."""
         cycle, pitch = self.cycle, self.cycle.pitch
         if pitch.injected is None or numbers.nothing:
             return np.zeros(pitch.N), np.zeros(len(pitch.cells()))
@@ -156,7 +157,7 @@ class Directions:
 
 
 def along(cycle: Closed, directions: Sequence[Direction]) -> Linearised:
-    """Return the cycle linearised along directions, a column each; of those that it does not feel nothing is asked."""
+    """Return the cycle linearised along directions, a column each; directions without effect are skipped."""
     felt = [j for j, each in enumerate(directions) if not each.change.nothing or each.start.any() or each.cells.any()]
     some = [directions[j] for j in felt] or directions[:1]
     start, cells = (np.stack([getattr(each, name) for each in some], axis=-1) for name in ("start", "cells"))

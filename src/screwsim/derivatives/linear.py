@@ -1,7 +1,7 @@
-"""What small changes make of themselves over a pitch and around it: the collocated cycle, linearised.
+"""The collocated cycle, linearised: the response of a pitch, closed periodically, to small changes.
 
-Changes of the stage equations enter as sources, a column each; what comes back are changes of the states at all nodes,
-of the cells that the injection sets, and of the quadratures, the period closed, the unknowns held.
+Changes of the stage equations enter as sources, a column each. The results are the changes of the states at all nodes,
+of the cells that the injection sets, and of the quadratures, with the period closed and the unknowns fixed.
 """
 
 from __future__ import annotations
@@ -23,22 +23,23 @@ from screwsim.numerics.remembered import once
 from screwsim.numerics.reused import zeros
 
 Array = np.ndarray
-OF_WIDTH = 1e-5  # of the regularisation: steps of differences, a tenth of how near to its turn a node is ...
-LEAST, MOST = 1e-10, 1e-9  # ... within these
-SMALL = 1e-3  # of a state or a cell, for relative steps
+OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
+LEAST, MOST = 1e-10, 1e-9  # ... within these bounds
+SMALL = 1e-3  # least size of a state or a cell, for relative steps
 
 
 class Sources(NamedTuple):
-    """Columns (…, k) that a change makes beside rates: states behind the injection, cells it sets."""
+    """Direct effects of changes besides those on rates, columns (…, k): on states after the injection, on its cells."""
 
     start: Array
     cells: Array
 
 
 class Response(NamedTuple):
-    """Columns (…, k): changes of the states at the start, of the cells, of the quadratures, and of the states at nodes.
+    """Changes, columns (…, k), of states at the start, of cells, of quadratures and of states at nodes.
 
-    Those at nodes are sums of what was followed (slices, NODES, N, K), `weights` (K, k): most are never asked for.
+    Those at nodes are linear combinations, by `weights` (K, k), of what was `followed` (slices, NODES, N, K): most
+    are never needed.
     """
 
     start: Array
@@ -53,37 +54,39 @@ class Response(NamedTuple):
         return self.inside(slice(None))
 
     def inside(self, slices: slice) -> Array:
-        """Return changes of the states at the nodes of some slices."""
+        """Return the changes of the states at the nodes of some slices."""
         return self.followed[slices] @ self.weights
 
     def of(self, columns: int | slice) -> Response:
-        """Return some of the columns, or one of them, without its axis."""
+        """Return some of the columns; a single one without its axis."""
         return self._each(lambda each: each[..., columns])
 
     def weighted(self, weights: Array) -> Response:
-        """Return sums of the columns (k, m), or one sum of them (k,)."""
+        """Return linear combinations of the columns, by weights (k, m) or (k,)."""
         return self._each(lambda each: each @ weights)
 
     def added(self, other: Response) -> Response:
-        """Return both together, of the same that was followed."""
+        """Return the sum with another response that shares what was followed."""
         start, cells, sums, weights, _ = other
         return Response(self.start + start, self.cells + cells, self.sums + sums, self.weights + weights, self.followed)
 
     def _each(self, made: Callable[[Array], Array]) -> Response:
+        """Return the response with a function applied to each array of columns."""
         return Response(made(self.start), made(self.cells), made(self.sums), made(self.weights), self.followed)
 
 
 def step_of(pitch: Pitch) -> float:
-    """Return the relative step of differences: within the regularisation, far above rounding."""
+    """Return the relative step of differences: small against the regularisation, far above rounding."""
     width = float(pitch.machinery.composition.P[P_GAP_WIDTH])
     return min(MOST, max(LEAST, OF_WIDTH * width))
 
 
 class Change(NamedTuple):
-    """A direction: of the numbers, of the edges of the slices [rad]; `side` is the sign of its differences.
+    """A direction: change of the numbers, and of the slices' edges [rad]; `side` is the sign of its differences.
 
-    Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences go to the side on
-    which the nodes at the ends of slices stay in theirs: of each slice, where the number moves breakpoints either way.
+    Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences are taken on
+    the side where the nodes at the ends of slices remain in their segments; one sign for each slice where
+    breakpoints move both ways.
     """
 
     numbers: Numbers
@@ -92,19 +95,19 @@ class Change(NamedTuple):
 
     @property
     def nothing(self) -> bool:
-        """Does no rate feel it?"""
+        """Whether no rate depends on it."""
         return self.numbers.nothing and self.edges is None
 
     @property
     def both(self) -> bool:
-        """Is it to be differenced to both sides: pressures of lines, in whose layers chambers may stand for long?"""
+        """Whether differences must be central: for pressures of lines, in whose layers chambers may remain for long."""
         return bool(self.numbers.R[PRESSURE:R_RATIO:PORT_STATE].any())
 
 
 def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right: Array, first: int) -> Array:
-    """Return what rates along changes make of the quadratures, a column each.
+    """Return the change of the quadratures with changes of the rates' arguments, a column each.
 
-    What they make of the stage equations is added to `right` (slices, NODES, N, …), from column `first` on.
+    Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
     """
     sums = np.zeros((pitch.q - 1, len(changes)))
     some = [i for i, each in enumerate(changes) if not each.nothing]
@@ -136,7 +139,7 @@ def along(pitch: Pitch, Y: Array, at: Numbers, changes: Sequence[Change], right:
 
 
 def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
-    """Return the derivatives of states behind the injection, and of the cells it sets, by the states before it."""
+    """Return the derivatives of states after the injection, and of the cells it sets, by the states before it."""
     N, n, index, at = pitch.N, pitch.n, pitch.injected, pitch.numbers
     states, cells = np.eye(N), np.zeros((len(pitch.cells()), N))
     if index is None:
@@ -158,10 +161,11 @@ def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
 
 
 class Linear:
-    """The linearised pitch, at states Y and numbers as they stand, its slices fixed, or led by the borders of phases.
+    """The linearised pitch at states Y and the current numbers, with slices fixed, or bounded by moving phase borders.
 
-    `first` is its response to changes, a column each: what is known beforehand costs little more than the matrices.
-    `injected` are what the last of the changes make of states behind the injection and of the cells it sets.
+    `first` is its response to changes, a column each: passing them at once costs little more than the matrices
+    alone. `injected` are the direct effects of the last of these changes on states after the injection and on its
+    cells.
     """
 
     def __init__(
@@ -178,10 +182,10 @@ class Linear:
         sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
         self._feels = [i for i in range(len(sizes)) if self._is_felt(i)]
         felt = [Change(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
-        self._known = N + len(felt)  # columns of what is followed before those of changes
+        self._known = N + len(felt)  # columns before those of changes
         columns = self._known + len(changes)
-        right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers: what is left over takes as long as one
-        of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # rates side by side cost less
+        right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
+        of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # cheaper side by side
         right[..., N : self._known] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
         cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
@@ -194,17 +198,17 @@ class Linear:
 
     @property
     def _equations(self) -> tuple[Array, Array, int, int]:
-        """What the stage equations are factored from."""
+        """The arguments for factoring the stage equations."""
         reach = max(self.pitch.machinery.composition.offsets, default=1)
         return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
 
     def _through(
         self, now: Array, right: Array, borders: Sequence[Border], numbers: Sequence[Numbers]
     ) -> tuple[Array, Array]:
-        """Return changes at all nodes from those at the start, and what borders make of the quadratures.
+        """Return the changes at all nodes from those at the start, and the effect of phase borders on the quadratures.
 
-        `numbers` are the changes of the numbers that the columns behind those of states go with; `now` and `right` are
-        written over.
+        `numbers` are the changes of the numbers for the columns after those of states; `now` and `right` are
+        overwritten.
         """
         J, widths, states, reach = self._equations
         sums, first = np.zeros((self.pitch.q - 1, right.shape[-1])), 0
@@ -223,16 +227,16 @@ class Linear:
 
     @once
     def blocks(self) -> Blocks:
-        """The stage equations, factored to be followed again."""
+        """The factored stage equations, for repeated use."""
         return Blocks(*self._equations)
 
     def _is_felt(self, cell: int) -> bool:
-        """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
+        """Return whether rates depend on a cell: the oil ratio (the first), where no state, and what a pump uses."""
         c = self.pitch.machinery.composition
         return (cell == 0 and not c.carried and "T_oil" in c.states) or cell >= self.pitch.run_cells
 
     def _summed(self, nodes: Array) -> Array:
-        """Return what changes at the nodes (slices, NODES, N, k) make of the quadratures."""
+        """Return the change of the quadratures with changes at the nodes (slices, NODES, N, k)."""
         sums, widths = np.zeros((self.pitch.q - 1, nodes.shape[-1])), self.pitch.slices.widths
         slopes = self.slopes.g_by_states
         compiled().sweeps__add_through(
@@ -241,9 +245,9 @@ class Linear:
         return sums
 
     def _closing(self, end: Array) -> Array:
-        """Return the inverse of what closes the period: of start and cells less what they make of themselves.
+        """Return the inverse of 1 − (the map of start and cells over one period).
 
-        `end` is what start and felt cells make of the states at the end.
+        `end` is the response of the states at the end to start and felt cells.
         """
         N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
         made = np.zeros((N, N + len(self.noted)))
@@ -252,15 +256,15 @@ class Linear:
         return np.linalg.inv(np.eye(len(back)) - back)
 
     def respond(self, stages: Array) -> Response:
-        """Return what is made, the period closed, of stages that are added to the stage equations (…, k)."""
+        """Return the periodic response to sources (…, k) in the stage equations."""
         nodes = self.blocks.follow(np.zeros((self.pitch.N, stages.shape[-1])), stages.copy())
         followed = np.concatenate([self._followed[..., : self._known], nodes], axis=-1)
         return self._responded(followed, np.concatenate([self._sums[:, : self._known], self._summed(nodes)], axis=-1))
 
     def _responded(self, followed: Array, sums: Array, injected: Sources | None = None) -> Response:
-        """Return the response to what was followed behind start and felt cells, a column each.
+        """Return the periodic response to what was followed beyond start and felt cells, a column each.
 
-        `sums` are what all that was followed makes of the quadratures; the last columns have sources that are injected.
+        `sums` are the corresponding changes of the quadratures; the last columns also have injected sources.
         """
         N, chambers, known = self.pitch.N, self.pitch.machinery.composition.chambers, self._known
         end = shifted(followed[-1, -1, :, known:], chambers)

@@ -1,8 +1,8 @@
-"""States near those of the closed cycle, to place slices by, and from there to it where little is left open.
+"""Approximate Newton iterations of the collocated cycle with each chamber's own derivatives only.
 
-Newton's method with what each chamber makes of itself alone: gaps tie it to the others, by little. So the matrix is
-that of one chamber, and a solution takes a fraction of the closing one. To place slices, start and unknowns are held
-as the integrator left them; to close, a chamber's changes follow it through its life, and unknowns go as they are made.
+Chambers are coupled by gaps, weakly. So the matrix is that of one chamber, and a solution costs a fraction of the full
+one. To place slices (`near`), start and unknowns are kept as the integrator left them. To close the cycle (`closed`), a
+chamber's changes are followed through its life, and the unknowns are set to their image.
 """
 
 from dataclasses import dataclass, field
@@ -19,34 +19,34 @@ from screwsim.derivatives.slices import INTEGRALS
 
 Array = np.ndarray
 MOST = 12  # iterations
-KEPT = 0.2  # of the residual before, down to which slopes of the iteration before are good enough
-CLOSINGS = 8  # iterations by which a cycle is closed so, while each leaves at most ...
-AGAIN = 4.0  # ... so many times what any before left open: what one leaves, others may bring back before it goes
-LONGEST = 0.3  # change of a state in one iteration, over itself
-SWING = 0.4  # of the change before, beyond which one that goes back is halved
-SMALL = 1e-3  # of a state, for relative residuals
-ALIKE = 1e-3  # relative change of a state, up to which the slopes of its slice are good enough for the next round
+KEPT = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
+CLOSINGS = 8  # iterations that may close a cycle, while each residual is at most ...
+AGAIN = 4.0  # ... this many times the least before: a residual may return through other chambers before it decays
+LONGEST = 0.3  # relative change of a state in one iteration
+SWING = 0.4  # ratio to the change before, above which a change of opposite sign is halved
+SMALL = 1e-3  # least size of a state, for relative residuals
+ALIKE = 1e-3  # relative change of a state, up to which its slice's derivatives are kept for the next round
 
 
 @dataclass
 class Kept:
-    """The stage equations of each chamber by itself as they were factored last, of slices with these edges.
+    """The last factored stage equations of each chamber alone, with the edges and states of their slices.
 
-    They are tried for other slices that are as many, which moved a little with where flows turn round. Of slices that
-    are not as many those keep theirs that were there before, with states that were nearly the same.
+    They are tried for other slices of the same number, which have moved slightly with turning flows. If the number
+    differs, slices that existed before with nearly the same states keep their factors.
     """
 
     blocks: Blocks | None = None
     edges: Array = field(default_factory=lambda: np.zeros(1))
     states: Array = field(default_factory=lambda: np.zeros(0))
-    good: bool = True  # did states come nearer fast enough by them?
+    good: bool = True  # whether iterations with them converged fast enough
 
     def of(self, pitch: Pitch) -> Blocks | None:
-        """Return those that were kept, if they may be good for a pitch."""
+        """Return the kept factors, if they may serve a pitch."""
         return self.blocks if pitch.count == len(self.edges) - 1 else None
 
     def begun(self, pitch: Pitch, Y: Array) -> Blocks:
-        """Return those of a pitch whose slices are others: at states, where there was no such slice."""
+        """Return the factors for a pitch with other slices; only new slices are factored."""
         if self.blocks is None or not self.good:
             return self.anew(pitch, Y)
         edges, before = pitch.slices.edges, self.edges
@@ -58,14 +58,17 @@ class Kept:
         return self.blocks
 
     def anew(self, pitch: Pitch, Y: Array) -> Blocks:
-        """Return those of a pitch at states, which are kept."""
+        """Return, and keep, new factors for a pitch at given states."""
         self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.slices.edges
         self.states = Y
         return self.blocks
 
 
 def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
-    """Return states at the start and the nodes that leave less than a relative residual, installed; None for none."""
+    """Return states at the start and the nodes with less than a relative residual, installed.
+
+    None if none are found.
+    """
     Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
     start, last, nothing = pitch.begin(Y), np.zeros_like(Y), np.zeros((pitch.N, pitch.N))
     for _ in range(MOST):
@@ -88,9 +91,9 @@ def near(pitch: Pitch, bound: float, kept: Kept) -> tuple[Array, Array] | None:
 
 
 def closed(pitch: Pitch, Y: Array, bound: float, kept: Kept) -> Array | None:
-    """Return states at the nodes that close the cycle up to less than a relative residual, installed; None for none.
+    """Return states at the nodes that close the cycle within a relative residual, installed; None if none are found.
 
-    Unknowns are met as the cycle makes them; they stand as they stood where there are none.
+    The unknowns are set to their image; where it fails, they are restored.
     """
     at, least, first = pitch.numbers, np.inf, Y
     blocks, inject = kept.of(pitch), None
@@ -118,9 +121,9 @@ def closed(pitch: Pitch, Y: Array, bound: float, kept: Kept) -> Array | None:
 
 
 class Open(NamedTuple):
-    """By how much the unknowns are off, what the stage equations leave open, how much that is in all; what was read.
+    """The difference of the unknowns from their image, the residual of the stage equations, the largest of both.
 
-    That is the states at the start and the quadratures.
+    `read` are the states at the start and the quadratures.
     """
 
     off: Array
@@ -130,7 +133,7 @@ class Open(NamedTuple):
 
 
 def open_of(pitch: Pitch, Y: Array) -> Open:
-    """Return what states at the nodes leave open."""
+    """Return the residuals of states at the nodes."""
     start, (f, g) = pitch.begin(Y), rates(pitch, Y)
     sums = pitch.sums(g)
     life = Placed.of(pitch, lambda: pitch.install(start, Y))
@@ -140,13 +143,13 @@ def open_of(pitch: Pitch, Y: Array) -> Open:
 
 
 def _blocks(pitch: Pitch, Y: Array, slices: Array) -> Blocks:
-    """Return the stage equations of each chamber by itself, factored, of some slices."""
+    """Return the factored stage equations of each chamber alone, for some slices."""
     chambers, n = pitch.N // pitch.n, pitch.n
     return Blocks(pitch.by_own_states(Y, slices), np.tile(pitch.slices.widths[slices], chambers), n, 0)
 
 
 def residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:
-    """Return what the stage equations leave open (slices, NODES, N)."""
+    """Return the residual of the stage equations (slices, NODES, N)."""
     before = np.concatenate([start[None], Y[:-1, -1]])
     return Y - before[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
 
@@ -157,13 +160,13 @@ def size_of(open_: Array, Y: Array) -> float:
 
 
 def tamed(change: Array, last: Array) -> Array:
-    """Return a change, half of it where it all but takes the last one back: from side to side of a steep flow."""
+    """Return a change, halved where it nearly takes back the last one, alternating across a steep flow."""
     swings = (change * last < 0.0) & (np.abs(change) > SWING * np.abs(last))
     return np.where(swings, 0.5 * change, change)
 
 
 def stepped(pitch: Pitch, Y: Array, change: Array) -> Array:
-    """Return states changed by no more than `LONGEST` of themselves, those that may have either sign as asked."""
+    """Return states changed by at most `LONGEST` of themselves; states of either sign change without limit."""
     c = pitch.machinery.composition
     signed = np.tile(np.isin(np.arange(pitch.n), c.signed), c.chambers)
     most = np.where(signed, np.inf, LONGEST * np.maximum(np.abs(Y), 0.0))

@@ -1,7 +1,8 @@
-"""The highest pressure of a cycle as a smooth function of it: where it lies, not at the sample next to that.
+"""The highest pressure of a cycle as a smooth function of it: at its true place, not at the nearest sample.
 
 The figure of a run is the highest of fifty samples on either side of the highest end of a step, or of a top elsewhere:
-good for the pressure, not for its slope, which by the envelope theorem is that at the very maximum.
+accurate enough for the pressure but not for its derivative, which by the envelope theorem is that at the maximum
+itself.
 """
 
 from typing import Any
@@ -14,24 +15,28 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
-POINTS = 7  # of a step, through which a polynomial goes
-SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # shares of a step: Chebyshev's
-THROUGH = np.linalg.inv(np.vander(SAMPLES))  # coefficients of that polynomial, the highest power first
+POINTS = 7  # of a step, for an interpolating polynomial
+SAMPLES = 0.5 * (1.0 - np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS))  # Chebyshev points, as shares of a step
+THROUGH = np.linalg.inv(np.vander(SAMPLES))  # maps values to coefficients of that polynomial, highest power first
 POWERS = np.arange(POINTS - 1.0, 0.0, -1.0)
 BELOW = np.eye(POINTS - 2, k=-1)
-SEEN = 9  # points of a step, ends included, that tell whether it may hold the top
-REAL = 1e-9  # imaginary part up to which a root is one
+SEEN = 9  # points of a step, ends included, at which a higher top is looked for
+REAL = 1e-9  # imaginary part up to which a root counts as real
 
 
 def peak_pressure(of: Evaluation) -> float:
-    """Return the highest chamber pressure [Pa] from injection to where the figure ends, by the states; NaN for none."""
+    """Return the highest chamber pressure [Pa] from injection to the end of the figure's range, by states.
+
+    NaN if none.
+    """
     return peak(of.life, of.problem.parts.geometry)[0]
 
 
 def turn_of(of: Evaluation) -> tuple[int, float] | None:
-    """Return in which step, and at which share of it, the highest pressure is; None where it is at an end or nowhere.
+    """Return the step, and the share of it, of the highest pressure.
 
-    There its derivative is that of the pressure at this share: by how much the maximum moves is of no account.
+    None where it is at an end of the range or nowhere. The derivative of the maximum is that of the pressure at
+    this share: the movement of the maximum does not matter.
     """
     life, (_, angle) = of.life, peak(of.life, of.problem.parts.geometry)
     if not np.isfinite(angle) or min(abs(angle - each) for each in _limits(of.life, of.problem.parts.geometry)) < REAL:
@@ -48,7 +53,7 @@ def _limits(life: Trajectory, geometry: Any) -> tuple[float, float]:
 
 
 def peak(life: Trajectory, geometry: Any) -> tuple[float, float]:
-    """Return that pressure [Pa] and its angle [rad]; NaN for none."""
+    """Return the highest pressure [Pa] and its angle [rad]; NaN if there is none."""
     first, limit = _limits(life, geometry)
     times = life.times[: life.steps + 1]
     steps = life.dense[: life.steps, :, len(life.composition.states)]
@@ -76,7 +81,7 @@ def _highest(life: Trajectory, times: Array, i: int, limits: tuple[float, float]
 
 
 def _turns(of_step: Array) -> Array:
-    """Return where the slope of a polynomial is nothing: eigenvalues of its companion, as `np.roots` has them."""
+    """Return where the slope of a polynomial vanishes: eigenvalues of its companion matrix, as in `np.roots`."""
     slope = of_step[:-1] * POWERS
     if not slope[0]:
         return np.roots(slope)

@@ -1,9 +1,9 @@
-"""Where the gas of a chamber passes the border of its phases, and what that makes of a small change.
+"""Where a chamber's gas crosses a phase border, and the response to a small change there.
 
-Heat capacity and exponent of a gas jump there (docs/explanation/numerics.md, borders of phases), and with them the
-rates of all that meets it. A change delays the angle at which the border is passed by δφ, over which the rates of the
-one side act in place of those of the other: δy jumps by (f − f₊) δφ, a quadrature by (g − g₊) δφ. The border is a
-temperature over density, T_b(ρ): δφ = (δT_b + T_b' δρ − δT)/(dT/dφ − T_b' dρ/dφ).
+Heat capacity and exponent of the gas jump at the border (docs/explanation/numerics.md, borders of phases), and with
+them all rates that depend on these. A change delays the crossing by an angle δφ, over which the rates of one side act
+in place of those of the other: δy jumps by (f − f₊) δφ, a quadrature by (g − g₊) δφ. The border is a temperature over
+density, T_b(ρ): δφ = (δT_b + T_b' δρ − δT)/(dT/dφ − T_b' dρ/dφ).
 
 Source: M. di Bernardo et al., Piecewise-smooth Dynamical Systems, Springer 2008, 2.5 (saltation matrix).
 """
@@ -20,20 +20,20 @@ from screwsim.derivatives.slices import BEFORE, CORNERED, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 
 Array = np.ndarray
-PLACED = 1e-10  # rad: how well a border is placed
-ENDS = 1e-7, 1e-5  # rad: how near before a border a slice may end, and how far, to stay where it is
-JUMP = 3e-5  # rad: the slice behind a border, in which a change of the states jumps
+PLACED = 1e-10  # rad: tolerance on the angle of a border
+ENDS = 1e-7, 1e-5  # rad: least and largest distance of a slice's end before a border, for the end to stay there
+JUMP = 3e-5  # rad: the slice after a border, in which the response of the states jumps
 SHIFT = 1e-7  # of numbers ...
-BESIDE = 1e-5  # ... and of the density, for differences of what they make of a border
-NEAREST, FARTHEST = 1e-8, 1e-2  # of a temperature: how near to it a border is looked for, and how far
-NARROW = 1e-14  # of a temperature: how well a border is placed
+BESIDE = 1e-5  # ... and of the density, for differences of a border's temperature
+NEAREST, FARTHEST = 1e-8, 1e-2  # relative distances from a temperature between which a border is sought
+NARROW = 1e-14  # relative tolerance on the temperature of a border
 
 
 class Border(NamedTuple):
-    """Where a chamber passes the border of its phases, at the end of a slice, and what that makes of a change.
+    """A chamber's crossing of a phase border at the end of a slice, and the response to a change there.
 
-    A change of the states `by_states` (N,) delays it [rad], one of the numbers as `at` tells; by that times `states`
-    (N,) the states change there, by that times `sums` the quadratures.
+    The delay [rad] is `by_states` (N,) times the change of the states, plus that by the numbers (`at`); times
+    `states` (N,) it is the jump of the states, times `sums` that of the quadratures.
     """
 
     slice: int
@@ -43,12 +43,12 @@ class Border(NamedTuple):
     sums: Array
 
     def by_numbers(self, changes: Sequence[Numbers]) -> Array:
-        """Return by how much changes of the numbers delay the border [rad]."""
+        """Return the delays of the border [rad] by changes of the numbers."""
         return np.array([self.at.changed(each) / self.at.steepness for each in changes])
 
 
 class At(NamedTuple):
-    """A state T [K], ρ [kg/m³] at a border, as a pitch has it.
+    """A state T [K], ρ [kg/m³] at a phase border, in a pitch.
 
     `steepness` [K/rad] is the rate at which the temperature passes that of the border.
     """
@@ -59,7 +59,7 @@ class At(NamedTuple):
     steepness: float
 
     def changed(self, numbers: Numbers) -> float:
-        """Return by how much the temperature of the border changes with the numbers [K]."""
+        """Return the change of the border's temperature [K] with the numbers."""
         if not (numbers.P.any() or numbers.TAB.any()):
             return 0.0
         sides = [self.pitch.numbers.plus(by, numbers) for by in (SHIFT, -SHIFT)]
@@ -68,7 +68,7 @@ class At(NamedTuple):
 
 
 def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Crossing]:
-    """Yield where a chamber of the last history passes the border of its phases, between angles [rad] of the pitch.
+    """Yield where chambers of the last history cross a phase border between angles [rad] of the pitch.
 
     `states` are those of all chambers there (chambers, angles, …).
     """
@@ -88,9 +88,10 @@ def border_crossings(pitch: Pitch, angles: Array, states: Array) -> Iterator[Cro
 
 
 def _as_it_stands(pitch: Pitch, chamber: int, angle: float) -> float:
-    """Return the angle [rad] of a border, or that by which slices end before it already, where they end near enough.
+    """Return the angle [rad] of a border, or the one for which a slice already ends close before it.
 
-    Behind that end the gas is held in its other phase, by whose rates it is found: it would go to and fro.
+    After that end the gas is held in its other phase, whose rates determine the border: it would alternate
+    otherwise.
     """
     end = int(np.searchsorted(pitch.slices.edges, angle)) - 1
     at = float(pitch.slices.edges[end])
@@ -99,16 +100,16 @@ def _as_it_stands(pitch: Pitch, chamber: int, angle: float) -> float:
 
 
 def borders(pitch: Pitch, Y: Array) -> list[Border]:
-    """Return the borders that chambers pass, each at the end of a slice."""
+    """Return the phase borders that chambers cross, each at the end of a slice."""
     passed = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()
     found = (_border(pitch, Y, k, chamber, pitch.phases[k : k + 2]) for k, chamber in passed)
     return [each for each in found if each is not None]
 
 
 def _border(pitch: Pitch, Y: Array, k: int, chamber: int, phases: Array) -> Border | None:
-    """Return the border that a chamber passes at the end of slice k, with the phases of all before and behind it.
+    """Return the border that a chamber crosses at the end of slice k, with all chambers' phases before and after it.
 
-    None where it is only touched: there is no derivative.
+    None where the border is only touched: there is no derivative.
     """
     y, own = Y[k, -1], [chamber * pitch.n + S_T, chamber * pitch.n + S_RHO]
     before, behind = phases[0], phases[0].copy()
@@ -126,7 +127,7 @@ def _border(pitch: Pitch, Y: Array, k: int, chamber: int, phases: Array) -> Bord
 
 
 def border_temperature(pitch: Pitch, T: float, rho: float, numbers: Numbers) -> float:
-    """Return the temperature [K] at which a gas of ρ [kg/m³] changes its phase, next to T; NaN where none is near."""
+    """Return the temperature [K] of the phase border at ρ [kg/m³], next to T; NaN where none is near."""
     P, TAB, phase = numbers.P, numbers.TAB, pitch.machinery.module.gas_phase
     own, apart = phase(T, rho, P, TAB), NEAREST
     while apart < FARTHEST:

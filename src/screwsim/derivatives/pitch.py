@@ -1,8 +1,8 @@
 """The closed cycle as polynomials on slices of a pitch: nonlinear collocation, closed by Newton's method.
 
 The states Y at the nodes, those at the pitch's start and the feedback unknowns u are solved for together: on each slice
-Y = y₀ + h Σ a f(Y), a pitch on each chamber takes the next place, oil is injected, and u is what the cycle makes of it.
-Its derivatives are then those of a system of equations (implicit-function theorem), whatever steps found the cycle.
+Y = y₀ + h Σ a f(Y), after a pitch each chamber moves to the next place, oil is injected, and u equals its image. Its
+derivatives are then those of a system of equations (implicit-function theorem), whatever steps found the cycle.
 """
 
 from __future__ import annotations
@@ -27,28 +27,31 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.reused import empty
 
 Array = np.ndarray
-INSIDE = 1e-9  # of a pitch: its end, of the chamber that is still there
+INSIDE = 1e-9  # share of a pitch before its end that still belongs to the same chamber
 
 
 class Numbers(NamedTuple):
-    """What the rates take beside states and angle: parameters, tables and run-time cells; also a change of these."""
+    """The arguments of the rates besides states and angle: parameters, tables and run-time cells.
+
+    Also a change of these.
+    """
 
     P: Array
     TAB: Array
     R: Array
 
     def plus(self, by: float, change: Numbers) -> Numbers:
-        """Return these and so many times a change of them."""
+        """Return these plus a multiple of a change."""
         return Numbers(*(one + by * more for one, more in zip(self, change, strict=True)))
 
     @property
     def nothing(self) -> bool:
-        """Is this change none?"""
+        """Whether this change is zero."""
         return not any(each.any() for each in self)
 
 
 class Slopes(NamedTuple):
-    """Rates at the nodes (slices, NODES, …): f of the states, g of the quadratures, and both by the states."""
+    """Rates at the nodes (slices, NODES, …): f of states, g of quadratures, then the derivatives of both by states."""
 
     f: Array
     g: Array
@@ -58,10 +61,11 @@ class Slopes(NamedTuple):
 
 @dataclass
 class Pitch:
-    """All chambers over one pitch on slices; the machinery is lent, and its numbers are those of the cycle.
+    """All chambers over one pitch on slices, using a machinery on loan whose numbers are those of the cycle.
 
-    Its tables are its own: they may be written into. On each slice chambers are held in `phases` (slices, chambers),
-    those of the last history in its middle: slices end on the border, and no node goes to and fro over it.
+    Its tables are a copy that may be written to. On each slice chambers are held in `phases` (slices, chambers),
+    those of the last history at its middle: slices end on phase borders, so that no node changes side during
+    iteration.
     """
 
     problem: Problem
@@ -72,7 +76,7 @@ class Pitch:
     def __post_init__(self) -> None:
         c = self.machinery.composition
         self.n, self.N, self.count = self.machinery.n, c.chambers * self.machinery.n, len(self.slices.middles)
-        self.q = self.machinery.nq + 1  # gas across the injection angle last
+        self.q = self.machinery.nq + 1  # the last one is the gas across the injection angle
         self.phases = np.full((self.count, c.chambers), FREE)
         if self.has_phases:
             starts = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None]
@@ -83,19 +87,19 @@ class Pitch:
 
     @property
     def numbers(self) -> Numbers:
-        """A copy of the numbers as they stand."""
+        """A copy of the current numbers."""
         c = self.machinery.composition
         return Numbers(c.P.copy(), c.TAB.copy(), self.machinery.R.copy())
 
     def put(self, numbers: Numbers) -> None:
-        """Let the rates take other numbers."""
+        """Set the numbers that the rates use."""
         c = self.machinery.composition
         c.P[:], c.TAB[:], self.machinery.R[:] = numbers
 
     # ---- states ------------------------------------------------------------------------------------------------
 
     def read(self) -> Array:
-        """Return the states at the nodes (slices, NODES, N) of the last history."""
+        """Return the states at the nodes (slices, NODES, N), read from the last history."""
         c = self.machinery.composition
         pitch = float(c.P[P_PITCH])
         inside = np.minimum(self.slices.angles.ravel(), pitch * (1.0 - INSIDE))
@@ -103,32 +107,32 @@ class Pitch:
         return at.reshape(c.chambers, -1, self.n).transpose(1, 0, 2).reshape(self.count, NODES, self.N)
 
     def begin(self, Y: Array) -> Array:
-        """Return the states at the pitch's start that follow from its end, oil injected; run-time cells are set."""
+        """Return the states at the pitch's start that follow from its end, after injection; set the run-time cells."""
         y = self.machinery.shift(np.ascontiguousarray(Y[-1, -1]))
         self.machinery.inject(y)
         return y
 
     def injects(self, y: Array, numbers: Numbers) -> tuple[Array, Array]:
-        """Return what `begin` makes of states y at the pitch's start with numbers (which it writes into), and cells."""
+        """Return states y after the injection with given numbers (which it overwrites), and the cells it sets."""
         states, (P, TAB, R) = y.copy(), numbers
         self.machinery.module.chamber__inject(states, (self.injected or 0) * self.n, P, TAB, R)
         return states, np.concatenate([R[R_RATIO:R_SIZE], P[self.noted]])
 
     @property
     def injected(self) -> int | None:
-        """Which chamber stands at the injection angle at the pitch's start; none where that is no start of one."""
+        """The index of the chamber at the injection angle when a pitch starts; None where there is none."""
         c = self.machinery.composition
         index = round(float(c.P[P_INJECTION]) / float(c.P[P_PITCH]))
         return index if index < c.chambers else None
 
-    run_cells = R_SIZE - R_RATIO  # the first of the cells; those that follow stand in P
+    run_cells = R_SIZE - R_RATIO  # number of cells in R; further ones are in P
 
     def cells(self) -> Array:
-        """Return the run-time cells that the injection sets, and the parameters that it may note."""
+        """Return the run-time cells that the injection sets, and the parameters that it may set."""
         return np.concatenate([self.machinery.R[R_RATIO:R_SIZE], self.machinery.composition.P[self.noted]])
 
     def cells_as_numbers(self, change: Array) -> Numbers:
-        """Return a change of the cells as one of all numbers."""
+        """Return a change of the cells as a change of all numbers."""
         c, R = self.machinery.composition, np.zeros_like(self.machinery.R)
         R[R_RATIO:R_SIZE], P = change[: self.run_cells], np.zeros_like(c.P)
         P[self.noted] = change[self.run_cells :]
@@ -136,14 +140,14 @@ class Pitch:
 
     @property
     def noted(self) -> list[int]:
-        """Where in P the trapped gas stands that a pump asks for (slots.P_TRAPPED): behind what `Numbers` laid out."""
+        """Indices in P of the trapped gas that a pump uses (slots.P_TRAPPED), behind what `model.numbers` lays out."""
         parts = self.problem.parts
         return [oil_places(parts)["P_TRAPPED"]] if parts.pumped else []
 
     # ---- rates -------------------------------------------------------------------------------------------------
 
     def rates(self, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
-        """Return the rates of states and quadratures at the nodes, those of other edges where these are given."""
+        """Return the rates of states and quadratures at the nodes, or at those of other edges."""
         slices = self.slices if edges is None else self.slices._replace(edges=edges)
         f, g = np.empty((self.count * NODES, self.N)), np.empty((self.count * NODES, self.q))
         asked = self._asked(Y, slices)
@@ -153,11 +157,11 @@ class Pitch:
 
     @property
     def of_nodes(self) -> Array:
-        """Of which slice each node is."""
+        """The slice of each node."""
         return np.repeat(np.arange(self.count), NODES)
 
     def runs(self, of: Array) -> Iterator[slice]:
-        """Yield rows, each `of` a slice, that follow each other in the same phases: chambers are held in these."""
+        """Yield ranges of rows with equal phases, with the chambers held in these; `of` is the slice of each row."""
         held, phases = self._held(), self.phases[of]
         ends = np.flatnonzero((phases[1:] != phases[:-1]).any(axis=1)) + 1
         try:
@@ -168,7 +172,7 @@ class Pitch:
             held[:] = FREE
 
     def rates_in(self, phases: Array, edge: int, y: Array) -> tuple[Array, Array]:
-        """Return the rates of states and quadratures where a slice begins, chambers held in phases, states y."""
+        """Return the rates of states and quadratures at the start of a slice, for states y, chambers held in phases."""
         slices, f, g = self.slices, np.empty((1, self.N)), np.empty((1, self.q))
         self._held()[:] = phases
         asked = slices.edges[edge : edge + 1], slices.middles[edge : edge + 1], np.array(y[None])
@@ -178,24 +182,24 @@ class Pitch:
 
     @property
     def has_phases(self) -> bool:
-        """Can the gas of a chamber have two phases?"""
+        """Whether the gas of a chamber can have two phases."""
         return self.problem.parts.gas.phased_state is not None
 
     def phases_of(self, y: Array) -> Array:
-        """Return the phase of the gas at states of a chamber, a row each."""
+        """Return the phase of the gas for states of a chamber, a row each."""
         c, found = self.machinery.composition, np.empty(len(y))
         self.machinery.module.trace__phases(y, c.P, c.TAB, found)
         return found.astype(int)
 
     def slopes(self, Y: Array) -> Slopes:
-        """Return rates and their derivatives by the states at the nodes."""
+        """Return the rates and their derivatives by the states at the nodes."""
         *found, _ = self._slopes(self.of_nodes, *self._asked(Y, self.slices))
         return Slopes(*(each.reshape(self.count, NODES, *each.shape[1:]) for each in found))
 
     def by_own_states(self, Y: Array, slices: Array) -> Array:
         """Return the derivatives of each chamber's rates by its own states at the nodes of some slices.
 
-        One chamber after the other (chambers slices, NODES, n, n).
+        The order is chamber by chamber (chambers slices, NODES, n, n).
         """
         angles, of = self.slices.angles[slices].ravel(), np.repeat(slices, NODES)
         y = np.ascontiguousarray(Y[slices]).reshape(-1, self.N)
@@ -203,14 +207,15 @@ class Pitch:
         return found.reshape(-1, NODES, self.n, self.n)
 
     def slopes_at(self, angles: Array, y: Array) -> tuple[Array, Array]:
-        """Return rates at one angle in each slice, and the derivatives of each chamber's by its own states."""
+        """Return the rates at one angle in each slice, and the derivatives of each chamber's by its own states."""
         f, *_, own = self._slopes(np.arange(self.count), angles, self.slices.middles, y, alone=True)
         return f, own.reshape(-1, len(angles), self.n, self.n)
 
     def _slopes(self, of: Array, *asked: Array, alone: bool = False) -> tuple[Array, ...]:
-        """Return what the kernel finds at rows `of` slices: with `alone` nothing but rates and chambers by themselves.
+        """Return the kernel's results at rows of slices `of`.
 
-        Those by themselves are one chamber after the other (chambers, rows, n, n).
+        With `alone` only rates and each chamber's own derivatives. The latter are ordered chamber by chamber
+        (chambers, rows, n, n).
         """
         many, N, q, n = len(of), self.N, self.q, self.n
         rows = 1 if alone else many
@@ -225,6 +230,7 @@ class Pitch:
         return found
 
     def _derived(self, *asked: Any) -> None:
+        """Call the kernel of derivatives, compiling it first where necessary."""
         module = self.machinery.together
         if "tangents" not in compiled.warm(module):
             with self.machinery.compiling("tangents"):
@@ -232,27 +238,28 @@ class Pitch:
         module.slices__derivatives_at_all(*asked)
 
     def _asked(self, Y: Array, slices: Slices) -> tuple[Array, Array, Array]:
-        """Return angles, middles and states, as the kernels take them."""
+        """Return angles, middles and states in the form that the kernels take."""
         return slices.angles.ravel(), slices.middles[self.of_nodes], np.ascontiguousarray(Y).reshape(-1, self.N)
 
     @property
     def _context(self) -> tuple[Any, int]:
+        """The last arguments of the kernels."""
         return self.machinery.coupled_context, self.machinery.composition.n_E_all
 
     def _held(self) -> Array:
-        """Return where the phases stand in which the gas of chambers is held."""
+        """Return the cells that hold the phases of the chambers' gas."""
         return self.machinery.coupled_space()["spaces"][0][(self.machinery.composition.chambers + 1) * PORT_STATE :]
 
     # ---- reading -----------------------------------------------------------------------------------------------
 
     def sums(self, g: Array, widths: Array | None = None) -> Array:
-        """Return the quadratures over the pitch from their rates at the nodes, a further axis kept."""
+        """Return the quadratures over the pitch from their rates at the nodes; a further axis is kept."""
         return np.einsum("k,j,kj...->...", self.slices.widths if widths is None else widths, INTEGRALS[-1], g)[:-1]
 
     def life(self, y: Array, Y: Array) -> Array:
-        """Return the dense output (…, steps, 4, n) of a life, from states at the start and nodes, or changes of these.
+        """Return the dense output (…, steps, 4, n) of a life from states at start and nodes, or changes of these.
 
-        These may have a further axis behind them, which becomes the first.
+        These may have a further axis at the end, which becomes the first.
         """
         columns, steps = Y.shape[3:], self.N // self.n * self.count
         found = empty(*(columns or (1,)), steps, 4 * self.n)
@@ -261,25 +268,28 @@ class Pitch:
         return found.reshape(*columns, steps, 4, self.n)
 
     def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
-        """Make the polynomials the last history, from the states y at the start and those at the nodes."""
+        """Install the polynomials as the last history, from the states y at the start and Y at the nodes."""
         self.install_life(self.life(y, Y), edges)
 
     def install_life(self, life: Array, edges: Array | None = None) -> None:
-        """Make a life's dense output the last history."""
+        """Install a life's dense output as the last history."""
         machinery, c = self.machinery, self.machinery.composition
         edges = self.slices.edges if edges is None else edges
         begins = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + edges[:-1]
         machinery.install(np.append(begins, c.P[P_LIFE]), life, 0.0)
 
     def image(self, q: Array, life: Trajectory | None = None) -> Array:
-        """Return what a life (None: the last history) of these quadratures makes of the unknowns, in coordinates."""
+        """Return the next values of the unknowns, in coordinates, after a life with quadratures q.
+
+        None: the last history.
+        """
         return self.problem.entries.coordinates(image_of(self.problem, life or self.machinery.trajectory, q))
 
     @property
     def met(self) -> Array:
-        """The unknowns as they stand."""
+        """The current unknowns."""
         return unknowns(self.problem, self.machinery)
 
     def meet(self, coordinates: Array, raw: Array) -> None:
-        """Let the rates meet other unknowns."""
+        """Set the unknowns from coordinates."""
         set_unknowns(self.problem, self.machinery, self.problem.entries.values(coordinates, raw))

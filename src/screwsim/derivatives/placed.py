@@ -1,6 +1,6 @@
-"""A cycle moved with a number as a life to be read: installed only where somebody reads its histories.
+"""The life of a cycle that a number has shifted; its history is installed only when somebody reads it.
 
-Most figures are read of quadratures and numbers. A history costs its gas at the ends of all steps.
+Most figures follow from quadratures and numbers, while a history costs the gas's properties at the ends of all steps.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ Array = np.ndarray
 
 
 class Turning(NamedTuple):
-    """Where the pressure of a life is highest inside a step: which, at which share, states in that step.
+    """The highest pressure inside a step of a life: the step and the share of it where it lies.
 
-    These are the states (4, n) at its start and its nodes.
+    `states` (4, n) are those at the start and the nodes of the step.
     """
 
     step: int
@@ -33,7 +33,7 @@ class Turning(NamedTuple):
 def in_step(pitch: Pitch, y: Array, inside: Callable[[slice], Array], step: int) -> Array:
     """Return states at the start and the nodes (4, n) of a step of a life, or changes of these.
 
-    `inside` returns those at the nodes of some slices (slices, NODES, N).
+    `inside` returns those at the nodes of a range of slices (slices, NODES, N).
     """
     chamber, k = divmod(step, pitch.count)
     rows = slice(chamber * pitch.n, (chamber + 1) * pitch.n)
@@ -51,9 +51,10 @@ def between(states: Array, share: float) -> Array:
 
 
 class Placed(Trajectory):
-    """A life that its machinery takes for its last history when somebody reads that; quadratures are of all of it.
+    """A life that is installed in its machinery as the last history on first use; its quadratures cover the whole life.
 
-    With a `turning` its highest pressure is that there. It is to be read before the machinery does anything else.
+    With a `turning` its highest pressure is read there. It must be read before the machinery is used for anything
+    else.
     """
 
     fill: Callable[[], Trajectory]
@@ -61,7 +62,7 @@ class Placed(Trajectory):
 
     @classmethod
     def of(cls, pitch: Pitch, fill: Callable[[], None], turning: Turning | None = None) -> Placed:
-        """Return that of a pitch, which `fill` makes its last history."""
+        """Return the life of a pitch; `fill` installs it as the last history."""
         machinery = pitch.machinery
         nothing: Any = None
         found = cls(
@@ -86,10 +87,12 @@ class Placed(Trajectory):
 
     @once
     def _there(self) -> Trajectory:
+        """The installed history."""
         return self.fill()
 
     @once
     def _worked(self) -> Trajectory:
+        """The installed history with its work integrated."""
         there = self._there
         there.module.trace__work_along(there.times, there.dense, there.quads, there.steps, there.context)
         return there
@@ -106,25 +109,25 @@ class Placed(Trajectory):
 
     @property
     def quads(self) -> Array:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Nothing but the work, for traces."""
+        """The work only, for traces."""
         return self._worked.quads
 
     @property
     def steps(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """How many steps there are."""
+        """The number of steps."""
         return self._there.steps
 
     @property
     def context(self) -> Any:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """What kernels that read a life take."""
+        """The context for kernels that read a life."""
         return self._there.context
 
     def sum_until(self, angle: float, quadrature: int) -> float:
-        """Return nothing: what a life's quadratures come to within it is not known."""
+        """Return 0: partial quadratures of this life are not known."""
         return 0.0
 
     def peak_pressure(self, limit: float) -> float:
-        """Return the highest pressure [Pa] from the injection up to an angle [rad]: that at the turning, if known."""
+        """Return the highest pressure [Pa] from injection up to an angle [rad]: that at the turning, if known."""
         if self.turning is None:
             return super().peak_pressure(limit)
         c, found = self.composition, np.empty(1)

@@ -1,9 +1,9 @@
-"""A pitch of all chambers in slices, and the nodes in each: Radau's three, of order 5 and damped where stiff.
+"""Slices of a pitch of all chambers, with three Radau nodes each: order 5, damped where stiff.
 
-Slices end on the breakpoints of the laws and begin as dense as the integrator's steps of the closed cycle, of all
-chambers; those whose error is too large are divided. Where a flow turns round, its slope by the pressures is steepest,
-as wide as the regularisation, and what it carries changes: what a small change makes of itself is decided there, of
-which the error of the states tells nothing. So slices end there, and are as short as that layer around it.
+Slices end on the breakpoints of the laws and are at first as dense as the integrator's steps of the closed cycle, of
+all chambers; those with too large an error are divided. Where a flow turns round, its slope over the pressures is
+steepest, in a layer as wide as the regularisation; there the response to a small change is decided, of which the error
+of the states shows nothing. So slices end there and are as short as that layer around it.
 
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, IV.5 (Radau IIA).
 """
@@ -22,7 +22,7 @@ from screwsim.model.slots import P_PITCH
 
 Array = np.ndarray
 _ROOT = 6.0**0.5
-SHARES = np.array(((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0))  # of a slice
+SHARES = np.array(((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0))  # nodes, as shares of a slice
 INTEGRALS = np.array(
     (
         ((88.0 - 7.0 * _ROOT) / 360.0, (296.0 - 169.0 * _ROOT) / 1800.0, (-2.0 + 3.0 * _ROOT) / 225.0),
@@ -31,28 +31,29 @@ INTEGRALS = np.array(
     )
 )
 NODES = len(SHARES)
-EIGENVALUE = 1.0 / (1.0 / 30.0 * (6.0 + 81.0 ** (1.0 / 3.0) - 9.0 ** (1.0 / 3.0)))  # the real one of 1/INTEGRALS
+EIGENVALUE = 1.0 / (1.0 / 30.0 * (6.0 + 81.0 ** (1.0 / 3.0) - 9.0 ** (1.0 / 3.0)))  # real one of INTEGRALS⁻¹
 EMBEDDED = np.array((-(13.0 + 7.0 * _ROOT) / 3.0, (-13.0 + 7.0 * _ROOT) / 3.0, -1.0 / 3.0))  # of the error estimate
-CORNER = 1e-6  # rad: corners so near to a breakpoint, or to each other, are one
-APART = 1e-7  # rad: ends of steps that lie nearer to each other are one
-OF_WIDTH = 1e-6  # of a segment: ends of steps so near to its ends are not counted
+CORNER = 1e-6  # rad: corners nearer than this to a breakpoint or to each other are merged
+APART = 1e-7  # rad: ends of steps nearer than this to each other are merged
+OF_WIDTH = 1e-6  # share of a segment: ends of steps so near to its ends are ignored
 
 
-LEAST = 1e-9  # rad: slices are no shorter ...
-LONGEST = math.radians(1.0)  # ... and no longer: the error of the states tells nothing of a law that moves
-MOST = 4  # parts of a slice in one refinement
-POWER = 0.25  # of the error of a slice by its width: that of the estimate
-RING = 0.3  # widths of a layer: the first slices on both sides of where a flow turns round ...
-AROUND_PEAK = 2e-4  # rad: the slice around the highest pressure goes so far on both sides
-WIDER = 2.5  # ... and each next one over the one before
-BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
-CORNERED = 1e-2  # rad: what a corner or a jump of a rate counts as; the slice before it ends 1e-6 rad from it
+LEAST = 1e-9  # rad: shortest slice ...
+LONGEST = math.radians(1.0)  # ... and longest one: errors of the states do not show a law that moves
+MOST = 4  # parts into which one refinement divides a slice
+POWER = 0.25  # of the error of a slice, in choosing its width: that of the estimate
+RING = 0.3  # first slices on both sides of a turning flow, in widths of its layer ...
+AROUND_PEAK = 2e-4  # rad: half the width of the slice around the highest pressure
+WIDER = 2.5  # ... and ratio of each slice to the one before
+BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, to keep its last node on that side
+CORNERED = 1e-2  # rad: layer assumed for a corner or jump of a rate; the slice before it ends 1e-6 rad from it
 
 
 class Crossing(NamedTuple):
-    """Where a flow turns round or a rate jumps [rad of the pitch], and the width [rad] of the layer that counts as.
+    """Where a flow turns round or a rate jumps [rad of the pitch], and the width of its layer [rad].
 
-    Where a change of the states jumps there, the slice behind is as short as `jump` [rad]: polynomials do not.
+    Where the response of the states jumps, the slice behind is as short as `jump` [rad], as polynomials cannot
+    follow.
     """
 
     angle: float
@@ -61,7 +62,7 @@ class Crossing(NamedTuple):
 
 
 class Slices(NamedTuple):
-    """Slices of a pitch: edges (slices + 1,) [rad], the middles that tell the side of a breakpoint (slices,) [rad]."""
+    """Slices of a pitch: edges (slices + 1,) [rad], and middles (slices,) [rad] that select a side at breakpoints."""
 
     edges: Array
     middles: Array
@@ -85,9 +86,10 @@ def between(edges: Array) -> Slices:
 
 
 def seams_of(machinery: Machinery, parts: Parts) -> Array:
-    """Return where in a pitch [rad] slices end in any case: on breakpoints, and where the slope of a gap has a corner.
+    """Return the angles in a pitch [rad] where slices always end: breakpoints, and corners of gap areas.
 
-    A number that moves such a corner has a derivative that has one itself: inside a slice it is of low order.
+    A number that moves such a corner has a derivative with a corner itself, which within a slice would lower the
+    order.
     """
     found, pitch = machinery.pitch_breakpoints(), float(machinery.composition.P[P_PITCH])
     for at in sorted(at % pitch for _, path in parts.all(FlowPath) for at in path.corners):
@@ -97,13 +99,13 @@ def seams_of(machinery: Machinery, parts: Parts) -> Array:
 
 
 def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -> Array:
-    """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers.
+    """Return edges of slices of a pitch, each as long as `steps` steps of the last history, of all chambers.
 
     None is longer than `longest` [rad].
     """
     c, (times, _, _, count) = machinery.composition, machinery.last()
     ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
-    ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers that were integrated together share theirs
+    ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers integrated together share their steps
     edges = [np.zeros(1)]
     for low, high in pairwise(seams.tolist()):
         near = OF_WIDTH * (high - low)
@@ -114,7 +116,7 @@ def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -
 
 
 def refined(edges: Array, errors: Array, tolerance: float) -> Array:
-    """Return edges of slices, those in parts whose error exceeds the tolerance."""
+    """Return edges of slices, with those whose error exceeds the tolerance divided."""
     parts = np.clip(np.ceil((errors / tolerance) ** POWER), 1, MOST).astype(int)
     found = [low + (high - low) * np.arange(n) / n for low, high, n in zip(edges[:-1], edges[1:], parts, strict=True)]
     return np.append(np.concatenate(found), edges[-1])
@@ -123,11 +125,10 @@ def refined(edges: Array, errors: Array, tolerance: float) -> Array:
 def ringed(
     edges: Array, seams: Array, crossings: Sequence[Crossing], growth: tuple[float, float], peak: float = math.nan
 ) -> Array:
-    """Return edges with those around crossings in place of others near them: slices there grow with the distance.
+    """Return edges with rings around crossings in place of others nearby; slices grow with distance from the crossing.
 
-    `growth` are multiples of `RING` and of `WIDER`.
-    Where the pressure is highest [rad], if that is known, a slice is short: polynomials are good at their ends before
-    they are between them, and the highest pressure is read inside.
+    `growth` are factors on `RING` and on `WIDER`. Where the pressure is highest [rad], if known, a slice is short:
+    the highest pressure is read inside it, where polynomials are less accurate than at their ends.
     """
     kept, added = edges[~(np.abs(edges - peak) < AROUND_PEAK)], [seams]
     if math.isfinite(peak):
@@ -149,10 +150,10 @@ def ringed(
     found = np.unique(np.concatenate([kept, *added]))
     near = np.diff(found, prepend=-1.0) < LEAST
     marked = np.isin(found, seams)
-    near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a seam stays, what is near it goes
+    near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a seam stays, edges near it go
     return found[~near | marked]
 
 
 def moved(slices: Slices, breakpoints: Array, by: Array) -> Array:
-    """Return by how much edges move with the breakpoints of the pitch: between them in proportion."""
+    """Return the movement of edges with the breakpoints of the pitch, interpolated between these."""
     return np.interp(slices.edges, breakpoints, by)

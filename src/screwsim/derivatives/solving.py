@@ -1,7 +1,7 @@
-"""A scene solved, and the derivatives of its figures by numbers of it, through what lies around the machine, too.
+"""Solve a scene and differentiate its figures by numbers of it, including the response of the machine's surroundings.
 
-Temperatures of an oil's circuit and losses of a package follow from the cycle that meets them: they are numbers of the
-scene like others, and what the cycle asks of them closes one more small system.
+The temperatures of an oil's circuit and the losses of a package follow from the cycle: they are treated as numbers of
+the scene, and what the cycle implies for them closes one more small linear system.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ from screwsim.scene import Scene, with_values
 from screwsim.solve.circuit import KPA, asked_of, solved, steady, unknowns_of
 
 Array = np.ndarray
-STEP = 2e-7  # of its size, by which a number is shifted
-AROUND = 100.0  # [K, kPa] the size of what lies around the machine ...
-LEFT = 1e-5  # [K, kPa] ... and up to which the collocated cycle may ask for another ...
-TIMES = 3  # ... or after so many of Newton's steps
+STEP = 2e-7  # relative shift of a number, for differences
+AROUND = 100.0  # [K, kPa], the size that unknowns of the surroundings are shifted relative to
+LEFT = 1e-5  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
+TIMES = 3  # ... unless so many Newton steps were made
 ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
 DRIVEN = "the speed follows from the drive"
 SOUGHT = "the oil flow, an economizer or a valve is found with the cycle"
 
 
 class Sides(NamedTuple):
-    """What is read on both sides of a number: figures, and what the cycle asks of its surroundings."""
+    """The results on one side of a number: figures, and the changes of its surroundings that the cycle implies."""
 
     figures: dict[str, float]
     asked: Array
@@ -54,9 +54,9 @@ class Sides(NamedTuple):
 def derivatives(
     cycle: Closed, values: Mapping[str, float], built: Built | None = None
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
-    """Return the derivatives [SI] of the figures by the numbers at paths of the scene, by path; and why some have none.
+    """Return the derivatives [SI] of the figures by numbers of the scene, by path; and why some paths have none.
 
-    `values` are the numbers [SI] at the paths, `built` what was built and composed of the scene.
+    `values` are the numbers [SI] at the paths, `built` the parts and composer of the scene's series.
     """
     made, series = Directions(cycle), Series(built)
     around = [made.of(_around(cycle.pitch.problem, series, i), STEP) for i in _open(cycle.pitch.problem)]
@@ -85,9 +85,9 @@ def derivatives(
 
 
 def settled(cycle: Closed, life: Trajectory, built: Built | None = None, fineness: Fineness = FINE) -> Closed:
-    """Return the collocated cycle of a life at what lies around it as the cycle asks for that, but for `LEFT` of it.
+    """Return the collocated cycle of a life with its surroundings converged to `LEFT`.
 
-    A solution leaves as much open as its accuracy allows: 3 mK of the oil were 1e-4 of a derivative.
+    A solution leaves a residual within its accuracy: 3 mK of the oil's temperature changed a derivative by 1e-4.
     """
     rows, series = _open(cycle.pitch.problem), Series(built)
     for _ in range(TIMES if rows else 0):
@@ -103,7 +103,7 @@ def settled(cycle: Closed, life: Trajectory, built: Built | None = None, finenes
 
 
 def _asked_for(cycle: Closed, series: Series, rows: Sequence[int]) -> tuple[Problem, Numbers] | None:
-    """Return the problem, and its numbers, at the surroundings that Newton's method tells; None where they stand."""
+    """Return the problem and its numbers after a Newton step of the surroundings; None where these have converged."""
     problem, made = cycle.pitch.problem, Directions(cycle)
     here = _asked(standing(cycle, made))[rows]
     if float(np.abs(here).max()) <= LEFT:
@@ -121,13 +121,13 @@ def _asked_for(cycle: Closed, series: Series, rows: Sequence[int]) -> tuple[Prob
 
 
 def _asked(of: Evaluation) -> Array:
-    """Return what a cycle asks of its surroundings: changes [K, kPa] of all that may be open."""
+    """Return the changes of its surroundings [K, kPa] that a cycle implies, of all four unknowns that may be open."""
     asked = asked_of(of)
     return np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4)
 
 
 def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[str, float]:
-    """Return derivatives with what the surroundings add that follow."""
+    """Return derivatives including the response of the surroundings."""
     if not through:
         return own.figures
     matrix = np.array([each.asked[list(rows)] for each in through]).T
@@ -138,27 +138,28 @@ def _closed(own: Sides, through: Sequence[Sides], rows: Sequence[int]) -> dict[s
 
 
 def _read(of: Evaluation, whole: bool) -> Sides:
-    """Return what is read of an evaluation; `whole`: what it asks of around, too."""
+    """Return the results of an evaluation; with `whole` also what it implies for its surroundings."""
     return Sides(figures_of(of), _asked(of) if whole else np.zeros(4))
 
 
 def _size(value: float) -> float:
-    """Return by what a number is measured: itself, or the unit of one that is nothing."""
+    """Return the size that a number is shifted relative to: its magnitude, or 1 for zero."""
     return abs(value) or 1.0
 
 
 def _shifted(problem: Problem, series: Series, path: str, value: float) -> Callable[[float], Problem]:
+    """Return a function that poses the problem with a number shifted by a share of its size."""
     return lambda by: problem_of(with_values(problem.scene, {path: value + by * _size(value)}), series)
 
 
 def _open(problem: Problem) -> list[int]:
-    """Return which of the circuit's unknowns are open: temperatures of supply and separator, lost pressures."""
+    """Return the indices of the circuit's open unknowns: temperatures of supply and separator, lost pressures."""
     temperatures = [i for i, each in enumerate(open_temperatures(problem.scene)) if each]
     return [*temperatures, *((2, 3) if problem.scene.losses is not None else ())]
 
 
 def _around(problem: Problem, series: Series, i: int) -> Callable[[float], Problem]:
-    """Return what poses the problem with one of the circuit's unknowns shifted by a share of its size."""
+    """Return a function that poses the problem with one of the circuit's unknowns shifted by a share of its size."""
 
     def posed(by: float) -> Problem:
         x = unknowns_of(problem)
@@ -179,7 +180,7 @@ def _posed(problem: Problem, series: Series, x: Array) -> Problem:
 
 
 class Found(NamedTuple):
-    """Derivatives [SI] by path and figure; why paths have none; why there are none at all, '' where there are."""
+    """Derivatives [SI] by path and figure; why paths have none; why there are none at all (empty: there are)."""
 
     derivatives: Mapping[str, Mapping[str, float]]
     refused: Mapping[str, str]
@@ -189,7 +190,7 @@ class Found(NamedTuple):
 def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) -> Found:
     """Return the derivatives of a scene's figures by numbers [SI] at paths of it."""
     try:
-        with no_search():  # scenes composed and figures read are many objects, hardly any of them in a ring
+        with no_search():  # many objects are created, hardly any in reference cycles
             return _found(scene, values, fineness)
     except NotClosed as error:
         return Found({}, {}, str(error))
@@ -198,6 +199,7 @@ def found(scene: Scene, values: Mapping[str, float], fineness: Fineness = FINE) 
 
 
 def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Found:
+    """Solve the scene, collocate its cycle and return the derivatives."""
     series = one_alone()
     if not fineness.estimated:
         scene = replace(scene, numerics=replace(scene.numerics, error="none"))
@@ -219,7 +221,7 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Fou
 
 
 def _refused(problem: Problem) -> str:
-    """Return why a problem's derivatives cannot be had so; empty where they can."""
+    """Return why this method cannot give a problem's derivatives; empty where it can."""
     if problem.parts.shaft is not None:
         return DRIVEN
     if is_sought(problem.scene):
@@ -228,9 +230,9 @@ def _refused(problem: Problem) -> str:
 
 
 class Moved(NamedTuple):
-    """How the cycle moves with numbers, an axis behind all others: states, cells, quadratures, unknowns in coordinates.
+    """The response of the cycle to numbers, one per column: states, cells, quadratures, and unknowns in coordinates.
 
-    `lives` returns how its dense output does, numbers first: found when it is first asked for.
+    `lives` returns the response of its dense output, numbers first; it is computed on first use.
     """
 
     response: Response
@@ -238,12 +240,12 @@ class Moved(NamedTuple):
     lives: Callable[[], Array]
 
     def by(self, j: int) -> Move:
-        """Return how it moves with one of them."""
+        """Return the response to one of the numbers."""
         return Move(self.response.of(j), self.unknowns[:, j], lambda: self.lives()[j])
 
 
 class Move(NamedTuple):
-    """How the cycle moves with one number, as `Moved` has it."""
+    """The response of the cycle to one number, otherwise like `Moved`."""
 
     response: Response
     unknowns: Array
@@ -251,11 +253,12 @@ class Move(NamedTuple):
 
 
 def _moved(pitch: Pitch, response: Response, unknowns: Array) -> Moved:
+    """Return the response with its dense output still to be computed."""
     return Moved(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
 
 
 def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
-    """Return how the cycle moves along directions (at least one), a column each, its unknowns with it."""
+    """Return the response of the cycle and its unknowns to directions (at least one), a column each."""
     linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.met), len(directions))), cycle.pitch
     held = _moved(pitch, linear.by_changes, off.copy())
     own = _coordinates(standing(cycle, made))
@@ -267,12 +270,12 @@ def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) 
 
 
 def _coordinates(of: Evaluation) -> Array:
-    """Return what a cycle makes of its unknowns, in coordinates."""
+    """Return the next values of a cycle's unknowns, in coordinates."""
     return of.problem.entries.coordinates(of.image)
 
 
 def standing(cycle: Closed, made: Directions, turn: tuple[int, float] | None = None) -> Evaluation:
-    """Return the evaluation of the cycle as it stands, to be read as one that is `placed`."""
+    """Return the evaluation of the unchanged cycle, read in the same way as one that is `placed`."""
     pitch = cycle.pitch
     pitch.put(made.own[0])
     turning = None if turn is None else Turning(*turn, in_step(pitch, cycle.start, cycle.nodes.__getitem__, turn[0]))
@@ -282,9 +285,9 @@ def standing(cycle: Closed, made: Directions, turn: tuple[int, float] | None = N
 def placed(
     cycle: Closed, direction: Direction, moves: Move, made: Directions, turn: tuple[int, float] | None = None
 ) -> Evaluation:
-    """Return the evaluation of the cycle moved with a shifted number, its highest pressure that at a `turn`.
+    """Return the evaluation of the cycle after a shift of a number; with a `turn`, its highest pressure is read there.
 
-    It stands on the machinery of the cycle: it is to be read before anything else is done with that.
+    It uses the machinery of the cycle, so it must be read before that is used for anything else.
     """
     pitch, problem, by = cycle.pitch, direction.problem, direction.step
     at, entries, response = direction.side, problem.entries, moves.response
@@ -306,9 +309,9 @@ def placed(
 
 
 def figures_of(of: Evaluation) -> dict[str, float]:
-    """Return the figures that have a value; what is left open of a balance is none.
+    """Return the figures that have a value, except residuals of balances.
 
-    The highest pressure is that where the pressure turns in a step, where that is known (`placed`).
+    The highest pressure is that at the turning point within a step, where this is known (`placed`).
     """
     told = {name for name, each in of.figures.about.items() if not each.scale.unasked}
     found = {
@@ -320,5 +323,5 @@ def figures_of(of: Evaluation) -> dict[str, float]:
 
 
 def differenced(there: dict[str, float], here: dict[str, float], step: float) -> dict[str, float]:
-    """Return the derivatives of what is there on both sides."""
+    """Return the differences over the step, of figures that exist on both sides."""
     return {name: (there[name] - here[name]) / step for name in there if name in here}

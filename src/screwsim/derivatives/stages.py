@@ -1,8 +1,9 @@
-"""The stage equations of slices as compiled kernels: band matrices factored, changes followed through all slices.
+"""The stage equations of slices as compiled kernels: factor band matrices, follow changes through all slices.
 
-Rows go by chamber, in it by node, so that a matrix whose chambers meet the next ones alone is a band of blocks. Pivots
-are sought within a chamber, which by itself can be solved for, but where a port is open its rates by its states are
-large and nearly of rank one; what chambers make of each other over a slice is little beside that. So the band stays.
+Rows are ordered by chamber, within it by node, so that a matrix whose chambers couple only to the next ones is a band
+of blocks. Pivots are sought within a chamber: its own block is regular, but where a port is open its derivatives are
+large and nearly of rank one, while the coupling of chambers over a slice is small beside that. So the band is
+preserved.
 
 Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., Johns Hopkins 2013, 4.3 and 4.5 (band systems, block
 tridiagonal ones).
@@ -18,12 +19,15 @@ from screwsim.derivatives.slices import INTEGRALS
 from screwsim.numerics.kept_text import flat_module
 from screwsim.numerics.kernel import kernel
 
-LITTLE = 24  # rows of a matrix up to which one column after the other is eliminated
+LITTLE = 24  # rows of a matrix up to which columns are eliminated one by one
 
 
 @kernel
 def fill(J, k, h, n, reach, M, m):
-    """Fill M[m] with 1 − h a J of slice k; J (slices nodes, N, N), n states a chamber, `reach` chambers on it meets."""
+    """Fill M[m] with 1 − h a J of slice k.
+
+    J (slices nodes, N, N), n states a chamber, coupled to `reach` chambers on.
+    """
     N = J.shape[1]
     chambers = N // n
     for row in range(3 * N):
@@ -45,20 +49,20 @@ def fill(J, k, h, n, reach, M, m):
 
 @kernel
 def pivoted(M, k, column, last, wide):
-    """Return which row of M[k] from `column` to `last` has the largest number there; it has changed places with it."""
+    """Swap the row of M[k] from `column` to `last` with the largest entry there into place; return its index."""
     p = column
     for i in range(column + 1, last):
         if abs(M[k, i, column]) > abs(M[k, p, column]):
             p = i
     if p != column:
-        for j in range(wide):  # with what was eliminated of them: rows then follow each other
+        for j in range(wide):  # including the factors: rows then stay consistent
             M[k, column, j], M[k, p, j] = M[k, p, j], M[k, column, j]
     return p
 
 
 @kernel
 def eliminate(M, k, column, row, first, last):
-    """Take from a row of M[k], in columns from first to last, its share of the one that stands at `column`."""
+    """Subtract from a row of M[k], in columns from first to last, its share of the row at `column`."""
     share = M[k, row, column]
     if share != 0.0:
         for j in range(first, last):
@@ -67,7 +71,7 @@ def eliminate(M, k, column, row, first, last):
 
 @kernel
 def eliminate_four(M, k, column, row, last):
-    """Do so with the four rows that stand from `column` on, in the columns behind them."""
+    """Do the same for the four rows from `column` on, in the columns after them."""
     s0 = M[k, row, column]
     s1 = M[k, row, column + 1]
     s2 = M[k, row, column + 2]
@@ -96,10 +100,10 @@ def share_of_four(M, k, column, row):
 
 @kernel
 def factor_one(J, k, h, n, reach, M, m, pivots):
-    """Factor 1 − h a J of slice k in M[m] (3 N, 3 N); rows that change places in pivots[m].
+    """Factor 1 − h a J of slice k in M[m] (3 N, 3 N); row swaps are stored in pivots[m].
 
-    Four columns of a chamber at once, so that what lies behind them is gone through once and not four times; of little,
-    and where a chamber has no four left, each alone.
+    Four columns of a chamber are eliminated at once, so that the rest is traversed once and not four times; columns
+    of small matrices, and a chamber's last fewer than four, one by one.
     """
     size = M.shape[1]
     fill(J, k, h, n, reach, M, m)
@@ -132,14 +136,14 @@ def factor_one(J, k, h, n, reach, M, m, pivots):
 
 @kernel
 def factor(J, widths, n, reach, M, pivots):
-    """Factor 1 − h a J of all slices [h: widths] in M (slices, 3 N, 3 N); rows that change places in pivots."""
+    """Factor 1 − h a J of all slices [h: widths] in M (slices, 3 N, 3 N); row swaps are stored in pivots."""
     for k in range(widths.shape[0]):
         factor_one(J, k, widths[k], n, reach, M, k, pivots)
 
 
 @kernel
 def places(n, chambers, place):
-    """Fill place with where a row of the band, by chamber and node, stands among rows by node and chamber."""
+    """Fill place with the index, among rows ordered by node, of each row of the band, ordered by chamber."""
     for c in range(chambers):
         for i in range(3):
             for s in range(n):
@@ -148,7 +152,7 @@ def places(n, chambers, place):
 
 @kernel
 def lessen(B, k, M, m, row, first, last, place):
-    """Take from a row of B[k] others from first to last, weighted by a row of factors; four at once."""
+    """Subtract from a row of B[k] those from first to last, weighted by a row of factors; four at once."""
     columns = B.shape[2]
     a = place[row]
     j = first
@@ -197,7 +201,7 @@ def solve(M, pivots, m, place, n, reach, B, k):
 
 @kernel
 def through(M, pivots, m, place, n, reach, now, B, k):
-    """Follow changes through slice k with the factors M[m]: from `now` (N, columns), which becomes those at its end."""
+    """Follow changes through slice k with the factors M[m], from `now` (N, columns), which becomes those at its end."""
     size = M.shape[1]
     N = size // 3
     for row in range(size):
@@ -211,9 +215,10 @@ def through(M, pivots, m, place, n, reach, now, B, k):
 
 @kernel
 def follow(M, pivots, n, reach, now, B):
-    """Follow changes through all slices, with the factors of `factor`: B (slices, 3 N, columns) become those at nodes.
+    """Follow changes through all slices with the factors of `factor`: B (slices, 3 N, columns) becomes those at nodes.
 
-    They begin with `now` (N, columns), which becomes those at the end; B holds the right sides of the stage equations.
+    They start with `now` (N, columns), which becomes those at the end; B holds the right sides of the stage
+    equations.
     """
     size = M.shape[1]
     place = np.empty(size, np.int64)
@@ -224,7 +229,7 @@ def follow(M, pivots, n, reach, now, B):
 
 @kernel
 def follow_once(J, widths, n, reach, now, B):
-    """Do what `factor` and `follow` do, of each slice in turn: its factors are not kept."""
+    """Do the same as `factor` and `follow`, slice by slice, without keeping the factors."""
     N = J.shape[1]
     M = np.empty((1, 3 * N, 3 * N))
     pivots = np.empty((1, 3 * N), np.int64)
@@ -237,9 +242,9 @@ def follow_once(J, widths, n, reach, now, B):
 
 @kernel
 def follow_one_by_one(M, pivots, n, inject, B):
-    """Follow a change chamber by chamber, each with factors of its own: B (chambers slices, 3 n, 1) becomes it.
+    """Follow a change chamber by chamber, each with its own factors: B (chambers slices, 3 n, 1) becomes the change.
 
-    B holds the right sides; each chamber begins with what `inject` (N, N) makes of the end of the one before.
+    B holds the right sides; each chamber starts with `inject` (N, N) applied to the end of the one before.
     """
     chambers = inject.shape[0] // n
     count = B.shape[0] // chambers

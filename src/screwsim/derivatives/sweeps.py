@@ -1,6 +1,6 @@
-"""What small changes of the rates at all nodes come to, as compiled kernels: one sweep, no arrays in between.
+"""Sums of small changes of the rates at all nodes, as compiled kernels: one sweep, no temporary arrays.
 
-Rates of several numbers lie side by side, a column each; their differences become right sides of the stage equations
+Rates for several numbers lie side by side, a column each; their differences become right sides of the stage equations
 and changes of the quadratures. Columns of changed states become lives, one for each column.
 """
 
@@ -17,9 +17,10 @@ X0, X1 = SHARES[:-1].tolist()
 
 @kernel
 def add_stages(rates, own, first, there, here, columns, right):
-    """Add to right (slices 3, states, …) what differences of rates (slices 3, states, lanes) from their own make.
+    """Add to right (slices 3, states, …) the differences of rates (slices 3, states, lanes) from `own`.
 
-    Those from lane `first` on, weighted there and here (slices, …) [h over the step]; `columns` is where each goes.
+    Lanes from `first` on are used, weighted by there and here (slices, …) [h over the step]; `columns` are their
+    targets.
     """
     for k in range(there.shape[0]):
         for s in range(rates.shape[1]):
@@ -37,7 +38,7 @@ def add_stages(rates, own, first, there, here, columns, right):
 
 @kernel
 def add_sums(rates, own, first, there, here, columns, sums):
-    """Add to sums (quadratures, …) what differences of their rates make, as `add_stages` has them."""
+    """Add to sums (quadratures, …) the differences of their rates, as in `add_stages`."""
     for k in range(there.shape[0]):
         for j in range(3):
             for s in range(sums.shape[0]):
@@ -48,7 +49,7 @@ def add_sums(rates, own, first, there, here, columns, sums):
 
 @kernel
 def add_through(slopes, nodes, widths, sums):
-    """Add to sums (quadratures, …) what changes at the nodes (slices 3, states, …) make of them, by slopes of rates."""
+    """Add to sums (quadratures, …) the effect of changes at nodes (slices 3, states, …), by slopes of the rates."""
     for k in range(widths.shape[0]):
         for j in range(3):
             at = 3 * k + j
@@ -63,9 +64,9 @@ def add_through(slopes, nodes, widths, sums):
 
 @kernel
 def lives(start, nodes, n, found):
-    """Fill found (columns, chambers slices, 4 n) with the dense output of columns of states.
+    """Fill found (columns, chambers slices, 4 n) with the dense output for columns of states.
 
-    These are states at the start (N, columns) and at the nodes (slices 3, N, columns), or changes of these.
+    The columns are states at the start (N, columns) and at the nodes (slices 3, N, columns), or changes of these.
     """
     count = nodes.shape[0] // 3
     for chamber in range(start.shape[0] // n):

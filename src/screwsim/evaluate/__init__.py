@@ -1,1 +1,1 @@
-"""What a cycle tells: figures, balances, ledger, traces, and what is said of it."""
+"""What follows from a closed cycle: figures, balances, ledger, traces, warnings and verdict."""

@@ -1,4 +1,4 @@
-"""What is worth a warning in a closed cycle: implausible figures, flows gone astray, errors above those asked for."""
+"""Warnings on a closed cycle: implausible figures, flows in unintended directions, errors larger than asked for."""
 
 import math
 from collections.abc import Iterator
@@ -21,15 +21,15 @@ from screwsim.outputs.customary import celsius
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Found
 
-CONTRADICTS = 1.0  # [K] by which a stated temperature of the separator may differ from that of its balance
-OPEN_TO_SUCTION = math.radians(1.0)  # earlier than the end of suction, that deserves a word
-HARDLY_KNOWN = 0.01  # of themselves, to which figures over the net flow are known, that deserves a word
+CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its balance, tolerated
+OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
+HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
-LOST = 0.02  # of the shaft power, that goes with what flows back to suction and deserves a word
+LOST = 0.02  # of the shaft power: heat with backflow to suction that deserves a warning
 
 
 def warnings(of: Evaluation) -> Iterator[str]:
-    """Yield what of the oil, of effects and of the flow deserves a word."""
+    """Yield warnings on oil, effects and flow."""
     problem, found = of.problem, of.figures
     parts, supply = problem.parts, problem.scene.oil_supply
     if (
@@ -53,7 +53,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
-    flow, sucks = found["gas_mass_flow"], LINES[0] in plausible.lines_met(parts)  # else the scene's doubts tell why
+    flow, sucks = found["gas_mass_flow"], LINES[0] in plausible.lines_met(parts)  # otherwise the scene's doubts say why
     if flow == 0.0 and idle:
         nothing = "takes nothing in" if parts.plenums else "delivers nothing"
         yield idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}"
@@ -71,7 +71,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
 
 
 def next_to_nothing(accuracy: float, found: Figures) -> Iterator[str]:
-    """Yield that what is over the net gas flow is hardly known, where that is next to nothing (M41)."""
+    """Yield a warning where the net gas flow is so small that figures over it are hardly known (M41)."""
     filling = found.get("volumetric_efficiency") or 0.0
     if filling <= 0.0:
         return
@@ -86,7 +86,7 @@ def next_to_nothing(accuracy: float, found: Figures) -> Iterator[str]:
 
 
 def _separated(of: Evaluation) -> Iterator[str]:
-    """Yield what of the separator hardly is so: a thermostat that is idle, a temperature that its balance denies."""
+    """Yield warnings on the separator: an idle thermostat, a stated temperature that contradicts its balance."""
     circuit = of.circuit
     if not isinstance(circuit, Circuit):
         return
@@ -109,7 +109,7 @@ def _separated(of: Evaluation) -> Iterator[str]:
 
 
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return what of the scene and of its cycle's figures can be and hardly is; the figures that no machine has."""
+    """Return the implausibilities of a scene and of its cycle's figures, and the figures that no machine can have."""
     scene, parts = problem.scene, problem.parts
     of_figures = plausible.doubts(plausible.Told(scene, parts, problem.lines, found, error))
     words = (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *(each.words for each in of_figures))
@@ -117,7 +117,7 @@ def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str,
 
 
 def _lost_to_suction(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where a good part of the shaft power leaves to the suction line, and is not followed there."""
+    """Yield a warning where much of the shaft power leaves to the suction line without being followed there."""
     parts, power, out = of.problem.parts, of.figures["shaft_power"], of.streams[SUCTION_OUT]
     delivers = power > 0.0 and (of.figures["gas_mass_flow"] or 0.0) > 0.0
     if parts.suction_line or parts.geometry.expands or not of.problem.composition.carried or not delivers:
@@ -137,9 +137,9 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def _drowned(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
+    """Yield a warning where a chamber's oil exceeds its volume when the discharge port opens.
 
-    An expander's chamber has that volume when its inlet closes.
+    For an expander the volume is that when its inlet closes.
     """
     parts, found = of.problem.parts, of.figures
     oil, geometry = parts.oil, parts.geometry
@@ -157,7 +157,7 @@ def _drowned(of: Evaluation) -> Iterator[str]:
 
 
 def _unfitted_bore(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where the bore that lets the oil in lies outside what the formula of its flow was fitted to."""
+    """Yield a warning where the oil's bore or flow lies outside the range to which its flow formula was fitted."""
     oil, port = of.problem.parts.oil, of.problem.parts.oil_port
     if oil is None or "diameter" not in oil.supply:
         return
@@ -171,7 +171,7 @@ def _unfitted_bore(of: Evaluation) -> Iterator[str]:
 
 
 def _open_to_suction(of: Evaluation) -> Iterator[str]:
-    """Yield a warning of each plenum above the suction pressure whose port opens before suction ends."""
+    """Yield a warning for each plenum above the suction pressure whose port opens before suction ends."""
     parts, p_s = of.problem.parts, of.problem.lines.p_s
     ends = parts.geometry.injection_angle
     if parts.geometry.expands or not parts.plenums:
@@ -190,7 +190,7 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:
-    """Return a warning when the estimated error of a figure stayed above the wanted accuracy, or when there is none."""
+    """Return a warning where an estimated error exceeds the wanted accuracy, or none could be estimated."""
     if error and all(size is None for size in error.values()):
         return ("the errors could not be estimated: the finer solution did not reach its end",)
     name, size = worst(error)

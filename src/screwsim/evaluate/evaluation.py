@@ -1,4 +1,4 @@
-"""A closed cycle being read: what several readings ask for is found once, and only where one of them asks."""
+"""A closed cycle as it is evaluated: what several readers need is computed once, on first use."""
 
 from dataclasses import dataclass, replace
 
@@ -23,7 +23,10 @@ from screwsim.outputs import Figures
 @at_once
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """A life of a problem's chambers, and its quadratures q; where closing knows them, what it left open and made."""
+    """A life of a problem's chambers with its quadratures q; `left` and `made` where closing knows them.
+
+    `left` are its balance residuals, `made` the next values of the feedback unknowns.
+    """
 
     problem: Problem
     life: Trajectory
@@ -33,17 +36,17 @@ class Evaluation:
 
     @once
     def streams(self) -> Array:
-        """Sums over the life by category (`cycle.balances.streams_of`)."""
+        """The sums over the life by category (`cycle.balances.streams_of`)."""
         return streams_of(self.problem.composition, self.q)
 
     @once
     def turn(self) -> Turn:
-        """What the life tells of itself, and what it makes of the feedback unknowns."""
+        """What effects can read of the life, with the next values of the feedback unknowns."""
         return turn_of(self.problem, self.life, self.q)
 
     @property
     def image(self) -> Array:
-        """What the life makes of the feedback unknowns, as a vector."""
+        """The next values of the feedback unknowns, as a vector."""
         if self.made is not None:
             return self.made
         return image(self.problem, self.life, self.q, self.turn if self.problem.parts.made else None)
@@ -55,32 +58,35 @@ class Evaluation:
 
     @once
     def lazy_pitch(self) -> LazyPitch:
-        """The same, to be called where it is wanted."""
+        """The same, computed on call."""
         return LazyPitch(self.problem, self.life, self.q)
 
     @once
     def known(self) -> CycleFigures:
-        """What a power loss or a reading can ask."""
+        """What a power loss or a reading may use."""
         parts = self.problem.parts
         turn = self.turn if parts.made or parts.all(Reading) else None
         return known_of(self.problem, self.life, self.q, self.lazy_pitch, turn)
 
     @once
     def losses(self) -> dict[str, float]:
-        """The power losses [W] beside the gas work."""
+        """The power losses [W] besides the gas work."""
         return power_losses(self.problem.parts, self.known)
 
     @once
     def circuit(self) -> Circuit | str | None:
-        """The oil's circuit through separator and cooler; None where nothing asks for it, a text for why not."""
+        """The oil's circuit through separator and cooler.
+
+        None where nothing needs it, a text where it cannot be found.
+        """
         parts = self.problem.parts
         lift = oil_lift(parts, self.known) if parts.oil is not None else 0.0
         return circuit_of(self.problem, self.life, self.q, self.losses, lift)
 
     @once
     def read(self) -> Read:
-        """The performance figures, and why some are None."""
-        self.known  # noqa: B018 - found first: others come as far
+        """The performance figures, and the reasons for those that are None."""
+        self.known  # noqa: B018 - first: the steps below use it
         station()
         circuit = self.circuit
         station()
@@ -88,7 +94,7 @@ class Evaluation:
 
     @once
     def package(self) -> Package | None:
-        """How far the losses of a package are from those of the flow; None without one."""
+        """The difference between a package's assumed losses and those at the flow; None without a package."""
         return package_off(self.problem, self.figures["gas_mass_flow"])
 
     @property
@@ -98,12 +104,12 @@ class Evaluation:
 
     @property
     def complete(self) -> CycleFigures:
-        """What a shaft asks of the cycle: what is known of it, and the shaft power."""
+        """What a shaft may use of the cycle: the known quantities with the shaft power."""
         return replace(self.known, shaft_power=self.figures.shaft_power)
 
     @property
     def least(self) -> tuple[float, float]:
-        """The power [W] and the work of a cycle [J] below which they are rounding."""
+        """The power [W] and the work of a cycle [J] below which values are rounding."""
         work = LEAST_WORK * max(float(self.life.R[R_TRAPPED]), 0.0) * self.problem.pv
         return work * self.problem.rate, work
 
@@ -118,7 +124,7 @@ def balance(of: Evaluation) -> Figures:
     problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
     left, residual = of.left or residuals(problem, of.life.R, of.q), None
     T_out = None if c.carried else of.known.oil_discharge_temperature
-    if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
+    if oil is not None and T_out is not None:  # heat to the oil beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         residual = float(-of.q[Q_HEAT] - carried) * problem.rate
     oil_mass, bound = left.oil if c.carried else None, problem.wanted.bound
@@ -126,7 +132,7 @@ def balance(of: Evaluation) -> Figures:
 
 
 def loss_torque(of: Evaluation, omega: float) -> float:
-    """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
+    """Return the torque [N m] of losses and oil lift at a mean speed [rad/s], from one pitch's quadratures (M213)."""
     share = omega / of.problem.parts.omega
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow", "drag_power")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})

@@ -1,4 +1,4 @@
-"""The performance figures that a scene calls for, of a closed cycle."""
+"""The performance figures of a closed cycle that its scene calls for."""
 
 import math
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
 
 Array = np.ndarray
-Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
+Read = tuple[Performance, dict[str, str]]  # figures, and the reasons for those that are None
 PARTED = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
 PARTED = (*PARTED, "oil_circuit_residual", "oil_flow_volume")
 NONE_LEAVES = "nothing flows out to the discharge line"
@@ -44,12 +44,12 @@ def figures_of(
     losses: dict[str, float],
     circuit: Circuit | str | None,
 ) -> Read:
-    """Return the performance figures of a life of these quadratures, and why some are None."""
-    about: dict[str, Figure] = dict(problem.called)  # to which go those that effects give by others' names
+    """Return the performance figures of a life with quadratures q, and the reasons for those that are None."""
+    about: dict[str, Figure] = dict(problem.called)  # joined by figures whose declaration an effect borrows
     parts, rate, streams = problem.parts, problem.rate, streams_of(problem.composition, q)
-    delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
+    delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share not returned (M163)
     sucked = suction_line.fresh(problem, life.R, streams) + crossed(problem, life)
-    flow = delivered * (sucked * rate) + 0.0  # nothing has no sign
+    flow = delivered * (sucked * rate) + 0.0  # + 0.0 turns −0 into 0
     lift = oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     station()
@@ -101,10 +101,10 @@ def figures_of(
 def _of_machine(
     problem: Problem, life: Trajectory, q: Array, leaving: float | None, flow: float
 ) -> dict[str, float | None]:
-    """Return the figures that every machine has, beside its powers and efficiencies.
+    """Return the figures that every machine has, besides powers and efficiencies.
 
-    `leaving` is the mean enthalpy [J/kg] of what flows out to discharge, None where nothing does; `flow` the net gas
-    flow [kg/s].
+    `leaving` is the mean enthalpy [J/kg] of the outflow to discharge, None without one; `flow` the net gas flow
+    [kg/s].
     """
     parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
     return {
@@ -125,7 +125,7 @@ def _of_machine(
 
 
 def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float | None:
-    """Return the enthalpy [J/kg] that a kilogram sucked takes up in the evaporator, with what plenums add to it."""
+    """Return the heat [J/kg] that a kilogram of suction gas takes up in the evaporator, with the gain by plenums."""
     gain = sum(found.get(part.gain) or 0.0 for _, part in problem.parts.all(Plenum))
     effect = problem.refrigerating_effect
     return None if effect is None else effect * (1.0 + gain)
@@ -134,21 +134,21 @@ def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float |
 def _of_expander(
     problem: Problem, life: Trajectory, found: dict[str, Any]
 ) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures that an expander has in place of a compressor's, and why some are None."""
+    """Return the figures that an expander has in place of a compressor's, and the reasons for those that are None."""
     geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
     filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
     return performance.figures_of_expander(found, problem.h_isentropic - problem.inlet.enthalpy, filled)
 
 
-_ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and what is built in
+_ratio: tuple[Any, Any, float | None] = None, None, None  # geometry and effects, and the built-in volume ratio
 
 
 def _built_in(problem: Problem, life: Trajectory) -> float | None:
-    """Return the built-in volume ratio; cases of a sweep that share machine and effects share it, too."""
+    """Return the built-in volume ratio, kept for further cases of a sweep with the same machine and effects."""
     global _ratio
     parts = problem.parts
-    geometry, effects, found = _ratio  # at once: threads share it
+    geometry, effects, found = _ratio  # read in one step: threads share it
     if geometry is not parts.geometry or effects is not parts.effects:
         found = built_in_volume_ratio(parts.geometry, life.volume)
         _ratio = parts.geometry, parts.effects, found
@@ -156,7 +156,7 @@ def _built_in(problem: Problem, life: Trajectory) -> float | None:
 
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
-    """Return the figures of the oil; its ratio is that at the injection angle, or where a port's injection ends."""
+    """Return the figures of the oil; its ratio is that at the injection angle, or at the end of a port's injection."""
     port, ratio = problem.parts.oil_port, known.oil_mass_flow / flow if flow > 0.0 else math.inf
     d = life.R[slots.R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, slots.S_X_OIL]
     return {
@@ -169,7 +169,7 @@ def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float
 
 
 def _intake_temperature(problem: Problem, life: Trajectory) -> float:
-    """Return the temperature [K] of what the machine sucks: the line's own where nothing changes it."""
+    """Return the temperature [K] of the gas at the suction port, the line's own where nothing changes it."""
     suction = problem.suction
     if problem.parts.suction_line:
         return problem.parts.gas.temperature(suction.pressure, float(life.R[slots.R_SUCTION + slots.ENTHALPY]))
@@ -177,9 +177,9 @@ def _intake_temperature(problem: Problem, life: Trajectory) -> float:
 
 
 def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: float) -> dict[str, float]:
-    """Return what comes back to the suction line, and what leaks past the chambers of it (M270, M274).
+    """Return the flows back to the suction line, and the leaks to it that bypass the chambers (M270, M274).
 
-    `heat` [W] is what the fresh gas takes up before it comes there.
+    `heat` [W] is what the fresh gas takes up before the line.
     """
     rate, R = problem.rate, life.R
     back, leak = suction_line.back(problem, R, streams), suction_line.leak(problem, R)
@@ -198,7 +198,7 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
 
 
 def _rejected(problem: Problem, circuit: Circuit | str | None, leaving: float | None) -> tuple[float | None, str]:
-    """Return what a kilogram of gas gives off in the condenser [J/kg] (M410), or None and why.
+    """Return the heat that a kilogram of gas gives off in the condenser [J/kg] (M410), or None and the reason.
 
     The gas comes from the separator, or without one from the chambers, with the enthalpy `leaving`.
     """
@@ -214,7 +214,7 @@ def _rejected(problem: Problem, circuit: Circuit | str | None, leaving: float | 
 
 
 def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures of separator and oil cooler, and why there are none (M280–M285)."""
+    """Return the figures of separator and oil cooler, or the reason why there are none (M280–M285)."""
     oil = problem.scene.oil
     assert problem.parts.oil is not None and oil is not None
     T = problem.parts.oil.temperature
@@ -227,9 +227,9 @@ def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, flo
 
 
 def _shut(problem: Problem, turn: Turn | None) -> bool:
-    """Tell whether a check valve lets nothing in from the suction line for good, but for rounding.
+    """Return whether a check valve stays shut, so that nothing comes in from the suction line but rounding.
 
-    A shut discharge line does so where what comes in can go nowhere else.
+    A shut discharge line has that effect where the gas has no other way out.
     """
     lines = [part for part in problem.parts.pulsations if part.to == SUCTION or not problem.parts.plenums]
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
@@ -238,7 +238,10 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
 def _of_plenums(
     problem: Problem, sucked: float, streams: Array, about: dict[str, Figure]
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return what effects say of the cycle by their own plenums, and why some nothing; `sucked` [kg] a life, net."""
+    """Return the figures of effects with own plenums, and the reasons for those that are None.
+
+    `sucked` [kg/life], net.
+    """
     found, notes, parts = {}, {}, problem.parts
     gas, energy = streams[:, slots.OF_GAS], streams[:, slots.OF_ENERGY]
     suction = sucked * problem.rate * (1.0 - problem.suction.returned)

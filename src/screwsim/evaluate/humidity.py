@@ -1,4 +1,4 @@
-"""What becomes of the water that moist air brings: dew point, what condenses where, and what of it is to be feared.
+"""The water that moist air brings: dew point, where it condenses and how much, and what that may harm.
 
 Source: docs/model.md M327, M328, M361.
 """
@@ -20,9 +20,9 @@ from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.outputs.customary import celsius, in_celsius
 
-MARGIN = 5.0  # [K] above the pressure dew point, where a scene states none
-STEP = np.radians(2.0)  # of the angles at which a chamber is asked for liquid
-WET = 0.01  # of a chamber's water, above which liquid deserves a word: in a dead volume less than that condenses
+MARGIN = 5.0  # [K] above the pressure dew point, where the scene states none
+STEP = np.radians(2.0)  # between angles at which a chamber is checked for liquid
+WET = 0.01  # of a chamber's water: liquid that deserves a warning; a dead volume may condense less
 HOUR = 3600.0
 AFTERCOOLER = "aftercooler_condensate_flow"
 PACKAGE_VAPOUR, PACKAGE_DEW = "package_vapour_flow", "package_dew_point"
@@ -37,7 +37,10 @@ NOTHING_OUT = "nothing flows out to the discharge line"
 def figures(
     problem: Problem, life: Trajectory, streams: Array, found: Mapping[str, Any], circuit: Circuit | str | None
 ) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures of moist air, and why some are None; nothing of a scene that states no humidity."""
+    """Return the figures of moist air, and the reasons for those that are None.
+
+    Nothing for a scene without humidity.
+    """
     gas, scene = problem.parts.gas, problem.scene
     if scene.gas.relative_humidity is None:
         return {}, {}
@@ -67,7 +70,7 @@ def figures(
 
 
 def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vapour: float) -> dict[str, float | None]:
-    """Return what of the vapour [kg/s] behind the separator falls out in an aftercooler, and what comes out (M361)."""
+    """Return an aftercooler's condensate and the vapour after it, by the vapour [kg/s] behind the separator (M361)."""
     scene, p_d = problem.scene, problem.lines.p_d
     package = package_of(scene)
     none: dict[str, float | None] = {AFTERCOOLER: 0.0, PACKAGE_VAPOUR: 0.0, PACKAGE_DEW: None}
@@ -85,6 +88,7 @@ def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vap
 
 
 def _undelivered(problem: Problem) -> dict[str, str]:
+    """Return the reason why a package has no dew point behind it."""
     package = package_of(problem.scene)
     if package is not None and not package.delivers:
         return {PACKAGE_DEW: BLOWN_OFF}
@@ -92,19 +96,19 @@ def _undelivered(problem: Problem) -> dict[str, str]:
 
 
 def cooled_to(problem: Problem, T: float) -> float | None:
-    """Return to which temperature [K] an aftercooler brings air of T [K]; None without one."""
+    """Return the temperature [K] to which an aftercooler brings air of T [K]; None without one."""
     scene, package = problem.scene, package_of(problem.scene)
     by_package = None if package is None else package.cooled(T, problem.lines.T_s)
     return scene.operation.aftercooler_temperature if by_package is None else by_package
 
 
 def leaving(found: Mapping[str, Any], circuit: Circuit | str | None) -> float | None:
-    """Return the temperature [K] at which gas parts from the oil with which it mixed; that of dry machines' gas."""
+    """Return the temperature [K] at which gas leaves the separator, or the chambers where there is no oil."""
     return circuit.parted.T_separator if isinstance(circuit, Circuit) else found.get("discharge_temperature")
 
 
 def _out(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | str | None) -> float:
-    """Return what leaves to the discharge line for good [kg/s], by the flows through its ports."""
+    """Return the net flow to the discharge line [kg/s], by the flows through its ports."""
     if isinstance(circuit, Circuit):
         return circuit.outflow.gas_flow
     leak = suction_line.leak(problem, life.R).gas
@@ -113,7 +117,7 @@ def _out(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | 
 
 
 def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: float = np.inf) -> float:
-    """Return which share of a chamber's trapped water is liquid at most, where it is colder than `below` [K] (M327)."""
+    """Return the largest liquid share of a chamber's trapped water, where it is colder than `below` [K] (M327)."""
     angles = np.arange(0.0, problem.parts.geometry.life, STEP)
     states, oil, trapped = life.states_at(angles), problem.parts.oil, float(life.R[R_TRAPPED])
     most = 0.0
@@ -132,7 +136,7 @@ def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: floa
 def warnings(
     problem: Problem, life: Trajectory, found: Mapping[str, Any], circuit: Circuit | str | None
 ) -> Iterator[str]:
-    """Yield where water condenses, and where it nearly does (M328)."""
+    """Yield warnings where water condenses, or nearly does (M328)."""
     gas, T, dew = problem.parts.gas, leaving(found, circuit), found.get("pressure_dew_point")
     if not isinstance(gas, MoistAir) or dew is None:
         return

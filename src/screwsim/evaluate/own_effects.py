@@ -1,10 +1,9 @@
-"""What effects of a user's own return, held against what can be: no area below zero, nothing that is no number.
+"""Check what a user's own effects return: no negative area, no share beyond 0 and 1, nothing that is not a number.
 
-The model takes an area that is not above zero for shut, and a kernel that returns NaN there would pass unseen. So the
-kernels of own effects are asked again where the closed cycle was integrated: at the ends of its steps, at the nodes of
-the method and of the quadrature between, and at every degree. Where an integration stopped they are asked around the
-state in which it did. It is the compiled kernels that are asked, with the numbers of the model. Without own effects
-nothing is asked.
+The model takes an area that is not above zero for shut, so that a kernel returning NaN there would go unnoticed.
+Therefore the compiled kernels of own effects are called again, with the numbers of the model, where the closed cycle
+was integrated: at the ends of its steps, at the nodes of the method and of the quadrature between, and at every degree.
+Where an integration stopped they are called around the state in which it did. Scenes without own effects skip this.
 """
 
 import math
@@ -24,11 +23,11 @@ from screwsim.numerics.rodas import NODES, dense_value
 from screwsim.outputs.customary import in_bar, in_celsius
 
 Array = np.ndarray
-SHARES = sorted({*NODES[:4], GAUSS[1]})  # of a step; the first of the quadrature's is next to a node of the method
-ROUNDING = 1e-9  # of its largest value, that a law may lie below zero; of one, that a share may lie beyond it
-SPEEDS = (0.0, 1.0, 30.0, 300.0)  # [m/s] with which a gap's share is asked for its flux
-BEYOND = np.radians((0.0, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0))  # an angle where an integration stopped
-AROUND = (1.0, 0.999, 1.001, 0.99, 1.01, 0.9, 1.1)  # its temperature
+SHARES = sorted({*NODES[:4], GAUSS[1]})  # nodes of a step; the quadrature's first is close to a node of the method
+ROUNDING = 1e-9  # of its largest value, tolerated below zero; of 1, tolerated for a share beyond its ends
+SPEEDS = (0.0, 1.0, 30.0, 300.0)  # [m/s] at which the share of a gap is checked
+BEYOND = np.radians((0.0, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0))  # [rad] after the angle where an integration stopped
+AROUND = (1.0, 0.999, 1.001, 0.99, 1.01, 0.9, 1.1)  # factors on the temperature there
 
 
 class Point(NamedTuple):
@@ -42,7 +41,7 @@ class Point(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """A kernel of an own effect: what it returns at a point, and between which values that can be."""
+    """A kernel of an own effect: its value at a point, and the least and the largest value that is possible."""
 
     effect: str
     what: str
@@ -53,11 +52,11 @@ class Asked(NamedTuple):
 
 
 def impossible(problem: Problem, cycle: CycleSolution) -> str:
-    """Return which own effect returned what cannot be, where, in one line; empty where none did."""
+    """Return which own effect returned something impossible, and where; empty where none did."""
     scene, parts, life = problem.scene, problem.parts, cycle.trajectory
     own = {name for name in scene.effects if "." in name}
     if scene.machine.kind in scene.own:
-        own |= {name for name, path in parts.all(FlowPath) if path.port}  # whose areas are the machine's
+        own |= {name for name, path in parts.all(FlowPath) if path.port}  # their areas are those of an own machine
     if not own:
         return ""
     wrong = next(_declared(parts, own), "")
@@ -68,7 +67,7 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
     wrong = next(_areas(parts, life, own, np.union1d(phi, degrees)), "")
     if wrong:
         return wrong
-    stopped = cycle.failed  # what is no number does not close: of a cycle only signs and shares are asked
+    stopped = cycle.failed  # NaN would not have closed: check a closed cycle for signs and shares only
     rates = [asked for asked in _rates(parts, life) if asked.effect in own and (stopped or asked.least > -math.inf)]
     if not rates:
         return ""
@@ -77,7 +76,7 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
 
 
 def _first(asked: Asked, points: Sequence[Point]) -> str:
-    """Return the first point at which a kernel returns what cannot be, as a message."""
+    """Return a message on the first point at which a kernel returns something impossible; empty where none does."""
     values = [asked.at(point) for point in points]
     finite = [abs(value) for value in values if math.isfinite(value)]
     slack = ROUNDING * max(finite, default=0.0)
@@ -88,6 +87,7 @@ def _first(asked: Asked, points: Sequence[Point]) -> str:
 
 
 def _told(effect: str, what: str, unit: str, point: Point, value: float) -> str:
+    """Return the message on an impossible value."""
     states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
     where = f"at {math.degrees(point.phi):.2f} deg{states}"
@@ -95,7 +95,7 @@ def _told(effect: str, what: str, unit: str, point: Point, value: float) -> str:
 
 
 def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
-    """Yield the numbers that own effects state and that cannot be."""
+    """Yield messages on impossible numbers that own effects declare."""
     for name, path in parts.all(FlowPath):
         if name not in own:
             continue
@@ -109,7 +109,7 @@ def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
 
 
 def _along(life: Trajectory) -> tuple[Array, Array]:
-    """Return angles [rad] of the cycle that stands, and the states and pressure there, a row each."""
+    """Return angles [rad] of the last cycle, and the states and pressure there, a row each."""
     times, dense, steps = life.rows
     curves = [dense[:steps, k, : len(life.composition.states) + 1] for k in range(4)]
     phis = [times[:steps] + share * np.diff(times[: steps + 1]) for share in SHARES]
@@ -117,7 +117,7 @@ def _along(life: Trajectory) -> tuple[Array, Array]:
 
 
 def _points(parts: Parts, life: Trajectory, phi: Array, rows: Array) -> Iterator[Point]:
-    """Yield the points of a cycle at angles, where its states and pressure are the rows, in the order of the angles."""
+    """Yield the points of a cycle at angles, with states and pressure from the rows, in the order of the angles."""
     order = np.argsort(phi, kind="stable")
     y = np.ascontiguousarray(rows[order, :-1])
     for angle, state, p in zip(phi[order].tolist(), y, rows[order, -1].tolist(), strict=True):
@@ -141,6 +141,7 @@ def _stopped(parts: Parts, cycle: CycleSolution) -> tuple[list[Point], list[Poin
 
 
 def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None = None) -> Point:
+    """Return the point of a chamber at an angle [rad] with states y; its pressure [Pa] is computed if not given."""
     c, module, oil = life.composition, life.module, parts.oil
     V, rho = module.volume_at(phi, c.P, c.TAB), float(y[S_RHO])
     if p is None:
@@ -150,7 +151,7 @@ def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None
 
 
 def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:
-    """Yield the areas of paths, of the angle [rad] alone, that cannot be: of each path the first."""
+    """Yield messages on impossible areas of paths, which depend on the angle [rad] alone; one for each path."""
     c, found = life.composition, np.empty(len(angles))
     for i, (name, path) in enumerate([*parts.ports, *parts.gaps]):
         if name not in own:
@@ -166,13 +167,13 @@ def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iter
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
-    """Yield what effects return of the state of a chamber."""
+    """Yield the kernels of own effects that depend on the state of a chamber."""
     c, R, module = life.composition, life.R, life.module
     P, TAB = c.P, c.TAB
     lines = [float(R[parts.number(line) * PORT_STATE + PRESSURE]) for line in LINES]
 
     def oil_of(point: Point) -> float:
-        """Return oil per gas of a chamber."""
+        """Return the oil per gas of a chamber."""
         if c.carried:
             return float(point.y[S_X_OIL])
         return float(R[R_RATIO]) if point.phi >= parts.geometry.injection_angle else 0.0
@@ -212,7 +213,7 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
 
 
 def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) -> Iterator[Asked]:
-    """Yield the shares of valves and gaps, and the films of gaps."""
+    """Yield the kernels of the shares of valves and gaps, and of the oil films of gaps."""
     module, R, P = life.module, life.R, life.composition.P
     for i, (name, path) in enumerate(parts.ports):
         if path.opening is None:
@@ -229,7 +230,7 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
             continue
 
         def share(point: Point, i=i) -> float:
-            """Return the share furthest from what can be."""
+            """Return the share that is farthest from 0.5, over several speeds."""
             rho = float(point.y[S_RHO])
             found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
             return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)

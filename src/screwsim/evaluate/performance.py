@@ -1,4 +1,4 @@
-"""Performance figures of a cycle: flows, powers, efficiencies, and where the gas of both lines would condense.
+"""Performance figures of a cycle: flows, powers, efficiencies, and saturation temperatures of both lines.
 
 Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411.
 """
@@ -65,7 +65,7 @@ def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
 
 @lru_cache(maxsize=64)
 def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
-    """Return what `_ideal_works` does, of the fluid of a plenum."""
+    """Return the same as `_ideal_works`, for the fluid of a plenum."""
     isentropic = gas.isentropic_work_of_enthalpy(state.p, p_d, state.h)
     obstacle = gas.isothermal_obstacle(state.p, p_d, state.T)
     isothermal = None if obstacle else gas.isothermal_work(state.p, p_d, state.T)
@@ -73,7 +73,7 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
 
 
 def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
-    """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
+    """Return the net flow [kg/s] and state of each own plenum whose gas is a product."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
     rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
     return [(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]) * rate, state) for i, state in rows]
@@ -82,10 +82,10 @@ def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reserv
 def refrigeration(
     found: Mapping[str, Any], rho_s: float, effect: float | None
 ) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures per volume and of cooling (M43–M45), or None with the reason.
+    """Return specific power and the figures of cooling (M43–M45), or None with the reason.
 
-    `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg], None where
-    the scene calls for no figures of cooling.
+    `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg], None
+    where the scene calls for no figures of cooling.
     """
     flow, power = found["gas_mass_flow"], found["shaft_power"]
     names = ("specific_power", *(("cooling_capacity", "cop", "volumetric_cooling_capacity") if effect else ()))
@@ -102,9 +102,10 @@ def refrigeration(
 def heating(
     found: Mapping[str, Any], condensed: float, rejected: float | None, why: str
 ) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return what gas gives off in the condenser [W], and that over the shaft power (M410), or None with the reason.
+    """Return the heat given off in the condenser [W] and its ratio to the shaft power (M410), or None with the reason.
 
-    `condensed` [kg/s] is all gas that comes there, `rejected` what a kilogram of it gives off [J/kg], None with `why`.
+    `condensed` [kg/s] is all gas that reaches the condenser, `rejected` the heat given off by a kilogram of it
+    [J/kg], None with the reason `why`.
     """
     power, names = found["shaft_power"], ("heating_capacity", "heating_cop")
     if condensed <= 0.0 or rejected is None:
@@ -116,7 +117,10 @@ def heating(
 
 
 def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the figures that an effect gives, and why some are None; raise Impossible of one that is no number."""
+    """Return the figures that an effect gives, and the reasons for those that are None.
+
+    Raises Impossible for a figure that is not a number, unless `finite` is False.
+    """
     found = {name: None if isinstance(value, str) else value for name, value in given.items()}
     for name, value in found.items():
         if finite:
@@ -127,13 +131,16 @@ def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tup
 
 
 def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the figures that effects read from the closed cycle, all other figures known, and why some are None."""
+    """Return the figures that effects read from the closed cycle, and the reasons for those that are None.
+
+    All other figures are known by then.
+    """
     values: dict[str, Any] = {}
     notes: dict[str, str] = {}
     reading = parts.all(Reading)
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
     complete = changed(known, **{name: found.get(name) for name in names}) if reading else known
-    for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # which others may ask for
+    for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # others may read it
         given = part.read(changed(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
         read, reasons = valued(given, name, finite=bool(np.isfinite(known.indicated_power)))
         values |= read
@@ -142,7 +149,7 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tup
 
 
 def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
-    """Return what effects that read the cycle say forbids it, or an empty text, and their warnings."""
+    """Return why effects that read the cycle reject it (empty: none does), and their warnings."""
     judges = [part.judge for _, part in parts.all(Reading) if part.judge is not None]
     if not judges:
         return "", ()
@@ -163,10 +170,10 @@ NO_MEANING = {
 def figures_of_expander(
     found: Mapping[str, Any], isentropic_work: float, filled: float | None
 ) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the figures of an expander in place of a compressor's, and why some are None.
+    """Return the figures of an expander in place of a compressor's, and the reasons for those that are None.
 
-    `isentropic_work` h_2s − h_1 [J/kg], negative; `filled` [kg/s]: flow that fills the chambers where the inlet closes,
-    None without an inlet port.
+    `isentropic_work` h_2s − h_1 [J/kg], negative; `filled` [kg/s]: flow that fills the chambers where the inlet
+    closes, None without an inlet port.
     """
     flow, shaft = float(found["gas_mass_flow"]), float(found["shaft_power"])
     changed: dict[str, float | None] = dict.fromkeys(NO_MEANING)
@@ -187,7 +194,7 @@ def figures_of_expander(
 
 
 def saturation_figures(problem: Problem, found: dict[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the saturation temperatures of both lines and the superheats [K] that the scene calls for, or why not.
+    """Return saturation temperatures and superheats [K], as called for, and the reasons for those that are None.
 
     `found` has the temperature of the gas at discharge.
     """
@@ -209,14 +216,14 @@ def saturation_figures(problem: Problem, found: dict[str, Any]) -> tuple[dict[st
     reasons = {name: why_s if name in at_suction else why_d for name in values}
     if lines.quality is not None:
         reasons["suction_superheat"] = WET
-    if dew_d is not None:  # what has no temperature there
+    if dew_d is not None:  # the remaining reason: no outflow
         reasons["discharge_superheat"] = "nothing flows out to the discharge line"
     return values, {name: why for name, why in reasons.items() if values[name] is None}
 
 
 @lru_cache(maxsize=64)
 def _saturated(fluid: str, p: float) -> tuple[float | None, float | None, str]:
-    """Return dew and bubble point [K] at a pressure [Pa], apart where the fluid glides, or why there are none."""
+    """Return dew and bubble point [K] at a pressure [Pa] (equal unless the fluid glides), or why there are none."""
     try:
         known = constants.limits(fluid)
         if known is not None and p < known.p_critical:

@@ -1,7 +1,7 @@
-"""Figures that hardly are so, and scenes that lead nowhere: what is said beside a result that closed.
+"""Implausible figures, and scenes that lead nowhere: warnings on results that closed.
 
-A cycle may close, and balance, on what no machine does. What a scene says is looked at before (`scene.plausible`); here
-are its figures, as a table, and the ways of the gas into and out of the chambers.
+A cycle may close, and balance, on values that no machine has. `scene.plausible` checks what the scene says; this module
+checks the figures, by the list of functions `DOUBTS`, and whether gas can enter and leave the chambers.
 """
 
 from collections.abc import Iterator
@@ -18,17 +18,17 @@ from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene.lines import Lines
 from screwsim.scene.types import Scene
 
-DELIVERED = 1e-3  # volumetric efficiency from which on a machine counts as one that delivers
-ROUNDING = 1e-3  # by which an efficiency may lie above 1, beyond its estimated error
-RAM = 0.05  # by which gas in motion may fill a chamber beyond its volume
-BACK = 0.5  # of the displacement, that flows back through leaks beyond what is delivered
-HOT = 700.0  # [K] that oil, seals and rotors do not stand
+DELIVERED = 1e-3  # volumetric efficiency above which a machine counts as one that delivers
+ROUNDING = 1e-3  # tolerated excess of an efficiency above 1, besides its estimated error
+RAM = 0.05  # overfilling of a chamber, relative to its volume, that gas in motion may cause
+BACK = 0.5  # of the displacement: leakage beyond the delivered flow above which gaps are implausible
+HOT = 700.0  # [K], more than oil, seals and rotors endure
 BURST = 20.0  # times the higher line's pressure
 NO_MACHINE = "and no machine does so (check its effects)"
 
 
 class Doubt(NamedTuple):
-    """What hardly is so, in words, and the figure that no machine has; None where one may have it."""
+    """An implausibility in words, and the figure that no machine can have; None where a machine may have it."""
 
     words: str
     figure: str | None = None
@@ -36,7 +36,7 @@ class Doubt(NamedTuple):
 
 @dataclass(frozen=True)
 class Told:
-    """What is asked of a closed cycle: scene, parts, lines, figures and their errors."""
+    """A closed cycle as it is checked: scene, parts, lines, figures and their errors."""
 
     scene: Scene
     parts: Parts
@@ -46,16 +46,18 @@ class Told:
 
     @property
     def expands(self) -> bool:
+        """Whether the machine is an expander."""
         return self.parts.geometry.expands
 
     def above(self, name: str, limit: float) -> float | None:
-        """Return a figure that lies above a limit by more than its error; None where it does not."""
+        """Return a figure that exceeds a limit by more than its error, else None."""
         value = self.found.get(name)
         slack = ROUNDING + (self.error.get(name) or 0.0)
         return value if value is not None and value > limit + slack * max(1.0, abs(limit)) else None
 
 
 def _isothermal(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about an isothermal efficiency above 1."""
     eta = told.above("isothermal_efficiency", 1.0)
     if eta is None or told.expands:
         return
@@ -75,6 +77,7 @@ def _isothermal(told: Told) -> Iterator[Doubt]:
 
 
 def _isentropic(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about an isentropic efficiency above 1."""
     eta = told.above("isentropic_efficiency", 1.0)
     if eta is None:
         return
@@ -91,6 +94,7 @@ def _isentropic(told: Told) -> Iterator[Doubt]:
 
 
 def _volumetric(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about a volumetric efficiency that is too large, or too far below zero."""
     filled, found = told.above("volumetric_efficiency", 1.0 + RAM), told.found.get("volumetric_efficiency")
     if told.expands:
         return
@@ -108,6 +112,7 @@ def _volumetric(told: Told) -> Iterator[Doubt]:
 
 
 def _driven(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about a compressor that delivers gas and gives power."""
     power, filled = told.found.get("shaft_power"), told.found.get("volumetric_efficiency")
     if not (told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
         what = f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
@@ -115,6 +120,7 @@ def _driven(told: Told) -> Iterator[Doubt]:
 
 
 def _carnot(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about a COP above Carnot's."""
     operation, cop = told.scene.operation, told.found.get("cop")
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     if not (cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e)):
@@ -126,6 +132,7 @@ def _carnot(told: Told) -> Iterator[Doubt]:
 
 
 def _hot(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about a discharge temperature that no machine endures."""
     T = told.found.get("discharge_temperature")
     if not (T is None or T <= HOT or told.expands):
         words = f"the gas leaves at {in_celsius(T)}, and a machine stands no {in_celsius(HOT)}"
@@ -133,6 +140,7 @@ def _hot(told: Told) -> Iterator[Doubt]:
 
 
 def _burst(told: Told) -> Iterator[Doubt]:
+    """Yield a doubt about a peak pressure that no housing endures."""
     peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
     if not (peak is None or peak <= BURST * line):
         what = f"the chamber reaches {in_bar(peak)}, {peak / line:.3g} times the higher line's pressure"
@@ -143,17 +151,17 @@ DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
 
 
 def doubts(told: Told) -> tuple[Doubt, ...]:
-    """Return what hardly is so of the figures of a cycle that closed."""
+    """Return the implausibilities among the figures of a closed cycle."""
     return tuple(doubt for ask in DOUBTS for doubt in ask(told))
 
 
 def lines_met(parts: Parts) -> set[str]:
-    """Return which lines and plenums ports or valves lead to."""
+    """Return the lines and plenums to which ports or valves lead."""
     return {path.to for _, path in parts.all(FlowPath) if not path.beside}
 
 
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
-    """Return that nothing leads from the suction line into a chamber, or from it to the discharge line."""
+    """Return messages where nothing leads from the suction line into a chamber, or from it to the discharge line."""
     found, leads = [], lines_met(parts)
     kind, roles = kind_of(scene.machine), (WAY_IN, WAY_OUT)
     ways = "from the suction line into", "to the discharge line out of"

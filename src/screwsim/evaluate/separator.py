@@ -1,4 +1,4 @@
-"""What a cycle gives the separator, what of the whole circuit is left open, and what a package loses.
+"""Flows of a cycle into the separator, the residual of the oil's circuit, and the losses of a package.
 
 Source: docs/model.md M280–M285, M343.
 """
@@ -42,11 +42,11 @@ NONE_LEFT = "no net gas is delivered that could leave the separator"
 
 
 class Circuit(NamedTuple):
-    """Where gas and oil of a cycle part, and how far the temperatures that it was integrated with are from that.
+    """The separation of a cycle's gas and oil, and the differences from the temperatures it was integrated with.
 
-    `supply` and `separator` [K] are by how much both should change, nothing where they are stated, or not asked for;
-    `open` is what they leave open, `residual` the same of the whole circuit, both over the shaft's power. `unclosed`
-    [K] is what the energy that the cycle leaves open makes of the mixture's temperature.
+    `supply` and `separator` [K] are the differences of the two temperatures, 0 where they are stated or not needed;
+    `open` is the power that they leave open, `residual` that of the whole circuit, both over the shaft power.
+    `unclosed` [K] is the effect of the cycle's energy residual on the mixture's temperature.
     """
 
     outflow: Outflow
@@ -61,10 +61,11 @@ class Circuit(NamedTuple):
 def circuit_of(
     problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float
 ) -> Circuit | str | None:
-    """Return the oil's circuit of a life of these quadratures; None where no scene asks for it, a text for why not.
+    """Return the oil's circuit of a life with quadratures q.
 
-    A scene that states the separator's temperature without effects.separator is asked what its balance says of it, and
-    one of moist air where its water parts from the oil.
+    None where nothing needs it, a text where it cannot be found. It is needed with effects.separator, where the
+    scene states the separator's temperature (to compare its balance), and with moist air (where water separates
+    from the oil).
     """
     parts, scene = problem.parts, problem.scene
     part = next((part for _, part in parts.all(SeparatorPart)), None)
@@ -89,7 +90,10 @@ def circuit_of(
 
 
 def _unexplained(outflow: Outflow, parted: Separated) -> float:
-    """Return what comes in [W] beyond what gas, cooler and surroundings take (M285); nothing where gas condenses."""
+    """Return the power [W] that comes in beyond what gas, cooler and surroundings take (M285).
+
+    0 where gas condenses.
+    """
     if parted.why:
         return 0.0
     comes = outflow.supplied + outflow.heating + outflow.friction
@@ -98,12 +102,12 @@ def _unexplained(outflow: Outflow, parted: Separated) -> float:
 
 
 def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float) -> Outflow:
-    """Return what a life of these quadratures gives the separator (M280, M282)."""
+    """Return the flows of a life with quadratures q into the separator (M280, M282)."""
     parts, c, rate, h_ref = problem.parts, problem.composition, problem.rate, problem.inlet.enthalpy
     oil = parts.oil
     assert oil is not None
     streams = rate * streams_of(c, q)
-    beyond = (streams[:, OF_ENERGY] - h_ref * streams[:, OF_GAS]).tolist()  # [W], over gas of the suction line
+    beyond = (streams[:, OF_ENERGY] - h_ref * streams[:, OF_GAS]).tolist()  # [W], relative to gas of the suction line
     leak = suction_line.leak(problem, life.R).times(rate)
     out = -float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak.gas
     energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT]) - (leak.enthalpy - h_ref * leak.gas)
@@ -126,7 +130,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
         lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL, *of_line)]
         energy -= oil.heat_capacity * float((streams[lines, OF_OIL_HEAT] - T_in * streams[lines, OF_OIL]).sum())
         if parts.suction_line:
-            # what comes to the line and is sucked again, and the leak to it, which leaves before the separator
+            # oil that circulates through the suction line, and the leak to it, which leaves before the separator
             back = streams[SUCTION_IN] + streams[SUCTION_OUT]
             kept = oil.heat_capacity * float(back[OF_OIL_HEAT] - T_in * back[OF_OIL])
             leaked = oil.heat_capacity * (leak.oil_heat - T_in * leak.oil)
@@ -156,9 +160,9 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
 
 
 class Package(NamedTuple):
-    """How far the losses with which a cycle was integrated are from those of its flow.
+    """The difference between the losses with which a cycle was integrated and those at its flow.
 
-    `before` and `behind` [Pa] are by how much both should change, `open` the larger over its line's pressure.
+    `before` and `behind` [Pa] are the changes needed, `open` is the larger one over its line's pressure.
     """
 
     before: float
@@ -167,7 +171,7 @@ class Package(NamedTuple):
 
 
 def package_off(problem: Problem, flow: float | None) -> Package | None:
-    """Return how far the losses of a problem are from those of a mass flow [kg/s]; None where there is no package."""
+    """Return the difference between a problem's losses and those at a mass flow [kg/s]; None without a package."""
     package, posed = package_of(problem.scene), problem.scene.losses
     if package is None or posed is None:
         return None

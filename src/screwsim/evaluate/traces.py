@@ -35,7 +35,7 @@ def traces(of: Evaluation) -> dict[str, np.ndarray]:
     to_lines = [i for i, (_, path) in enumerate(parts.ports) if path.to in LINES and not path.narrow]
     _smooth_plenum_flows(flows, to_lines, parts.omega * seen["mass_rate"])
     films = life.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
-    if c.speed_curve is not None:  # the model's flows are those over the mean speed
+    if c.speed_curve is not None:  # the model's flows refer to the mean speed
         slow = np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
         flows /= slow[:, None]
         if any(parts.films):
@@ -65,9 +65,9 @@ def trace_angles(life: float) -> np.ndarray:
 
 
 def _smooth_plenum_flows(flows: np.ndarray, to_lines: list[int], mass_rate: np.ndarray) -> None:
-    """Where one port to a line alone is open, take its flow from the mass balance, in place.
+    """Where a single port to a line is open, take its flow from the mass balance [in place].
 
-    Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
+    Between steps the tiny Δp of a wide port carries the whole error of the interpolated pressure; dm/dφ does not.
     """
     open_ports = np.abs(flows[:, to_lines]) > 0.0
     alone = np.count_nonzero(open_ports, axis=1) == 1

@@ -1,4 +1,4 @@
-"""What is said of a cycle: why it failed or did not close, and what may help."""
+"""The verdict on a cycle: why it failed or did not close, and what may help."""
 
 import math
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs.variables import NOT_CLOSED
 
-ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
+ALL_BUT_LOCKED = 0.9  # share of oil in a chamber's volume above which a stopped integration is a hydraulic lock
 REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equation of state
     Limit.HOT: lambda problem: _cooler(problem),
     Limit.PRESSED: lambda problem: _cooler(problem),
@@ -31,18 +31,18 @@ REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equat
     Limit.CRITICAL: lambda problem: (
         f"use a wider discharge port{_larger(problem)}, a lower discharge pressure or warmer {_warming(problem)}"
     ),
-}
+}  # by the limit of an equation of state
 
-NO_MATTER = 3e4  # [kg/m³], denser than any: a guess that went astray, not a state of the gas
-HOT = 1000.0  # [K] beyond what a machine stands
-PHASES = 120  # of a pitch at which a plenum's pressure is looked at
-STANDING = 86_400.0  # [s] of a turn, in which a machine that comes to no end all but stands
-RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
-UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
+NO_MATTER = 3e4  # [kg/m³], denser than any fluid: a diverged iterate, not a state of the gas
+HOT = 1000.0  # [K], more than a machine endures
+PHASES = 120  # angles of a pitch at which a plenum's pressure is checked
+STANDING = 86_400.0  # [s] of a turn of the rotors, beyond which a machine practically stands still
+RESTLESS = 500  # impacts per turn above which reeds are blamed for a cycle that does not settle
+UNSETTLED = 0.05  # change of the states over a pitch above which a cycle is far from closed
 
 
 def refused(problem: Problem, life: Trajectory) -> str:
-    """Return where and why a closed cycle leaves what the gas's equation covers; empty when it does not."""
+    """Return where and why a closed cycle leaves the range of the gas's equation of state; empty where it does not."""
     (T, rho), gas = life.ends, problem.parts.gas
     i = gas.first_outside(T, rho)
     found = None if i is None else gas.why_outside(float(T[i]), float(rho[i]))
@@ -52,9 +52,9 @@ def refused(problem: Problem, life: Trajectory) -> str:
 
 
 def _remedied(problem: Problem, found: Outside, life: Trajectory) -> str:
-    """Return which limit of its gas a state violates in a life, with the remedy.
+    """Return which limit of the gas a state of a life violates, with the remedy.
 
-    Gas of an expander that ends hotter than it came was compressed again, as its outlet did not let it out.
+    If the gas of an expander ends hotter than it came, it was recompressed because the outlet did not let it out.
     """
     hot = found.limit in (Limit.HOT, Limit.PRESSED) and problem.parts.geometry.expands
     if hot and float(life.ends[0][-1]) > problem.lines.T_s:
@@ -66,7 +66,7 @@ def _remedied(problem: Problem, found: Outside, life: Trajectory) -> str:
 
 
 def _cooler(problem: Problem) -> str:
-    """Return what helps where gas gets too hot, or its pressure too high, of what the machine has."""
+    """Return the remedy, for this machine, for gas that gets too hot or its pressure too high."""
     oil = "more or cooler oil" if problem.parts.oil is not None else "cooler gas in the suction line"
     if problem.parts.geometry.expands:
         return f"use {oil}, or a lower pressure there"
@@ -74,27 +74,31 @@ def _cooler(problem: Problem) -> str:
 
 
 def _larger(problem: Problem) -> str:
-    """Return the path of what is left of a chamber, as a remedy in a row; empty where a table holds it."""
+    """Return the scene's path of the dead volume as a further remedy; empty where a table sets it."""
     dead, _ = find_machine(problem.scene.machine.kind).dead_volume(problem.scene.machine)
     return f", a larger {dead}" if dead else ""
 
 
 def _warming(problem: Problem) -> str:
-    """Return what brings warmth to the gas, of what the machine has."""
+    """Return what warms the gas of this machine."""
     return "oil" if problem.parts.oil is not None else "suction gas"
 
 
 def _warmer(problem: Problem) -> str:
-    """Return what keeps gas from condensing, of what the machine has."""
+    """Return what keeps the gas of this machine from condensing."""
     return "warmer oil or gas" if problem.parts.oil is not None else "warmer gas in the suction line"
 
 
 def _or_oil(problem: Problem) -> str:
+    """Return ' or oil' for a machine that has oil."""
     return " or oil" if problem.parts.oil is not None else ""
 
 
 def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
-    """Return that a plenum's pressure swings beyond its mean, where no M186 holds; empty where none does."""
+    """Return a message where a plenum's pressure swings by more than its mean, so that M186 does not hold.
+
+    Else empty.
+    """
     for part in problem.parts.pulsations:
         line = problem.parts.number(part.to)
         angles = np.linspace(0.0, problem.parts.geometry.pitch, PHASES, endpoint=False)
@@ -105,7 +109,7 @@ def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
 
 
 def open_question(of: Evaluation, closed: bool) -> str:
-    """Return what the scene leaves open of a cycle, and what to do; empty where nothing is open."""
+    """Return which question about a cycle the scene leaves open, and what to do; empty where there is none."""
     asked = (part.open_question for part in of.problem.parts.pulsations if part.open_question is not None)
     return next(filter(None, (ask(of.turn, closed) for ask in asked)), "")
 
@@ -156,14 +160,14 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     if cycle.impacts > MOST_IMPACTS:
         return f"the turn was left at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
     n, gas = len(problem.composition.states), problem.parts.gas
-    for i, (T, rho) in enumerate(zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True)):  # coupled chambers: of each
+    for i, (T, rho) in enumerate(zip(cycle.y[S_T::n], cycle.y[S_RHO::n], strict=True)):  # each of all chambers
         reason = gas.why_outside(float(T), float(rho))
         if reason is not None:
             angle = cycle.angle + i * problem.parts.geometry.pitch
             why = _remedied(problem, reason, cycle.trajectory)
             return f"the integration stopped at {math.degrees(angle):.2f} deg: {why}"
     elsewhere = refused(problem, cycle.trajectory)
-    if elsewhere:  # a chamber that gas of such a state reaches through a leak
+    if elsewhere:  # a chamber that such gas reaches through a leak
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"
     densest = float(np.max(cycle.y[S_RHO::n]))
     if densest > NO_MATTER:
@@ -179,7 +183,10 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
 
 
 def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
-    """Return that and where the oil fills the chamber; empty where it does not, or takes no room (M111)."""
+    """Return a message on a hydraulic lock and its angle.
+
+    Empty where oil does not fill the chamber or takes no room (M111).
+    """
     parts, R, n = problem.parts, cycle.trajectory.R, len(problem.composition.states)
     if not parts.oil_room or parts.oil is None:
         return ""
@@ -202,14 +209,14 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
 
 
 def of_package(of: Evaluation) -> float:
-    """Return what the losses of a package leave open of a pressure; nothing without a package."""
+    """Return the relative residual of a package's losses over their line's pressure; 0 without a package."""
     return 0.0 if of.package is None else of.package.open
 
 
 def of_circuit(of: Evaluation) -> tuple[str, float]:
-    """Return what forbids the oil's circuit of a cycle, or an empty text, and what it leaves open of the shaft power.
+    """Return why the oil's circuit of a cycle is impossible (empty: it is not), and its residual over the shaft power.
 
-    Nothing of a scene without effects.separator.
+    The residual is 0 without effects.separator.
     """
     circuit = of.circuit
     if circuit is None or not of.problem.parts.all(Separator):

@@ -18,7 +18,7 @@ def temperature_slope(T, m, rho, h, c_v, TpT, mass_rate, enthalpy_rate, heat, dV
 
 @kernel
 def oil_temperature_slope(T_oil, m_oil, m, c_oil, oil_rate, oil_energy_rate, heat_lost, omega):
-    """Return dT_oil/dφ [K/rad]: mixing with the oil that comes in, minus the heat given to the gas (M4, M9).
+    """Return dT_oil/dφ [K/rad]: mixing with incoming oil, minus the heat given to the gas (M4, M9).
 
     `oil_energy_rate` is Σ ṁ_oil T_oil [kg K/s] of all streams. A floor of 1e-12 m keeps it finite without oil.
     """
@@ -28,8 +28,8 @@ def oil_temperature_slope(T_oil, m_oil, m, c_oil, oil_rate, oil_energy_rate, hea
 
 @kernel
 def held_slope(w, m_oil, m, oil_rate, held_rate, omega):
-    """Return dw/dφ [1/rad] of the gas w that a kilogram of oil holds: `held_rate` [kg/s] comes with oil (M230).
+    """Return dw/dφ [1/rad] of the gas w dissolved per kilogram of oil; `held_rate` [kg/s] comes with oil (M230).
 
-    What leaves the oil as gas is part of that rate. The floor is that of `oil_temperature_slope`.
+    Gas that leaves the oil is part of that rate. The floor is that of `oil_temperature_slope`.
     """
     return (held_rate - w * oil_rate) / ((m_oil + 1e-12 * m) * omega)

@@ -1,9 +1,9 @@
-"""Borders at which a step ends: of a phase, where a one-way path opens, flattens or shuts, and where a port closes.
+"""Borders at which a step ends: of a phase; where a one-way path opens, flattens or shuts; where a port closes.
 
-The equations change at the first two. A wide port holds p to its plenum's, and lets go only in the last degrees before
-it closes. A step over all of that, made with the Jacobian of its start, sees the wide port at its early stages and no
-flow at its end: neither its result nor its error estimate knows what was shut in. Such a step is halved until the port
-is no longer stiff for what is left. `network.steps` asks this of each port and each state.
+The equations change at the first two. A wide port holds p to its plenum's, and releases it only in the last degrees
+before it closes. A step over all of that, made with the Jacobian of its start, sees a wide port at its early stages and
+no flow at its end: neither its result nor its error estimate covers what was shut in. Such a step is halved until the
+port is no longer stiff over the rest. `network.steps` applies this to each port and each state.
 
 Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
 """
@@ -12,20 +12,20 @@ from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
-CLOSED = 0.3  # of an opening's area at the end of a step, over that at its start, below which it counts as closing
-STIFF = 10.0  # step times the largest rate of decay, above which it is too long to close along
-BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
-SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
-FLATTER = 1.5  # slope of a valve's flow over Δp at the start of a step, over that at its end, at most
+CLOSED = 0.3  # ratio of an opening's area at the end of a step to that at its start, below which it counts as closing
+STIFF = 10.0  # step times the largest rate of decay, above which a step is too long along a closing port
+BEYOND = 0.3  # share of the tolerance by which a step passes the border of a phase
+SWITCHED = 1e-4  # share of the regularisation's width by which a step passes the switch of a valve
+FLATTER = 1.5  # largest ratio, over a step, of the slope of a valve's flow over Δp at its start to that at its end
 
 
 @kernel
 def share_before_switch(one_way, line, width, held, most, y, y1, u, P, TAB):
     """Return the share of a step, at most `most`, after which a one-way path to a line opens or shuts.
 
-    `held` tells whether it is open. Beyond that share lies at most SWITCHED of the width of the regularisation.
+    `held` is 1 if it is open. The switch is passed by at most SWITCHED of the width of the regularisation.
     """
-    against = -one_way if held == 1.0 else one_way  # the way in which it switches
+    against = -one_way if held == 1.0 else one_way  # the direction in which it switches
     p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
     if not (against * (line - p1) > SWITCHED * width):
         return most
@@ -50,7 +50,7 @@ def share_while_steep(line, width, held, most, y, y1, u, P, TAB):
     """Return the share of a step, at most `most`, along which the flow of an open one-way path flattens by FLATTER.
 
     Its slope over Δp goes as (Δp² + ε²)^(−1/4) and is steepest where the path opens. A stiff step with the Jacobian
-    from there takes the line to hold the chamber by so much more than it does, and tells next to none of its error.
+    from there overestimates how firmly the line holds the chamber, and damps its own error estimate.
     """
     if held != 1.0:
         return most
@@ -77,10 +77,10 @@ def share_while_steep(line, width, held, most, y, y1, u, P, TAB):
 
 @kernel
 def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol, P, TAB):
-    """Return the share of a step after which a chamber leaves the phase held; 1 where it does not, or hardly.
+    """Return the share of a step after which a chamber leaves the held phase; 1 where it does not, or hardly.
 
-    The state's derivatives jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
-    equation goes on smoothly.
+    Derivatives of the state jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
+    equation is continued smoothly.
     """
     if gas_phase(y1[at], y1[at + S_RHO], P, TAB) == int(held):
         return 1.0
@@ -104,11 +104,11 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol, P, TAB):
 
 @kernel
 def closes(area, at_end):
-    """Tell whether an opening closes along a step."""
+    """Return whether an opening closes along a step."""
     return at_end < CLOSED * area
 
 
 @kernel
 def stiff(h, slope):
-    """Tell whether a step is too long for the decay of a state, whose rate has this derivative by itself."""
+    """Return whether a step is too long for the decay of a state, given the derivative of its rate by itself."""
     return -h * slope > STIFF

@@ -1,6 +1,6 @@
-"""The angles of one life at which steps shall end: where laws are not smooth.
+"""The angles of one life at which steps must end because laws are not smooth there.
 
-The laws of the package's own effects state them. Those of a user's effects are sampled, whatever these state, as they
+The package's own effects declare them. The laws of a user's effects are also sampled, whatever they declare, as they
 are not known; that takes some milliseconds.
 """
 
@@ -17,12 +17,12 @@ from screwsim.model.parts import Parts
 from screwsim.numerics.spline import features, pack_curve
 
 Array = np.ndarray
-EVERY = math.radians(0.2)  # a feature that is narrower may be missed
-STATED = math.radians(0.5)  # from a stated breakpoint, within which no other is needed
+EVERY = math.radians(0.2)  # spacing of samples: a narrower feature may be missed
+STATED = math.radians(0.5)  # distance from a declared breakpoint within which no other is needed
 
 
 def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
-    """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
+    """Return the angles of one life at which its own or neighbours' laws are not smooth, sorted, including the ends."""
     geometry, paths = parts.geometry, [path for _, path in named]
     pitch, life = geometry.pitch, geometry.life
     own = {geometry.injection_angle, *law.breakpoints, *more}
@@ -39,7 +39,7 @@ def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], m
     for name, path in named:
         unstated = _unstated(name, path, symbols, life)
         found += [at + shift * pitch for at in unstated for shift in {0, path.offset}]
-    # where a neighbour is born or ends
+    # where a neighbour's life begins or ends
     found += [shift * pitch + edge for shift in shifts for edge in (0.0, life)]
     inside = sorted({0.0, life, *(at for at in found if 0.0 < at < life)})
     kept = [inside[0]]
@@ -51,7 +51,7 @@ def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], m
 
 
 def _unstated(name: str, path: FlowPath, symbols: Mapping[str, float], life: float) -> tuple[float, ...]:
-    """Return the angles [rad] of a path's features that it does not state; none of an effect of the package."""
+    """Return the angles [rad] of features that a path does not declare; none for an effect of the package."""
     if "." not in name:
         return ()
     angles = np.append(np.arange(0.0, life, EVERY), life)
@@ -75,7 +75,7 @@ def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array
 
 
 def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
-    """Return an area [m²]; NaN where Python raises what compiled code goes on with."""
+    """Return an area [m²]; NaN where Python raises an error and compiled code would continue."""
     try:
         found = path.area(*arguments)
     except (ArithmeticError, ValueError):

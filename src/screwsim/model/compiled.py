@@ -1,4 +1,4 @@
-"""Compiling a composition: what is said of it."""
+"""Load the compiled modules of compositions, and announce what takes time to compile."""
 
 import threading
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ from types import ModuleType
 from screwsim.codegen import modules
 from screwsim.numerics import compiling
 
-COMPILED = {  # what each driver is, and about how long its compilation takes
+COMPILED = {  # by driver: its description, and roughly its time to compile
     "one": ("this combination of effects", "a second or two"),
     "all": ("coupled chambers of this combination", "a second or two"),
     "tangents": ("derivatives of coupled chambers of this combination", "a second"),
@@ -18,7 +18,7 @@ COMPILED = {  # what each driver is, and about how long its compilation takes
     "ledger": ("the ledger of this combination", "a second"),
 }
 
-alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready
+alone = threading.RLock()  # held while compiling, so that another thread finds the result
 
 
 def load(text: str) -> ModuleType:
@@ -27,13 +27,13 @@ def load(text: str) -> ModuleType:
 
 
 def warm(module: ModuleType) -> set[str]:
-    """Return the drivers of a module that this process has compiled or loaded, to be added to."""
+    """Return the set of a module's drivers that this process has compiled or loaded; callers add to it."""
     return module.__dict__.setdefault("drivers_ready", set())
 
 
 @contextmanager
 def first(module: ModuleType, driver: str) -> Iterator[None]:
-    """Say on stderr that a driver's first compilation takes its time; silent when done before."""
+    """Announce on stderr that a driver's first compilation takes time; silent once it is done."""
     if driver in warm(module):
         yield
         return
@@ -43,5 +43,5 @@ def first(module: ModuleType, driver: str) -> Iterator[None]:
 
 
 def equation_announced(fluid: str) -> AbstractContextManager[None]:
-    """Say on stderr that a fluid's equation of state is written and compiled, when a real gas is new."""
+    """Announce on stderr that a real gas's equation of state is being written and compiled, where it is new."""
     return compiling.announced("equation", f"the equation of state of {fluid}", "some seconds")

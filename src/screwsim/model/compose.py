@@ -1,7 +1,7 @@
-"""From what a scene names to one flat module: kernels, constants, and the numbers that go in.
+"""Compose the parts of a scene into one flat module: kernels, constants, and the numbers that go in.
 
-What is not named is not there: no term, no state, no cost. Structure (which paths, states, laws) goes into the
-module's text; numbers go into the vector P and the tables TAB, so that one compiled module serves a whole sweep.
+What a scene does not name is not in the module: no term, no state, no cost. Structure (paths, states, laws) goes into
+the text; numbers go into the vector P and the tables TAB, so that one compiled module serves a whole sweep.
 """
 
 from functools import lru_cache
@@ -28,13 +28,13 @@ from screwsim.model.trajectory import with_numbers
 from screwsim.model.writing import Writer, scales
 from screwsim.numerics.kernel import Kernel
 
-SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
-HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
+SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # constants that texts use by name
+HELD_GAS = "w_gas"  # name of the state of dissolved gas
 NO_NUMBERS = np.zeros(0)
 
 
 def compose(parts: Parts) -> Composition:
-    """Return the composition of what a scene names."""
+    """Return the composition of a scene's parts."""
     network = _network(parts)
     _refuse(network, parts)
     writer, law = Writer(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
@@ -78,9 +78,10 @@ def structured(
     speed_curve: int | None,
     oil: tuple[tuple[str, int], ...],
 ) -> Composition:
-    """Return the composition of what was written, with no numbers: scenes that differ by these share it.
+    """Return the composition of written texts without numbers, shared by scenes that differ in these only.
 
-    `key` is that of the network, `own` and `called` are the texts and kernels, `places` those of numbers in P.
+    `key` is that of the network, `own` and `called` are the texts and kernels, `places` are the indices of numbers
+    in P.
     """
     network = Network(*key)
     cell, layout = Cell(network), Layout(network)
@@ -128,7 +129,7 @@ def structured(
 
 
 def _network(parts: Parts) -> Network:
-    """Return the cells and connections of a scene; what is called of them is written later."""
+    """Return the cells and connections of a scene; the kernels they call are written later."""
     oil, ported = parts.oil, parts.oil_port is not None
     heated = bool(parts.all(HeatRate)) or ported or parts.oil_room
     carried = heated and oil is not None and oil.carried
@@ -150,14 +151,14 @@ def _network(parts: Parts) -> Network:
         port = Port(i, name, cell, number, f"P[P_WIDTH_{cell}]", one_way=path.one_way, narrow=path.narrow)
         network.ports.append(port)
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(parts.gaps)]
-    # effects that open chambers beyond the injection angle to suction, or others to discharge
+    # effects that open chambers to suction after the injection angle, or to discharge before it
     network.across = any(not path.port and path.to in LINES for _, path in parts.ports)
     network.chambers = parts.geometry.chambers
     return network
 
 
 def _write(writer: Writer, parts: Parts, law: Any) -> None:
-    """Write what the composition has of its own, and put the calls of its kernels into the network."""
+    """Write the composition's own functions, and register the kernels it calls in the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
     ports, between_chambers = [path for _, path in parts.ports], [path for _, path in parts.gaps]
     writing.write_gas(writer, parts.gas)
@@ -191,7 +192,7 @@ def _write(writer: Writer, parts: Parts, law: Any) -> None:
 
 
 def _constants(network: Network, cell: Cell, layout: Layout) -> dict[str, Any]:
-    """Return the constants of the text that the network decides on."""
+    """Return the constants of the text that follow from the network."""
     constants: dict[str, Any] = {
         "N": len(network.states),
         "N_FLOWS": len(layout.flows),
@@ -203,7 +204,7 @@ def _constants(network: Network, cell: Cell, layout: Layout) -> dict[str, Any]:
 
 
 def _read_with(network: Network) -> tuple[Kernel, ...]:
-    """Return what closed cycles are read with, beside what all are."""
+    """Return the kernels for reading closed cycles that only some structures need."""
     asked = {
         ledger.held_arriving: network.dissolves,
         ledger.oil_arriving: network.carried and not network.roomed,
@@ -219,7 +220,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
 
 
 def _refuse(network: Network, parts: Parts) -> None:
-    """Raise TypeError for parts of effects that do not go together."""
+    """Raise TypeError for parts of effects that cannot be combined."""
     if len(set(network.states)) < len(network.states):
         raise TypeError(f"two states have one name: {', '.join(network.states)}")
     if taken := sorted(RESERVED & set(network.states)):

@@ -1,4 +1,4 @@
-"""What is composed of the parts of a scene: texts to be compiled, the numbers that go in, and what is where."""
+"""The result of composing the parts of a scene: module texts, the numbers that go in, and the layout of both."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from screwsim.numerics.remembered import once
 
 @dataclass(frozen=True)
 class Recipe:
-    """P as it was composed, and which of its numbers, by place and name, may be others while the structure stays."""
+    """P as composed, and which of its numbers may change, by index and name, while the structure stays."""
 
     P: np.ndarray
     places: list[int]
-    names: list[str]  # of `writing.operating`
-    held: tuple[Held, ...] | None = None  # where the rest of them stand in parts; None where some stand nowhere
-    angles: tuple[Any, ...] = ()  # that the breakpoints follow from
-    law: Any = None  # of the volume, as it was read: its file may be another by now, or gone
+    names: list[str]  # as in `numbers.operating`
+    held: tuple[Held, ...] | None = None  # where the other numbers are stored in parts; None where some are not
+    angles: tuple[Any, ...] = ()  # from which the breakpoints follow
+    law: Any = None  # of the volume, as read: its file may have changed since
 
 
 class Held(NamedTuple):
-    """A number of P that parts hold: its place, in which of what holds numbers it stands, as what, and how."""
+    """A number of P that is stored in parts: its index, which holder has it, under which name, and how."""
 
     place: int
     holder: int
     name: str
-    by_key: bool  # is the holder a mapping
+    by_key: bool  # whether the holder is a mapping
 
 
 @dataclass(frozen=True)
@@ -38,16 +38,16 @@ class Composition:
     """A model ready to be compiled (`text`) and run (`P`, `TAB`, `breakpoints`)."""
 
     text: str
-    together: Callable[[], str] = field(compare=False)  # the text of all chambers, written when it is asked for
-    along: Callable[[], str] = field(compare=False)  # that with the change of their rates along one of their numbers
+    together: Callable[[], str] = field(compare=False)  # writes the text of all chambers on demand
+    along: Callable[[], str] = field(compare=False)  # the same with directional derivatives of the rates
     P: np.ndarray
     TAB: np.ndarray
-    breakpoints: np.ndarray  # of one chamber's life, neighbours' included [rad]
+    breakpoints: np.ndarray  # of one chamber's life, including neighbours' [rad]
     states: tuple[str, ...]
     plenum_paths: tuple[str, ...]
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
-    ends: tuple[str, ...]  # of plenum paths and gaps: line or plenum to which what leaves through them goes
-    heats: tuple[str, ...]  # the effect of each heat rate
+    ends: tuple[str, ...]  # of plenum paths and gaps: the line or plenum that outflow goes to
+    heats: tuple[str, ...]  # effects of the heat rates
     n_port_state: int  # columns of a history beyond the states
     n_sums: int
     n_E: int
@@ -55,44 +55,44 @@ class Composition:
     chambers: int
     carried: bool
     recipe: Recipe
-    width: int = 2  # sums of each category
+    width: int = 2  # sums in each category
     n_widths: int = 3  # of the regularisation, from P_PORT_WIDTH on
     n_R: int = R_SIZE
     ported: bool = False
     oil_room: bool = False
-    walls: tuple[str, ...] = ()  # the effect of each wall
-    made: tuple[int, ...] = ()  # where the numbers that the cycle makes stand in P
-    speed_curve: int | None = None  # where in P the square of the speed over its mean begins (speed.slowness)
+    walls: tuple[str, ...] = ()  # effects of the walls
+    made: tuple[int, ...] = ()  # indices in P of unknowns that the cycle determines
+    speed_curve: int | None = None  # index in P of the squared relative speed's table (speed.slowness)
     own_states: tuple[str, ...] = ()  # the last of `states`: those that effects declare
     stops: tuple[tuple[int, int], ...] = ()  # columns of position and speed of what moves between seat and stop
-    signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
-    starts: tuple[float, ...] = ()  # of the own states
+    signed: tuple[int, ...] = ()  # columns of states that may be zero or negative
+    starts: tuple[float, ...] = ()  # initial values of the own states
     pulsating: bool = False
-    pushes: bool = False  # do walls that drag oil along do work on it?
-    offsets: tuple[int, ...] = ()  # lobe pitches between neighbours that gaps join
-    n_work_all: int = 0  # numbers that the functions of all chambers write aside
+    pushes: bool = False  # whether walls that drag oil along do work on it
+    offsets: tuple[int, ...] = ()  # lobe pitches between neighbours that gaps connect
+    n_work_all: int = 0  # size of the working array for all chambers
 
     @property
     def dissolves(self) -> bool:
-        """Is what the oil holds dissolved a state?"""
+        """Whether the gas dissolved in oil is a state."""
         return self.width == 5
 
     @property
     def widths(self) -> slice:
-        """Where the widths of the regularisation stand in P."""
+        """The slice of P with the widths of the regularisation [Pa; gaps: a share]."""
         return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
 
     @once
     def first_met(self) -> int:
-        """Index of the gas from the chambers ahead and behind, by offset, among the quadratures of one chamber."""
+        """Index, among a chamber's quadratures, of the gas from chambers ahead and behind, by offset."""
         return Q_WALLS + 2 * len(self.walls)
 
     @once
     def first_stream(self) -> int:
-        """Index of the first of the streams' sums among the quadratures."""
+        """Index, among the quadratures, of the first of the streams' sums."""
         return self.first_met + 2 * len(self.offsets) + self.pushes
 
     @property
     def n_quadratures(self) -> int:
-        """Work, heat, those of the walls, gas from neighbours, what dragged oil gives the walls, the streams' sums."""
+        """Number of quadratures: work, heat, walls, gas from neighbours, work on dragged oil, the streams' sums."""
         return self.first_stream + self.n_sums

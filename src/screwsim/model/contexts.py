@@ -1,4 +1,4 @@
-"""What kernels are given beside the state, by name: parameters, tables, histories, working arrays."""
+"""Arguments of kernels besides the state, by name: parameters, tables, histories, working arrays."""
 
 from typing import NamedTuple
 
@@ -8,10 +8,10 @@ Array = np.ndarray
 
 
 class ChamberContext(NamedTuple):
-    """Of one chamber among neighbours whose histories are known.
+    """For one chamber among neighbours with known histories.
 
-    `own` is the chamber's port state, then the phase that its gas is held in during a step (`slots.FREE`: none) and
-    what the openings remember; `kept` are the numbers of steps of both histories, the new one first.
+    `own` is the chamber's port state, then the phase in which its gas is held during a step (`slots.FREE`: none)
+    and the memory of its openings; `kept` are the numbers of steps of both histories, the new one first.
     """
 
     P: Array  # parameters
@@ -19,16 +19,16 @@ class ChamberContext(NamedTuple):
     R: Array  # run-time cells
     t_old: Array  # times of the last turn's steps, and their dense output
     d_old: Array
-    t_new: Array  # of the turn that is being integrated
+    t_new: Array  # the same of the turn being integrated
     d_new: Array
     kept: Array
-    hints: Array  # where the last search in a history ended
-    state: Array  # spare
+    hints: Array  # where the last search in each history ended
+    state: Array  # scratch
     own: Array
 
 
 class Changes(NamedTuple):
-    """How what the rates of all chambers take changes along one direction; states and angles have a row each."""
+    """Changes, along one direction, of the arguments of all chambers' rates; states and angles have a row each."""
 
     y: Array
     angles: Array
@@ -38,7 +38,7 @@ class Changes(NamedTuple):
 
 
 class Sides(NamedTuple):
-    """Parameters, tables and run-time cells moved along a direction, moved back, and as they are: three rows each."""
+    """Parameters, tables and run-time cells shifted along a direction, shifted back, and unshifted: three rows each."""
 
     P: Array
     TAB: Array
@@ -46,10 +46,10 @@ class Sides(NamedTuple):
 
 
 class CoupledContext(NamedTuple):
-    """Of all chambers together.
+    """For all chambers together.
 
-    `port_states` has one of each chamber and a spare one, then the phase in which each chamber's gas is held during a
-    step. `work` takes what the chambers give each other, and derivatives (`network.chambers`).
+    `port_states` has one for each chamber and a spare one, then the phase in which each chamber's gas is held
+    during a step. `work` holds flows between chambers, and derivatives (`network.chambers`).
     """
 
     P: Array

@@ -1,7 +1,7 @@
-"""Who integrates the turns that a thread asks for: each machinery its own, or one caller for many.
+"""Who integrates the turns that a thread asks for: each machinery its own, or one scheduler for many.
 
-Points that are solved side by side also wait for each other at stations on their way. Each part of the way is then done
-for all points before the next one begins, while the code and tables that it needs are in the processor's cache.
+Points that are solved side by side also wait for each other at stations along the way. Each stretch is then done for
+all points before the next begins, while the code and tables that it needs are in the processor's cache.
 """
 
 import threading
@@ -10,15 +10,17 @@ from typing import Any
 
 
 class _Here(threading.local):
-    turn: Callable[..., Any] | None = None  # (machinery, y, rtol, h), does what `Machinery.turn` does
-    station: Callable[[], None] | None = None  # lets others come as far as this
-    elsewhere: float = 0.0  # [s] of others, while what runs now waited for them
+    """The current thread's scheduler, if any."""
+
+    turn: Callable[..., Any] | None = None  # (machinery, y, rtol, h): replaces `Machinery.turn`
+    station: Callable[[], None] | None = None  # lets others reach the same station
+    elsewhere: float = 0.0  # [s] spent on others while the running task waited
 
 
 here = _Here()
 
 
 def station() -> None:
-    """Let points that are solved beside this one come as far."""
+    """Let points that are solved beside this one reach the same station."""
     if here.station is not None:
         here.station()

@@ -1,12 +1,13 @@
-"""A state that moves between a seat and a stop: impacts, rest, and the angles at which a step ends for them.
+"""A state that moves between a seat and a stop: impacts, rest, and the angles at which steps end for them.
 
-A position lies between 0 (seat) and 1 (stop). Where the dense output of a step meets either, the step is made again to
-end there, and the impact law v' = -e v is applied between two steps. A bounce too low to be seen by the accuracy is
-none: the state rests, its rates zero, until the push turns; there, too, a step ends.
+A position lies between 0 (seat) and 1 (stop). Where the dense output of a step meets either, the step is repeated to
+end there, and the impact law v' = -e v is applied before the next step. A bounce too low to matter at the accuracy is
+dropped: the state rests, with zero rates, until the push reverses; a step ends there, too.
 
-Kernels are of one pair of position and speed, the states `i` and `j`. In a chamber's own port state stand its `mode`
-(`MOVES`, `SEATED`, `STOPPED`) and what is `due` at the end of the step; behind those of all pairs the number of impacts
-of the turn and the angles where the step tried begins and ends. `network.stops` writes what is done with every pair.
+Each kernel handles one pair of position and speed, the states `i` and `j`. A chamber's own port state holds the pair's
+`mode` (`MOVES`, `SEATED`, `STOPPED`) and what is `due` at the end of the step; after those of all pairs, the number of
+impacts of the turn and the angles where the attempted step begins and ends. `network.stops` writes the calls for every
+pair.
 
 Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/numerics.md.
 """
@@ -20,18 +21,18 @@ from screwsim.numerics.rodas import dense_coefficients, dense_value
 SEATED = -1.0
 MOVES = 0.0
 STOPPED = 1.0
-LEAVES = 2.0  # due: what rested moves from here on
+LEAVES = 2.0  # due: a resting pair starts to move
 
-NEAR = 0.001  # of the tolerance of a step: a position so near to seat or stop has met it
-TURNED = 0.1  # of that tolerance: a push off seat or stop up to which what rests has not left it too late
-LOW = 0.1  # of that tolerance: a bounce that rises no higher is none
-PLACED = 1e-11  # rad: how well an angle can be met at all
+NEAR = 0.001  # of the tolerance of a step: distance within which a position has met seat or stop
+TURNED = 0.1  # of that tolerance: push away from rest up to which leaving is not late
+LOW = 0.1  # of that tolerance: height of a bounce below which it is dropped
+PLACED = 1e-11  # rad: precision with which an angle can be met
 MOST_IMPACTS = 5000  # of a turn
 
 
 @kernel
 def begin(y, own, i, j, mode, due, R, P, TAB):
-    """Set the mode at the start of a turn, whose state may be a mixture of others."""
+    """Set the mode at the start of a turn, whose state may be a mixture of other states."""
     own[mode] = MOVES
     own[due] = MOVES
     for side in (SEATED, STOPPED):
@@ -46,7 +47,7 @@ def begin(y, own, i, j, mode, due, R, P, TAB):
 
 @kernel
 def keep_at_rest(own, mode, i, j, f):
-    """Let nothing move that rests."""
+    """Set the rates of a resting pair to zero."""
     if own[mode] != MOVES:
         f[i] = 0.0
         f[j] = 0.0
@@ -63,7 +64,10 @@ def keep_rows_at_rest(own, mode, i, j, J):
 
 @kernel
 def turning_point(which, y0, y1, c3, c4):
-    """Return the share of a step at which its cubic has its first (0) or second (1) extremum; 1 where not within."""
+    """Return the share of a step at which its cubic has its first (0) or second (1) extremum.
+
+    1 if not within the step.
+    """
     a = -3.0 * c4
     b = 2.0 * (c4 - c3)
     c = y1 - y0 + c3
@@ -84,7 +88,7 @@ def turning_point(which, y0, y1, c3, c4):
 
 @kernel
 def share_before_meeting(y0, y1, c3, c4, near):
-    """Return the share of a step after which its cubic is beyond 0 or 1 by half of `near`; 1 where it stays within."""
+    """Return the share of a step after which its cubic is beyond 0 or 1 by half of `near`; 1 if it stays within."""
     before = 0.0
     for piece in range(3):
         after = 1.0 if piece == 2 else turning_point(piece, y0, y1, c3, c4)
@@ -106,7 +110,7 @@ def share_before_meeting(y0, y1, c3, c4, near):
 
 @kernel
 def share_before_leaving(side, y, y1, u, most, R, P, TAB):
-    """Return the share of a step after which the push on what rests is half of `most` off its rest."""
+    """Return the share of a step after which the push away from rest is half of `most`."""
     T3, T4 = dense_coefficients(u, 0)
     rho3, rho4 = dense_coefficients(u, 1)
     low = 0.0
@@ -124,9 +128,9 @@ def share_before_leaving(side, y, y1, u, most, R, P, TAB):
 
 @kernel
 def share_before_event(y, y1, u, rtol, step, own, i, j, mode, due, R, P, TAB):
-    """Return the share of a step [rad] after which a pair meets seat or stop, or leaves it; 1 where it does not.
+    """Return the share of a step [rad] after which a pair meets seat or stop, or leaves it; 1 if it does not.
 
-    Then what is due at the end of the step is noted.
+    What is due at the end of the step is stored.
     """
     share = 1.0
     side = own[mode]
@@ -153,7 +157,7 @@ def share_before_event(y, y1, u, rtol, step, own, i, j, mode, due, R, P, TAB):
 
 @kernel
 def put_within(y1, own, i, due):
-    """Put a position at the end of an accepted step where it was met, and not beyond seat or stop."""
+    """Set a position at the end of an accepted step to the seat or stop it met, and limit it to 0 … 1."""
     y1[i] = min(1.0, max(0.0, y1[i]))
     if own[due] == SEATED:
         y1[i] = 0.0
@@ -165,7 +169,7 @@ def put_within(y1, own, i, due):
 def take_event(y, rtol, own, j, mode, due, seat, stop, R, P, TAB):
     """Apply what is due between two steps: an impact, with or without a bounce, or leaving seat or stop.
 
-    `seat` and `stop` are speeds after over speeds before an impact on them. Return the number of impacts.
+    `seat` and `stop` are the ratios of speeds after and before an impact on them. Return the number of impacts.
     """
     side = own[due]
     own[due] = MOVES

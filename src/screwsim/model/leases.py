@@ -1,20 +1,20 @@
-"""Working arrays on loan: a problem has its own while it is solved, and leaves them to the next of its structure.
+"""Working arrays on loan: a problem has its own while it is solved, and passes them on to the next of its structure.
 
-Making them anew costs a twentieth of a solution, most of it for pages that are written for the first time. What is
-lent is nobody else's; what is not given back, as after an error, is left to the collector.
+Creating them costs a twentieth of a solution, mostly for first writing to their pages. Arrays on loan are exclusive;
+those that are not given back, as after an error, are garbage-collected.
 """
 
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 
-STRUCTURES = 8  # of which free arrays are kept
-KEPT = 32  # free ones of a structure: so many points may be solved side by side
+STRUCTURES = 8  # for which free arrays are kept
+KEPT = 32  # free arrays for each structure: as many points may be solved side by side
 
-_free: dict[str, list[Machinery]] = {}  # by the text of the module; each step on it is one of the interpreter's own
+_free: dict[str, list[Machinery]] = {}  # by the text of the module; every operation on it is atomic in the interpreter
 
 
 def lease(composition: Composition) -> Machinery:
-    """Return working arrays for a composition, of whatever ran on them before nothing is left."""
+    """Return working arrays for a composition, with nothing left from earlier use."""
     try:
         machinery = _free[composition.text].pop()
     except (KeyError, IndexError):

@@ -1,6 +1,6 @@
 """The flow of all chambers into both lines over one pitch, read from a closed cycle (docs/model.md M184).
 
-Angles at which a chamber is open to neither line are passed over.
+Angles at which a chamber is open to neither line are skipped.
 """
 
 import numpy as np
@@ -26,12 +26,12 @@ from screwsim.numerics.kernel import kernel
 
 @kernel
 def into_lines(times, dense, steps, context, n_e, into, volume):
-    """Add to into[line, k] the flow [kg/s] around even angles of a pitch, to volume[line] the mean volume [m³] open.
+    """Add to into[line, k] the flow [kg/s] around even angles of a pitch, to volume[line] the mean open volume [m³].
 
-    Lines are 0 suction, 1 discharge; both arrays are zero before. A flow is the mean over what lies nearer to its angle
-    than to others, by the change of the chamber's gas along each step. Ports open and shut where steps end, so that a
-    flow that jumps between two angles is missed by neither; what a chamber changes between two steps (oil that is
-    injected; all chambers together, while a state has not met a line yet) is no flow.
+    Lines are 0 suction, 1 discharge; both arrays are zero before. Each flow is the mean over the interval around
+    its angle, by the change of the chamber's gas along each step. Ports open and shut where steps end, so a flow
+    that jumps between two angles is not missed. A change of a chamber between two steps is not counted as flow (oil
+    injection; in simultaneous closing, states that have not yet adjusted to a line).
     """
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)

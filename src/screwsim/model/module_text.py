@@ -1,4 +1,4 @@
-"""The text of the flat module: kernels pasted with all they use, and what a composition writes itself."""
+"""The text of the flat module: pasted kernels with all they use, and functions that a composition writes itself."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -17,20 +17,20 @@ from screwsim.numerics import history, rodas
 from screwsim.numerics.kept_text import kept_text
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
-# what the integrator calls of both drivers: by its slot (rodas.py)
+# functions that the integrator calls in both drivers, by its slots (rodas.py)
 ASKED = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve", "lands")
 ASKED += ("at_breakpoint", "jump", "keep_port_states")
 ONE = {name: f"chamber__{name}" for name in ASKED}
 ALL = {name: f"chambers__{name}" for name in ASKED}
 
-# what histories are put in place with, and what closed cycles are read with
+# kernels for installing histories and reading closed cycles
 READ_WITH = (port_states.port_states_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
 READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along, trace.pressures)
 
-# what a pitch is linearised with
+# kernels for linearising a pitch
 OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)
 
-# what a composition writes itself (slots.py)
+# functions that a composition writes itself (slots.py)
 OWN = {name: name for name in (
     *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "path_area"),
     *("injected_oil", "oil_inflow", "solution_entropy"),
@@ -57,18 +57,19 @@ def module_text(
     together: bool = False,
     along: bool = False,
 ) -> str:
-    """Return a flat module: constants, pasted kernels, the composition's functions, the driver.
+    """Return the text of a flat module: constants, pasted kernels, the composition's functions, the driver.
 
-    `key` is that of the network, `own_functions` with `kernels` what was written of it already. The module of one
-    chamber holds all that a closed cycle is read with, `read_with` too; that of all chambers `together` the driver
-    alone, or beside it how their rates change `along` a change of all they take. A text that was written before is read
-    from the cache folder, where it is found by all that it is made of.
+    `key` is that of the network; `own_functions` with their `kernels` have been written already. The module of one
+    chamber includes all kernels for reading a closed cycle, and `read_with`; that of all chambers `together` only
+    the driver, and optionally directional derivatives of their rates (`along`). A text that was written before is
+    read from the cache folder, where its key is everything it is made of.
     """
     *network, called = key
     drivers = (rodas.integrate, *OF_A_PITCH, slices.rates_along, *READ_WITH, *OF_EACH)
     stops = Layout(Network(*key)).stops
 
     def write() -> str:
+        """Return the text, written now."""
         texts, more = (chambers_texts if together else chamber_texts)(key)
         if along:
             text, of_text = along_text(key)
@@ -103,7 +104,7 @@ def _written(
     if together:
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
     slots = dict(ALL if together else ONE)
-    if together:  # derivatives by numbers of a scene are of all there is; of an ideal, dry gas the integrator's are
+    if together:  # derivatives by numbers of a scene must be exact; for an ideal, dry gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
         slots["all_along"] = along_network.NAME
         slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else ALL["jacobian"]

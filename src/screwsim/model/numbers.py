@@ -1,4 +1,4 @@
-"""P and TAB: which number of a scene stands where, and which kernels can ask for by name."""
+"""The layout of P and TAB: which number of a scene is where, and which numbers kernels can ask for by name."""
 
 import re
 from dataclasses import dataclass, field
@@ -12,24 +12,24 @@ from screwsim.model.slots import OIL_NUMBERS, P_FIRST_OIL
 from screwsim.numerics.remembered import Remembered
 from screwsim.numerics.spline import pack_curve
 
-# names that a kernel has for the numbers of the injection orifice
+# kernels' names for the numbers of the injection orifice
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
 BORE |= {"separator_pressure": "separator_pressure"}
 
-# names of numbers that no kernel can ask for: of the oil's supply, and the time between two chambers
+# names of numbers that kernels cannot ask for: the oil's supply, the time between two chambers
 SUPPLY, SPAN = "oil_supply.", "pitch / omega"
 
 
 @dataclass
 class Numbers:
-    """P and TAB while they are being laid out; the head of P is filled in last."""
+    """P and TAB while they are laid out; the head of P is filled in last."""
 
     values: list[float]
     tables: list[np.ndarray] = field(default_factory=list)
-    named: dict[int, str] = field(default_factory=dict)  # places in P of what `operating` names
-    held: dict[int, tuple[Any, str]] = field(default_factory=dict)  # … of the rest: what holds each, and as what
-    lost: bool = False  # is there a number of which neither is known?
-    places: dict[str, int] = field(default_factory=dict)  # in P, by the names that the text has for them
+    named: dict[int, str] = field(default_factory=dict)  # names of the numbers in P that `operating` has
+    held: dict[int, tuple[Any, str]] = field(default_factory=dict)  # holder and name of each of the others
+    lost: bool = False  # whether there is a number with neither
+    places: dict[str, int] = field(default_factory=dict)  # indices in P by the names in the text
 
     def add(
         self,
@@ -39,10 +39,10 @@ class Numbers:
         of: tuple[Any, str] | None = None,
         structural: bool = False,
     ) -> str:
-        """Return how the text reads a number, by a name made of its label; `name` is that of `operating`.
+        """Append a number and return how the text reads it, by a name made of its label; `name` is that of `operating`.
 
-        One that has none is `of` a mapping, by its key, or of an object, by its field (`model.renumbered`), or it is
-        `structural`: the same in all scenes of the structure.
+        A number without such a name is stored in a mapping under a key or in an object as a field (`of`,
+        `model.renumbered`), or it is `structural`: the same in all scenes of the structure.
         """
         self.values.append(float(value))
         at = len(self.values) - 1
@@ -60,12 +60,13 @@ class Numbers:
         return f"P[{label}]"
 
     def add_table(self, curve: tuple[np.ndarray, ...], label: str) -> str:
+        """Append a table and return how the text reads the index of its start in TAB."""
         start = sum(len(table) for table in self.tables)
         self.tables.append(pack_curve(*curve))
         return self.add(float(start), label, structural=True)
 
     def place_of(self, cell: str) -> int:
-        """Return where in P stands what the text reads so."""
+        """Return the index in P of what the text reads as `cell`."""
         return self.places[cell.removeprefix("P[").removesuffix("]")]
 
 
@@ -84,11 +85,12 @@ def symbols_of(parts: Parts) -> dict[str, float]:
 
 @Remembered
 def _of_machine(settings: MachineSettings) -> dict[str, float]:
+    """Return those of the machine's settings."""
     return settings.symbols()
 
 
 def operating(parts: Parts) -> dict[str, float]:
-    """Return the numbers of P that may change while machine, gas and effects stay, by names of their own."""
+    """Return the numbers of P, by their own names, that may change while machine, gas and effects stay."""
     found = symbols_of(parts)
     found[SPAN] = parts.geometry.pitch / parts.omega
     for name, value in parts.oil.supply.items() if parts.oil is not None else ():
@@ -97,12 +99,12 @@ def operating(parts: Parts) -> dict[str, float]:
 
 
 def oil_places(parts: Parts) -> dict[str, int]:
-    """Return where the numbers of the oil stand in P: behind the widths of the own plenums."""
+    """Return the indices in P of the oil's numbers, which follow the widths of the own plenums."""
     return {name: P_FIRST_OIL + len(parts.plenums) + i for i, name in enumerate(OIL_NUMBERS)}
 
 
 def fixed_numbers(parts: Parts) -> list[float]:
-    """Return the head of P (slots.P_OMEGA …); each own plenum has its width of the regularisation."""
+    """Return the head of P (slots.P_OMEGA …), with a regularisation width for each own plenum."""
     oil, geometry = parts.oil, parts.geometry
     head = [parts.omega, geometry.pitch, geometry.life, geometry.injection_angle]
     *of_network, of_plenum = parts.widths

@@ -1,8 +1,8 @@
-"""Room that the oil takes: the gas's volume, what flows feel of it, and the injection of oil that displaces gas.
+"""Room taken by the oil: the gas's volume, its effect on flows, and an injection of oil that displaces gas.
 
 Source: docs/model.md M106–M110. The oil is incompressible: V_gas = V − m_oil/ρ_oil, and its enthalpy is c_oil T_oil +
-p/ρ_oil. In a port state with room the density is that of the gas times the square of its share of the volume, so that a
-nozzle's flow, S √(ρ …), has the share as a factor; the oil temperature is enthalpy over heat capacity.
+p/ρ_oil. In a port state the density is then that of the gas times the square of its share of the volume, so that a
+nozzle's flow, S √(ρ …), contains the share as a factor; the oil temperature is enthalpy over heat capacity.
 """
 
 import math
@@ -23,19 +23,19 @@ from screwsim.model.slots import (
 from screwsim.numerics.derivative import tangent
 from screwsim.numerics.kernel import kernel
 
-FULL = 0.99  # share of a chamber's volume that oil may take: beyond it the chamber is locked
-PARTS = 24  # steps in which gas is displaced
+FULL = 0.99  # share of a chamber's volume above which oil locks the chamber
+PARTS = 24  # steps of the isentropic compression of displaced gas
 
 
 @kernel
 def gas_share(rho, x, P):
-    """Return the share of a volume that gas of density rho takes, with x oil per gas (M106)."""
+    """Return the gas's share of a volume, at gas density rho with x oil per gas (M106)."""
     return 1.0 / (1.0 + x * rho * P[P_ROOM])
 
 
 @kernel
 def gas_mass(V, rho, x, P):
-    """Return the gas [kg] in a chamber of volume V, rho in its own room, with x oil per gas (M106)."""
+    """Return the gas [kg] in a chamber of volume V, at density rho in its own room, with x oil per gas (M106)."""
     return V * rho * gas_share(rho, x, P)
 
 
@@ -44,7 +44,7 @@ gas_mass_slopes = tangent(gas_mass, ("V", "rho", "x"))
 
 @kernel
 def gas_mass_slope(V, dV, rho, drho, x, dx, P):
-    """Return the change of `gas_mass` with those of its arguments."""
+    """Return the change of `gas_mass` with the changes of its arguments."""
     _m, by_V, by_rho, by_x = gas_mass_slopes(V, rho, x, P)
     return by_V * dV + by_rho * drho + by_x * dx
 
@@ -57,7 +57,7 @@ def density_of(m, V, x, P):
 
 @kernel
 def locked(y, at, P):
-    """Tell whether oil takes more than the share FULL of a chamber's volume."""
+    """Return whether oil takes more than the share FULL of a chamber's volume."""
     return gas_share(y[at + S_RHO], y[at + S_X_OIL], P) < 1.0 - FULL
 
 
@@ -70,15 +70,15 @@ def entropic_slope(T, rho, P, TAB):
 
 @kernel
 def displaced(y, at, m, V, before, injected, P, TAB, R):
-    """Let oil [kg] into a chamber of fixed volume V that holds gas m and oil `before`: y changes (M110).
+    """Inject oil [kg] into a chamber of fixed volume V with gas m and oil `before`; changes y (M110).
 
-    The gas is compressed isentropically; what the oil brings as pressure beyond the work of that heats the oil. R_LOCK
-    tells that there is no room.
+    The gas is compressed isentropically; pressure work of the oil beyond that heats the oil. R_LOCK is set where
+    there is no room.
     """
     free = V - (before + injected) * P[P_ROOM]
     if not free > (1.0 - FULL) * V:
         R[R_LOCK] = 1.0
-        y[at + S_RHO] = math.nan  # which no step gets past
+        y[at + S_RHO] = math.nan  # no step is accepted with it
         return
     R[R_LOCK] = 0.0
     T = y[at]

@@ -1,4 +1,4 @@
-"""The parts of a scene, built: what the composer takes, and what all others ask to learn what is simulated."""
+"""The built parts of a scene: input of the composer, and the description of what is simulated for everybody else."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.at_once import at_once
 from screwsim.numerics.remembered import once
 
-# of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
+# regularisation widths: suction port, discharge port [Pa], gaps (share of the pressure), ports to own plenums [Pa]
 Widths = tuple[float, float, float, float]
 
 
@@ -32,12 +32,12 @@ class OilPart:
 
 
 class Effects(dict[str, Sequence[Any]]):
-    """The parts of every effect by its name; what is in it stays as it is, so that a kind is looked up once."""
+    """The parts of every effect by its name; the contents do not change, so lookups by kind are cached."""
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self.found: dict[type, list[tuple[str, Any]]] = {}  # what was looked up
-        self.by_type: dict[type, list[tuple[int, str, Any]]] = {}  # each with its place among all
+        self.found: dict[type, list[tuple[str, Any]]] = {}  # cached lookups
+        self.by_type: dict[type, list[tuple[int, str, Any]]] = {}  # each with its position among all
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
@@ -60,10 +60,10 @@ class Effects(dict[str, Sequence[Any]]):
 @at_once
 @dataclass(frozen=True)
 class Parts:
-    """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
+    """The built parts of a scene: machine geometry, gas, operation, oil, and every effect's parts.
 
     `omega` [rad/s] is the mean speed; `plenums` are the reservoirs of the effects' own plenums by name, `made` the
-    numbers that the cycle makes, by name and where they begin.
+    initial values of effects' feedback unknowns, by name.
     """
 
     geometry: MachineGeometry
@@ -74,7 +74,7 @@ class Parts:
     oil: OilPart | None
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
     made: Mapping[str, float] = field(default_factory=dict)
-    set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
+    set_speed: float | None = None  # [rad/s] stated in the scene, where omega follows from it
     oil_content: base.OilContent | base.OilSolution | None = None
 
     def __post_init__(self) -> None:
@@ -88,14 +88,14 @@ class Parts:
         return effects.all(kind) if found is None else found
 
     def _only(self, kind: type, what: str) -> Any:
-        """Return the part of a kind of which a scene has one or none."""
+        """Return the part of a kind that a scene may have only once, or None."""
         found = [part for _, part in self.all(kind)]
         if len(found) > 1:
             raise TypeError(f"two effects declare {what}; a scene has one")
         return found[0] if found else None
 
     def number(self, to: str) -> int:
-        """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""
+        """Return the number of the line or plenum that a flow path leads to (slots)."""
         numbers = {line: i for i, line in enumerate(base.LINES)} | {
             name: i for i, name in enumerate(self.plenums, FIRST_OWN)
         }
@@ -110,22 +110,22 @@ class Parts:
 
     @once
     def gaps(self) -> list[tuple[str, base.FlowPath]]:
-        """The gaps between chambers, likewise."""
+        """The gaps between chambers, with the effects that declare them."""
         return [(name, path) for name, path in self.all(base.FlowPath) if path.between]
 
     @once
     def oil_port(self) -> base.OilPort | None:
-        """The port through which the oil comes; None where it is injected at one angle."""
+        """The port through which the oil enters; None where it is injected at one angle."""
         return self._only(base.OilPort, "an oil port")
 
     @once
     def pumped(self) -> bool:
-        """Does a pump feed the oil port?"""
+        """Whether a pump feeds the oil port."""
         return self.oil_port is not None and self.oil is not None and "ratio" in self.oil.supply
 
     @once
     def oil_gas(self) -> base.OilGas | None:
-        """The gas that the oil brings dissolved; None where it brings none."""
+        """The dissolved gas that the oil brings; None where it brings none."""
         found = [part for _, part in self.all(base.OilGas)]
         if len(found) > 1:
             raise TypeError("two effects declare dissolved gas; a scene has one")
@@ -135,28 +135,28 @@ class Parts:
 
     @property
     def dissolves(self) -> bool:
-        """Is what the oil holds dissolved a state of the chambers?"""
+        """Whether the gas dissolved in oil is a state of the chambers."""
         return isinstance(self.oil_content, base.OilSolution)
 
     @once
     def held_back(self) -> bool:
-        """Does a check valve let nothing of the discharge line back, at once or because it could go nowhere else?"""
+        """Whether a check valve prevents backflow from the discharge line, directly or by leaving it nowhere to go."""
         valved = [part.to for part in self.pulsations if part.shut is not None]
         return base.DISCHARGE in valved or bool(valved and not self.plenums)
 
     @once
     def suction_line(self) -> bool:
-        """Does what flows back into the suction line stay in it?"""
+        """Whether the suction line keeps backflow."""
         return bool(self.all(base.SuctionLine))
 
     @once
     def oil_room(self) -> bool:
-        """Does the oil take room?"""
+        """Whether the oil takes room."""
         return bool(self.all(base.OilRoom))
 
     @once
     def films(self) -> list[bool]:
-        """Of each gap between chambers: does oil leak through it as a film?"""
+        """For each gap between chambers, whether oil leaks through it as a film."""
         held = [path.resistance for _, path in self.gaps]
         return [each is not None and (each.film or each.drag) is not None for each in held]
 
@@ -167,7 +167,7 @@ class Parts:
 
     @once
     def shaft(self) -> base.Shaft | None:
-        """What makes the speed change over a pitch; None where it is constant."""
+        """What makes the speed vary over a pitch; None where it is constant."""
         return self._only(base.Shaft, "a shaft")
 
     @once

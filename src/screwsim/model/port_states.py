@@ -1,8 +1,8 @@
-"""Port states along a life: what a history holds of a chamber beyond its states, and how neighbours read it.
+"""Port states along a life: what a history stores of a chamber beyond its states, and how neighbours read it.
 
-A port state is the row of numbers that `slots.PRESSURE` … name; the columns of a history beyond the states hold them.
-Neighbours ahead are read from the last turn, those behind from the turn being integrated where it has passed their
-angle already. What surrounds a chamber is written by `network.surroundings`.
+A port state is the row of numbers named in `slots` from PRESSURE on; the columns of a history beyond the states hold
+them. Neighbours ahead are read from the last turn, those behind from the turn being integrated where it has already
+passed their angle. The surroundings of a chamber are written by `network.surroundings`.
 
 Source: docs/model.md M5, M6, M10, M24; errors: docs/explanation/numerics.md.
 """
@@ -22,17 +22,17 @@ from screwsim.numerics.history import cubic, locate, read
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_value
 
-SHARP = 0.01  # of its scale: an effect's own state below it errs as if it were that large; valves amplify errors
-SOME_GAS = 1e-3  # gas per oil below which its error counts as that of so much
-SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once
-HELD = 3.0  # widths of the regularisation from a line: between ends so near it a pressure does not overshoot them
-IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
+SHARP = 0.01  # of its scale: an effect's own state counts as at least this large in its error; valves amplify errors
+SOME_GAS = 1e-3  # gas per oil that counts at least, in the error of dissolved gas
+SOME_OIL = 1e-6  # oil per gas that counts at least, in its error: dry gas that meets oil exceeds this at once
+HELD = 3.0  # widths of the regularisation from a line within which a pressure must not overshoot the ends of a step
+IMPOSSIBLE = 1e30  # error of a step to an impossible state
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
 
 
 @kernel
 def held_to_a_line(before, after, P, R):
-    """Tell whether a wide port holds the pressure at both ends of a step to its line, within `HELD` widths."""
+    """Return whether a wide port holds the pressure at both ends of a step to its line, within `HELD` widths."""
     low = R[R_SUCTION + PRESSURE]
     high = R[R_DISCHARGE + PRESSURE]
     from_low = max(abs(before - low), abs(after - low))
@@ -42,7 +42,7 @@ def held_to_a_line(before, after, P, R):
 
 @kernel
 def jumps(step, dense):
-    """Tell whether the gas jumps between a step and the one before: else the first values are the last before it."""
+    """Return whether the gas jumps between a step and the one before; otherwise their common end is computed once."""
     if step == 0:
         return True
     return dense[step, 0, S_T] != dense[step - 1, 1, S_T] or dense[step, 0, S_RHO] != dense[step - 1, 1, S_RHO]
@@ -60,13 +60,13 @@ def gas_at_third(k, step, dense):
 
 @kernel
 def row_of_third(k):
-    """Return where the value at k thirds of a step stands until the cubic is made: ends first."""
+    """Return the row that holds the value at k thirds of a step until the cubic is made: ends first."""
     return 0 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
 
 
 @kernel
 def hold_to_line(step, dense, column, P, R):
-    """Hold a step's pressures within those at its ends, where a wide port holds these to its line."""
+    """Limit a step's pressures to the range of its ends, where a wide port holds these to its line."""
     before = dense[step, 0, column]
     after = dense[step, 1, column]
     if held_to_a_line(before, after, P, R):
@@ -76,7 +76,7 @@ def hold_to_line(step, dense, column, P, R):
 
 @kernel
 def make_cubic(step, dense, column):
-    """Make the dense output of a column out of its values at the thirds of a step."""
+    """Make the dense output of a column from its values at the thirds of a step."""
     v0, v1, v2, v3 = dense[step, 0, column], dense[step, 2, column], dense[step, 3, column], dense[step, 1, column]
     dense[step, 2, column], dense[step, 3, column] = cubic(v0, v1, v2, v3)
 
@@ -90,13 +90,13 @@ def port_states_along(dense, steps, context):
 
 @kernel
 def relative(error, before, after, least):
-    """Return an error relative to the larger of the values at both ends of a step, or to the least that counts."""
+    """Return an error relative to the larger value at the ends of a step, or to the least that counts."""
     return abs(error) / max(abs(before), abs(after), least)
 
 
 @kernel
 def read_neighbour(phi, middle, times, dense, steps, hints, hint, context, E, at):
-    """Fill a neighbour's port state at E[at] from a history; the search in it begins where the last one ended."""
+    """Fill a neighbour's port state at E[at] from a history; the search starts where the last one ended."""
     columns = context.state
     i = locate(phi, middle, times, steps, hints[hint])
     hints[hint] = i

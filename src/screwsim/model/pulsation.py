@@ -1,19 +1,19 @@
-"""Lines whose pressure pulsates: the port state that a chamber meets at an angle, in lieu of the line's own.
+"""Lines with pulsating pressure: the port state that a chamber meets at an angle, in place of the line's own.
 
-Source: docs/model.md M185, M186. The pressure is that of the line, an offset to which gas is throttled, and harmonics
-of the lobe frequency, along which the gas is compressed isentropically.
+Source: docs/model.md M185, M186. The pressure is that of the line, plus an offset to which gas is throttled, and
+harmonics of the lobe frequency, along which the gas is compressed isentropically.
 """
 
 import math
 
 from screwsim.numerics.kernel import kernel
 
-LOWEST = 0.1  # share of the mean pressure below which a guess of the pulsation is not followed
+LOWEST = 0.1  # share of the mean pressure to which a guessed pulsation is limited from below
 
 
 @kernel
 def harmonics(phase, P, first, count):
-    """Return Σ a_k cos(k·phase) + b_k sin(k·phase); a_1, b_1, a_2 … stand in P from `first` on."""
+    """Return Σ a_k cos(k·phase) + b_k sin(k·phase); a_1, b_1, a_2 … are in P from `first` on."""
     c = math.cos(phase)
     s = math.sin(phase)
     ck = 1.0
@@ -27,9 +27,9 @@ def harmonics(phase, P, first, count):
 
 @kernel
 def pulsed(p, rho, h, inverse, offset, pulse):
-    """Return pressure, density and enthalpy of a line whose gas has the exponent 1/`inverse`, as it pulsates (M186).
+    """Return pressure, density and enthalpy in a pulsating line whose gas has the exponent 1/`inverse` (M186).
 
-    `offset` and `pulse` are those of its pressure over itself.
+    `offset` and `pulse` are relative to the line's pressure.
     """
     raised = p * (1.0 + offset)
     density = rho * (1.0 + offset)

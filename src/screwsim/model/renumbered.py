@@ -1,7 +1,7 @@
-"""The composition of a machine or effects whose numbers alone are others: nothing is written, P is filled from parts.
+"""Compose parts that differ from earlier ones in numbers only: nothing is written, P is filled from the parts.
 
-What decides on the text is compared; a number is read where the composition before has read it. Tables, and parts
-that decide on more than calls of kernels, must be the same.
+Whatever affects the text is compared; each number is read from where the earlier composition read it. Tables, and parts
+that affect more than calls of kernels, must be the same.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from screwsim.model.trajectory import with_numbers
 
 Array = np.ndarray
 
-# what of a part decides on the text, beside the names of its numbers
+# fields of a part that affect the text, besides the names of its numbers
 STRUCTURE: dict[type, Callable[[Any], Any]] = {
     FlowPath: attrgetter("to", "area", "offset", "opening", "narrow", "one_way", "beside", "port", "law"),
     Resistance: attrgetter("share", "film", "drag"),
@@ -46,12 +46,15 @@ STRUCTURE: dict[type, Callable[[Any], Any]] = {
     ChamberState: attrgetter("name", "rate", "positive"),
     OilPort: attrgetter("flow", "pumped"),
 }
-OF_GAS = ("state", "phased_state", "specific_entropy", "varies")  # the same of a gas, beside the names of its values
-WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Shaft, Stops, SuctionLine)  # that must be the same
+OF_GAS = ("state", "phased_state", "specific_entropy", "varies")  # the same of a gas, besides the names of its values
+WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Shaft, Stops, SuctionLine)  # parts that must be equal
 
 
 def held(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]]) -> tuple[Held, ...] | None:
-    """Return where numbers by their place in P stand in parts; None where one stands nowhere, or in two of them."""
+    """Return where numbers, given by index in P, are stored in parts.
+
+    None where one is stored nowhere or ambiguously.
+    """
     holders = list(_holders(parts, law))
     by_id = {id(each): i for i, each in enumerate(holders)}
     if len(by_id) < len(holders) or not all(id(holder) in by_id for holder, _ in numbers.values()):
@@ -62,7 +65,7 @@ def held(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]]) -> tupl
 
 
 def angles_of(parts: Parts, law: Any) -> tuple[Any, ...]:
-    """Return all that the breakpoints of parts follow from, where no effect is a user's own (`breakpoints`)."""
+    """Return everything that the breakpoints of parts follow from, unless an effect is a user's own (`breakpoints`)."""
     geometry, port = parts.geometry, parts.oil_port
     paths = [(*path.breakpoints, None, *path.own_breakpoints, path.offset) for _, path in parts.all(FlowPath)]
     of_law = tuple(law.breakpoints), tuple(law.own_breakpoints), () if port is None else tuple(port.breakpoints)
@@ -70,7 +73,7 @@ def angles_of(parts: Parts, law: Any) -> tuple[Any, ...]:
 
 
 def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composition | None:
-    """Return the composition of parts that differ from those of another by numbers alone; None where they may not."""
+    """Return the composition of parts that differ from earlier ones in numbers only; None where more differs."""
     recipe = composition.recipe
     if recipe.held is None or not _gas_alike(parts.gas, before.gas) or not beside_alike(parts, before):
         return None
@@ -99,7 +102,7 @@ def renumbered(before: Parts, composition: Composition, parts: Parts) -> Composi
 
 
 def beside_alike(parts: Parts, other: Parts) -> bool:
-    """Tell whether what parts have beside machine, effects and gas differs by numbers alone."""
+    """Return whether parts, besides machine, effects and gas, differ in numbers only."""
     if parts.oil_content is not other.oil_content or list(parts.plenums) != list(other.plenums):
         return False
     if parts.oil_content is not None and parts.plenums != other.plenums:
@@ -108,7 +111,7 @@ def beside_alike(parts: Parts, other: Parts) -> bool:
 
 
 def _gas_alike(gas: Gas, other: Gas) -> bool:
-    """Tell whether what two gases put into the text differs by numbers alone."""
+    """Return whether the contributions of two gases to the text differ in numbers only."""
     if gas == other:
         return True
     kernels = all(getattr(gas, name) == getattr(other, name) for name in OF_GAS)
@@ -116,12 +119,12 @@ def _gas_alike(gas: Gas, other: Gas) -> bool:
 
 
 def _supplied(parts: Parts) -> tuple[Any, ...]:
-    """Return what of the oil decides on the structure: nothing without oil, its transport, names of its supply."""
+    """Return what affects the structure about the oil: nothing without oil, its transport, the names of its supply."""
     return () if parts.oil is None else (parts.oil.carried, *parts.oil.supply)
 
 
 def _holders(parts: Parts, law: Any) -> Iterator[Any]:
-    """Yield all that holds numbers, in the order of the effects."""
+    """Yield everything that stores numbers, in the order of the effects."""
     yield from (law, law.values, parts.gas.values, parts.made)
     for items in parts.effects.values():
         for part in items:
@@ -132,20 +135,20 @@ def _holders(parts: Parts, law: Any) -> Iterator[Any]:
 
 
 def _machine_alike(parts: Parts, other: Parts) -> bool:
-    """Tell whether two machines are of one structure, as far as their laws do not tell."""
+    """Return whether two machines have the same structure, apart from their laws."""
     one, two = parts.geometry, other.geometry
     return type(one) is type(two) and one.chambers == two.chambers and one.expands == two.expands
 
 
 def _law_alike(law: Any, other: Any) -> bool:
-    """Tell whether two laws of volume differ by numbers alone."""
+    """Return whether two laws of volume differ in numbers only."""
     kernels = law.volume is other.volume and law.slope is other.slope
     mirrored = (law.mirror is None) == (other.mirror is None)
     return kernels and mirrored and law.values.keys() == other.values.keys() and _same_tables(law, other)
 
 
 def _same_tables(part: Any, other: Any) -> bool:
-    """Tell whether two parts have the same tables: the same arrays."""
+    """Return whether two parts have the same tables (identical arrays)."""
     one, two = part.tables, other.tables
     if not (one or two):
         return True
@@ -153,11 +156,12 @@ def _same_tables(part: Any, other: Any) -> bool:
 
 
 def _same_arrays(curve: Sequence[Any], other: Sequence[Any]) -> bool:
+    """Return whether two curves are made of the identical arrays."""
     return len(curve) == len(other) and all(one is two for one, two in zip(curve, other, strict=True))
 
 
 def _effects_alike(parts: Parts, other: Parts) -> bool:
-    """Tell whether all that effects put into the text differs by numbers alone."""
+    """Return whether all contributions of effects to the text differ in numbers only."""
     if parts.effects.keys() != other.effects.keys():
         return False
     pairs = [(items, other.effects[name]) for name, items in parts.effects.items()]
@@ -167,7 +171,7 @@ def _effects_alike(parts: Parts, other: Parts) -> bool:
 
 
 def _alike(part: Any, other: Any) -> bool:
-    """Tell whether what two parts put into the text differs by numbers alone."""
+    """Return whether the contributions of two parts to the text differ in numbers only."""
     if part is other:
         return True
     kind = type(part)

@@ -1,6 +1,6 @@
-"""A composition at work: buffers, one turn of a chamber, one pitch of all chambers.
+"""A composition ready to run: its arrays, one turn of a chamber, one pitch of all chambers.
 
-`Machinery` owns the arrays that the compiled module reads and writes; nothing here knows what a cycle is good for.
+`Machinery` owns the arrays that the compiled module reads and writes; nothing here knows what a cycle is used for.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -24,15 +24,15 @@ from screwsim.numerics.integrators import Check
 from screwsim.numerics.reused import room
 from screwsim.numerics.rodas import EVALUATED, JACOBIANS
 
-MAX_STEPS = 60000  # room only: pages never written cost nothing
-MOST_CONTEXTS = 6  # remembered
+MAX_STEPS = 60000  # capacity of a history; unwritten pages cost nothing
+MOST_CONTEXTS = 6  # that are kept
 Array = np.ndarray
 
 
 class Machinery:
     """Arrays and drivers of one composition; `R` holds the plenums and what happened at the injection angle.
 
-    The numbers of the composition are its own: what is written into them changes nobody else's.
+    The composition's numbers are a copy: writing to them affects nobody else.
     """
 
     def __init__(self, composition: Composition, module: ModuleType | None = None, max_steps: int = MAX_STEPS) -> None:
@@ -52,17 +52,17 @@ class Machinery:
         self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own)
         self.counts = np.zeros(4, np.int64)
-        self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
+        self._contexts: dict[tuple[int, ...], Context] = {}  # by ids of arrays, which it keeps alive
         self._together: dict[str, Any] = {}
-        self._rows: dict[int, tuple[Array, Array]] = {}  # of `states_along`, by how many
+        self._rows: dict[int, tuple[Array, Array]] = {}  # buffers of `states_along`, by length
         self._reading = Lock()
         self.compile_time = 0.0
-        self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
+        self.watch: Callable[[], None] = lambda: None  # called regularly; what it raises ends the work
 
     def begin(self, composition: Composition) -> None:
-        """Take on another composition of the same structure; of the one before nothing stays."""
+        """Take on another composition of the same structure, and reset everything of the one before."""
         own = self.composition.P
-        lent = not own.flags.writeable  # what the composition before was given from elsewhere
+        lent = not own.flags.writeable  # the array belongs to somebody else
         if lent or composition.TAB is not self.composition.TAB or len(composition.P) != len(own):
             own = np.empty(len(composition.P))
             self._contexts.clear()
@@ -92,14 +92,14 @@ class Machinery:
         return self._contexts[key]
 
     def reset(self) -> None:
-        """Forget the last scene: run-time cells, search hints, histories."""
+        """Reset run-time cells, search hints and histories."""
         self.R[:] = 0.0
         self.spaces[1][:] = self._at_first
         self.hints[:] = 0
         self.kept[:] = 0
 
     def warm_up(self, start: Callable[[], Array]) -> None:
-        """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
+        """Compile (or load) the driver of one chamber, announced if it takes long; not counted as solution time."""
         if "one" not in compiled.warm(self.module):
             with self.compiling("one"):
                 self.own_turn(start(), 1e-2, 1e-3)
@@ -111,7 +111,7 @@ class Machinery:
 
     @contextmanager
     def compiling(self, driver: str) -> Iterator[None]:
-        """Announce what is compiled within, unless it is there; none of it counts as solution time or evaluations."""
+        """Announce what is compiled inside, unless it is ready; none of it counts as solution time or evaluations."""
         started, counts, R = clock(), self.counts.copy(), self.R.copy()
         with compiled.first(self.module if driver == "one" else self.together, driver):
             yield
@@ -126,7 +126,7 @@ class Machinery:
         return self.own_turn(y, rtol, h)
 
     def own_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-        """Do what `turn` does, whoever else integrates turns in this thread."""
+        """Do what `turn` does here, regardless of a scheduler of this thread."""
         c = self.composition
         q = np.zeros(self.nq)
         status, phi, h = self.module.rodas__integrate_one(
@@ -136,12 +136,12 @@ class Machinery:
         return int(status), float(phi), float(h), q
 
     def evaluations_of(self, counts: Sequence[int] | Array) -> int:
-        """Return the evaluations of the right-hand side of one chamber in counts, those for Jacobians included."""
+        """Return the evaluations of one chamber's right-hand side in counts, including those for Jacobians."""
         return int(counts[EVALUATED] + counts[JACOBIANS] * self.n)
 
     @property
     def impacts(self) -> int:
-        """Impacts of the last turn, where something moves between seat and stop."""
+        """Impact events of the last turn, where something moves between seat and stop."""
         own, stops = self.spaces[1], len(self.composition.stops)
         return int(own[OPENING + 2 * len(self.composition.plenum_paths) + 2 * stops]) if stops else 0
 
@@ -157,11 +157,11 @@ class Machinery:
 
     @property
     def trajectory(self) -> Trajectory:
-        """The last turn as it stands here: the next one overwrites it."""
+        """The last turn as a view: the next turn overwrites it."""
         return Trajectory(self.composition, self.module, self.R, *self.last(), self.context, self._reading)
 
     def put(self, trajectory: Trajectory) -> None:
-        """Make a life the last turn, with the numbers that it was integrated with."""
+        """Make a life the last turn, together with the numbers that it was integrated with."""
         self.composition.P[:], self.R[:] = trajectory.composition.P, trajectory.R
         steps = trajectory.steps
         self._make_room(steps)
@@ -170,12 +170,12 @@ class Machinery:
         self.kept[:] = 0, steps
 
     def image(self) -> tuple[Array, Array, int]:
-        """Return a copy of the last turn's history, to be blended with others."""
+        """Return a copy of the last turn's history, for blending with others."""
         times, dense, _, steps = self.last()
         return times[: steps + 1].copy(), dense[:steps].copy(), steps
 
     def blend(self, histories: Sequence[tuple[Array, Array, int]], weights: Array) -> None:
-        """Replace the last history by the weighted sum of whole histories, on the steps of the last of them."""
+        """Replace the last history by a weighted sum of histories, on the steps of the last of them."""
         times, dense, steps = histories[-1]
         self._make_room(steps)
         old = self.histories[0]
@@ -187,9 +187,10 @@ class Machinery:
             self.module.history__add_history(times, steps, t, d, n, weight, old[1])
 
     def states_at(self, angles: Array, before: int | None = None) -> Array:
-        """Return the states of the last history at increasing angles, one row an angle.
+        """Return the states of the last history at increasing angles [rad], one row for each angle.
 
-        With `before` those of the history before it, which had so many steps, as long as no turn has written over it.
+        With `before`, those of the history before it, which had that many steps; valid until a turn overwrites
+        it.
         """
         out = np.empty((len(angles), self.n))
         times, dense, _ = self.histories[0 if before is None else 1]
@@ -198,21 +199,21 @@ class Machinery:
         return out
 
     def states_along(self, first: Array, angles: Array) -> Array:
-        """Return a state (n,) and behind it those of the last history at increasing angles.
+        """Return a state (n,) followed by those of the last history at increasing angles [rad].
 
-        In rows that are this workspace's own: the next call writes over them.
+        The rows belong to this workspace: the next call overwrites them.
         """
         rows = self._rows.get(len(angles))
         if rows is None:
             every = np.empty((len(angles) + 1, self.n))
-            rows = self._rows[len(angles)] = every, every[1:]  # held: where an array stands is remembered
+            rows = self._rows[len(angles)] = every, every[1:]  # kept, as calls remember the addresses of arrays
         rows[0][0] = first
         times, dense, _ = self.histories[0]
         self.module.history__states_at(angles, times, dense, int(self.kept[1]), rows[1])
         return rows[0]
 
     def install(self, times: Array, dense: Array, quads: Array | float) -> None:
-        """Put a history of states in place as the last turn's, and fill the port states of its steps."""
+        """Install a history of states as the last turn's, and compute the port states of its steps."""
         steps = len(dense)
         self._make_room(steps)
         old = self.histories[0]
@@ -221,6 +222,7 @@ class Machinery:
         self.module.port_states__port_states_along(old[1], steps, self.context)
 
     def _make_room(self, steps: int) -> None:
+        """Enlarge the histories where they have too few steps."""
         if steps > self.max_steps:
             self.max_steps = steps
             self.histories = [self.new_history(steps, self.columns, self.nq) for _ in range(2)]
@@ -228,7 +230,7 @@ class Machinery:
     # ---- all chambers together -------------------------------------------------------------------------------
 
     def coupled_space(self) -> dict[str, Any]:
-        """Return the arrays of the coupled chambers, made when they are first wanted."""
+        """Return the arrays of all chambers together, created on first use."""
         if not self._together:
             c = self.composition
             port_states = np.append(np.zeros((c.chambers + 1) * PORT_STATE), np.full(c.chambers, FREE))
@@ -255,10 +257,10 @@ class Machinery:
     def pitch(
         self, y: Array, rtol: float, h: float, inset: float = 0.0, check: Check | None = None
     ) -> tuple[int, float, float, Array]:
-        """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`.
+        """Integrate all chambers over one pitch from y (in place), after injection; return as `turn` does.
 
-        `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there. With a `check`
-        its method integrates.
+        `inset` [rad] is left out at both ends, where a speed that is not periodic jumps. With a `check` its
+        method integrates.
         """
         if self.alone:
             return self.turn(y, rtol, h) if check is None else under_scipy.life(self, check, y, rtol, h)
@@ -272,16 +274,16 @@ class Machinery:
 
     @cached_property
     def together(self) -> ModuleType:
-        """The module of all chambers, loaded when they are first asked for."""
+        """The module of all chambers, loaded on first use."""
         return compiled.load(self.composition.together())
 
     @property
     def alone(self) -> bool:
-        """Is there one chamber at a time? Its life is the pitch, and its own driver integrates it."""
+        """Whether there is a single chamber, whose life is the pitch, integrated by its own driver."""
         return self.composition.chambers == 1
 
     def own_pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
-        """Do what `pitch` does with our own method."""
+        """Do what `pitch` does, with our own method."""
         space, c = self.coupled_space(), self.composition
         self.inject(y)
         q = np.zeros(self.nq + 1)
@@ -300,22 +302,22 @@ class Machinery:
             space["kept"],
             counts,
         )
-        self.counts += counts * (1, 1, c.chambers, c.chambers)  # evaluations are those of one chamber
+        self.counts += counts * (1, 1, c.chambers, c.chambers)  # counted as evaluations of one chamber
         return int(status), float(s), float(h), q[:-1]
 
     def inject(self, y: Array) -> None:
-        """Let the oil into the chamber that stands at the injection angle."""
+        """Inject oil into the chamber at the injection angle."""
         c = self.composition
         index = round(c.P[P_INJECTION] / c.P[P_PITCH])
         if index < c.chambers:
             self.module.chamber__inject(y, index * self.n, c.P, c.TAB, self.R)
 
     def shift(self, y: Array) -> Array:
-        """Return the states one pitch on: each chamber takes the next place, the last begins anew with what it kept."""
+        """Return the states a pitch later: each chamber moves on, the last starts anew with what it retained."""
         return np.concatenate([y[-self.n :], y[: -self.n]])
 
     def install_coupled(self) -> None:
-        """Turn the last pitch of all chambers into the history of one chamber's life."""
+        """Install the last pitch of all chambers as the history of one chamber's life."""
         if self.alone:
             if self.kept[0] > 0:
                 self.swap()

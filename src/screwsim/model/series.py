@@ -1,4 +1,4 @@
-"""The compositions of a series of scenes: one that differs by its numbers alone is not written anew."""
+"""The compositions of a series of scenes: one that differs only in its numbers is not written anew."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from screwsim.model.parts import Parts
 from screwsim.model.renumbered import beside_alike, renumbered
 from screwsim.model.trajectory import with_numbers
 
-MOST = 16  # kept of each: so many points of different machines may be solved side by side
+MOST = 16  # kept of each: as many points of different machines may be solved side by side
 
 
 def keep(known: dict[Any, Any], key: Any, value: Any) -> Any:
-    """Keep a value, and return it; the oldest goes where there are too many."""
+    """Store a value in a dict and return it; the oldest entry is dropped where there are too many."""
     if len(known) >= MOST:
         known.pop(next(iter(known)), None)
     known[key] = value
@@ -23,23 +23,23 @@ def keep(known: dict[Any, Any], key: Any, value: Any) -> Any:
 
 
 class Composer:
-    """Composes the scenes of a series; one that differs from one before by its operation alone gets its text.
+    """Composes the scenes of a series; a scene that differs from an earlier one only in its operation shares its text.
 
-    It gets a vector P of its own: what one solution does to its numbers, another never sees.
+    Each gets its own vector P: a solution never sees what another does to its numbers.
     """
 
     def __init__(self) -> None:
-        self._known: dict[tuple[int, int], tuple[Parts, Composition]] = {}  # by geometry and effects, which it holds
-        self._last: tuple[Parts, Composition] | None = None  # that was written
+        self._known: dict[tuple[int, int], tuple[Parts, Composition]] = {}  # by ids of geometry and effects, kept alive
+        self._last: tuple[Parts, Composition] | None = None  # the last one that was written
 
     def lent(self) -> Composer:
-        """Return one that knows the same, and keeps for itself what it composes."""
+        """Return a composer with the same knowledge that keeps new compositions to itself."""
         found = Composer()
         found._known, found._last = dict(self._known), self._last
         return found
 
     def compose(self, parts: Parts) -> Composition:
-        """Return what `compose` does."""
+        """Return the composition of parts, reusing an earlier text where possible."""
         key = id(parts.geometry), id(parts.effects)
         last = self._known.get(key)
         if last is not None and _alike(parts, last[0]):
@@ -53,16 +53,16 @@ class Composer:
 
 
 def _alike(parts: Parts, other: Parts) -> bool:
-    """Tell whether no more than `fixed_numbers`, `operating` and what the cycle makes differs.
+    """Return whether only `fixed_numbers`, `operating` and the cycle's unknowns differ.
 
-    Machine and effects must be the same objects: what is in them is not looked at.
+    Machine and effects must be the same objects; their contents are not compared.
     """
     same = parts.geometry is other.geometry and parts.effects is other.effects and parts.gas == other.gas
     return same and beside_alike(parts, other)
 
 
 def _filled(composition: Composition, parts: Parts) -> Composition:
-    """Return a composition with the numbers of parts that are alike."""
+    """Return a composition with the numbers of similar parts."""
     recipe, head = composition.recipe, fixed_numbers(parts)
     P = recipe.P.copy()
     P[: len(head)] = head

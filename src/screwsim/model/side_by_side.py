@@ -1,6 +1,6 @@
 """Turns of several points of one structure in one call: each in a lane, with its own angle, step and tolerance.
 
-What is small is laid side by side for the call and put back after it; histories and tables stay where they are.
+Small arrays are interleaved for the call and copied back after it; histories and tables stay in place.
 """
 
 import ctypes
@@ -16,11 +16,12 @@ from screwsim.model.run import Machinery
 
 Array = np.ndarray
 TURN = "rodas__integrate_one"
-BESIDE = ("P", "R", "kept", "hints", "state", "own")  # of a context: laid side by side
-WHOLE = ("kept", "hints")  # arrays of whole numbers
+BESIDE = ("P", "R", "kept", "hints", "state", "own")  # arrays of a context that are interleaved
+WHOLE = ("kept", "hints")  # integer arrays
 
 
 def _kind(name: str, of: Kind, axes: int) -> Kind:
+    """Return the kind of an argument that is an array."""
     return Kind(name, (of,), axes)
 
 
@@ -36,14 +37,14 @@ _CONTEXT = Kind(
 KINDS = (
     *(_kind("v", FLOAT, 1), INTEGERS),  # breakpoints, and how many
     *(_kind("p", FLOAT, 1), _kind("p", FLOAT, 1)),  # y, q
-    *(_CONTEXT, FLOATS, FLOATS, INTEGER),  # tolerance, first step, numbers of the surroundings
+    *(_CONTEXT, FLOATS, FLOATS, INTEGER),  # tolerance, first step, size of the surroundings
     *(_kind("v", FLOAT, 1), _kind("v", FLOAT, 3), _kind("v", FLOAT, 2)),  # the history that is written
     *(_kind("p", INTEGER, 1), _kind("p", INTEGER, 1)),  # kept, counts
 )
 
 
 class Asked(NamedTuple):
-    """A turn that is asked for: of whom, from which state (changed in place), with which tolerance and first step."""
+    """A turn to be integrated: machinery, initial state (changed in place), tolerance and first step."""
 
     machinery: Machinery
     y: Array
@@ -51,11 +52,11 @@ class Asked(NamedTuple):
     h: float
 
 
-Answer = tuple[int, float, float, Array]  # of `Machinery.turn`
+Answer = tuple[int, float, float, Array]  # as returned by `Machinery.turn`
 
 
 def arrays_of(each: Asked) -> dict[str, Array]:
-    """Return all arrays that a turn reads and writes, by name; its quadratures are new ones."""
+    """Return all arrays that a turn reads and writes, by name; its quadratures are new."""
     machinery = each.machinery
     c, (old, new) = machinery.composition, machinery.histories
     state, own = machinery.spaces
@@ -92,7 +93,7 @@ class Lanes:
         }
         self._out = np.zeros(3 * LANES)
         self._n_E = c.n_E
-        self._alone = threading.Lock()  # of two threads of a worker one after the other
+        self._alone = threading.Lock()  # serialises two threads of a worker
 
     def turns(self, asked: Sequence[Asked]) -> list[Answer]:
         """Integrate a life of each, at most as many as there are lanes."""
@@ -100,13 +101,16 @@ class Lanes:
             return self._turns(asked)
 
     def _turns(self, asked: Sequence[Asked]) -> list[Answer]:
-        """Return the answers of as many turns as there are lanes, or fewer: their numbers go there and come back."""
+        """Return the answers of at most as many turns as there are lanes.
+
+        Interleave their arrays and copy them back.
+        """
         named = [arrays_of(each) for each in asked]
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
                 rows[:, lane] = arrays[name]
         self._out[:] = 0.0
-        words = self._words(asked, named)  # held, as long as the call looks at it
+        words = self._words(asked, named)  # keeps the memory alive during the call
         self.entry(words.ctypes.data, self._out.ctypes.data)
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
@@ -115,7 +119,7 @@ class Lanes:
         return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(asked))]
 
     def _words(self, asked: Sequence[Asked], named: Sequence[dict[str, Array]]) -> Array:
-        """Return the arguments of the call in words of 64 bits; lanes that are idle have those of the first."""
+        """Return the arguments of the call in words of 64 bits; idle lanes repeat those of the first."""
         words: list[float | int] = [(1 << len(asked)) - 1]
         idle = LANES - len(asked)
 
@@ -148,14 +152,14 @@ class Lanes:
 
 
 def aligned(rows: int, of: Any = float, room: Callable[..., Array] = np.zeros) -> Array:
-    """Return rows of lanes, each in a line of the processor's cache; `room` makes arrays of a size and a kind."""
+    """Return rows of lanes, each in one cache line; `room` makes an array of a size and type."""
     raw = room((rows + 1) * LANES, of)
     skip = -raw.ctypes.data % 64 // raw.itemsize
     return raw[skip : skip + rows * LANES].reshape(rows, LANES)
 
 
 def address(table: Array) -> int:
-    """Return where the numbers of a table stand."""
+    """Return the memory address of a table's numbers."""
     if table.flags.writeable and table.size:
         return ctypes.addressof(ctypes.c_char.from_buffer(table))  # type: ignore[arg-type]
     return table.ctypes.data  # the same, slower

@@ -1,10 +1,10 @@
-"""All chambers at many angles of a pitch in one call: their rates, and how these hang on the states.
+"""Kernels for all chambers at many angles of a pitch in one call: rates and their derivatives by the states.
 
-Row k of every array is of the angle k. In the middles of slices the states are led as well (`derivatives`): a chamber
-that is open to a line follows its pressure within a few pascals, by which gas flows in or out, and a history
-between the ends of steps is off by as many. So the states go from there to where they change as the history does.
+Row k of every array belongs to angle k. At the middles of slices the states are also adjusted (`derivatives`): a
+chamber that is open to a line follows its pressure within a few pascals, which drive the flow, and between the ends of
+steps a history errs by as many. So the states are moved to where they change at the same rate as the history.
 
-Reached by the slots of the integrator (`numerics.rodas`).
+They call the slots of the integrator (`numerics.rodas`).
 
 Source: docs/explanation/numerics.md, Newton's correction.
 """
@@ -17,8 +17,8 @@ from screwsim.numerics.kernel import Slot, kernel
 from screwsim.numerics.linear import lu_factor, lu_solve
 from screwsim.numerics.rodas import QUADRATURES, STATES, jacobian, rates, surroundings
 
-INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
-BESIDE = 1e-7  # rad, for derivatives by the angle, which nothing here uses
+INSIDE = 1e-6  # rad, offset that keeps an angle within its segment of the laws
+BESIDE = 1e-7  # rad, for derivatives by the angle, which are not used here
 
 exact_jacobian = Slot("exact_jacobian")
 all_along = Slot("all_along")
@@ -28,7 +28,7 @@ all_along = Slot("all_along")
 def rates_at(angles, middles, y, context, n_e, f, g):
     """Fill f[k] with the rates of the states y[k] at angles[k] [rad], g[k] with those of the quadratures.
 
-    `middles` are angles of the same segments of the laws: they tell the side of a breakpoint.
+    `middles` are angles in the same segments of the laws; they select the side of a breakpoint.
     """
     E = np.empty(n_e)
     for k in range(angles.shape[0]):
@@ -38,10 +38,10 @@ def rates_at(angles, middles, y, context, n_e, f, g):
 
 @kernel
 def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq, own):
-    """Do what `rates_at` does; fill J[k] and Jq[k] with the derivatives of both by the states, exact ones.
+    """Do the same as `rates_at`; fill J[k] and Jq[k] with the exact derivatives of both by the states.
 
-    Where `own` has rows it is filled instead, at k of the first chamber, then of the next, with the derivatives of a
-    chamber's rates by its own states; J, Jq and g have one row then, which is written over.
+    If `own` has rows, it is filled instead with the derivatives of each chamber's rates by its own states, at all k
+    for the first chamber, then for the next; J, Jq and g then have one row, which is overwritten.
     """
     E = np.empty(n_e)
     f_phi = np.empty(STATES)
@@ -62,11 +62,11 @@ def derivatives_at(angles, middles, y, context, n_e, f, g, J, Jq, own):
 
 @kernel
 def rates_along(angles, middles, y, context, n_e, sides, step, changes, f, g, f_along, g_along):
-    """Do what `rates_at` does; fill f_along[k] and g_along[k] with the change of both along one of all numbers.
+    """Do the same as `rates_at`; fill f_along[k] and g_along[k] with the change of both along a direction.
 
-    `changes` are those of states (a row an angle), angles, parameters, tables and run-time cells (`Changes`), `sides`
-    these numbers moved along by step, by -step, and as they are (a row each): what is around the chambers is a function
-    of numbers and angle alone, whose change is a difference. That of the rates is exact.
+    `changes` are those of states (a row for each angle), angles, parameters, tables and run-time cells (`Changes`);
+    `sides` are these numbers shifted by step, by -step, and unshifted (a row each). The surroundings depend on
+    numbers and angle alone, so their change is a difference; that of the rates is exact.
     """
     E = np.empty(n_e)
     E_below = np.empty(n_e)
@@ -106,11 +106,11 @@ def rates_along(angles, middles, y, context, n_e, sides, step, changes, f, g, f_
 
 @kernel
 def in_coordinates(y, f, A, width, change, logarithmic, size, least_oil, off):
-    """Turn rates f and derivatives A of states y into those of coordinates (in place); return the largest difference.
+    """Turn rates f and derivatives A of states y into those of coordinates (in place); return the largest mismatch.
 
-    That is `off`, by how much T or ρ would change more over a slice of that width [rad] than they do. `logarithmic` is
-    1 for coordinates that are logarithms; `size` states of a chamber, its oil in the third and fourth column where its
-    ratio has a least one: below that it does not change.
+    The mismatch `off` is the change over a slice of that width [rad] beyond `change`; the largest is that of T and
+    ρ. `logarithmic` is 1 for coordinates that are logarithms. A chamber has `size` states; with `least_oil` its oil
+    is in the third and fourth, which do not change below that oil ratio.
     """
     largest = 0.0
     for i in range(STATES):
@@ -135,7 +135,7 @@ def in_coordinates(y, f, A, width, change, logarithmic, size, least_oil, off):
 
 @kernel
 def lead(y, A, width, off, logarithmic, most, M, pivots):
-    """Lead states (in place) by a step of Newton's method, (1 − width A) δ = off, of at most `most` in coordinates."""
+    """Move states (in place) by a Newton step, (1 − width A) δ = off, of at most `most` in coordinates."""
     for i in range(STATES):
         for j in range(STATES):
             M[i, j] = -width * A[i, j]
@@ -159,9 +159,9 @@ def fill(target, source):
 
 @kernel
 def by_unknowns(phi, y, f, g, logarithmic, R, P, shift, context, E, F, G):
-    """Fill derivatives of the rates f, in coordinates, and g by unknowns; R and P have rows with each moved by `shift`.
+    """Fill derivatives by unknowns of the rates f, in coordinates, and g; row k of R and P has unknown k shifted.
 
-    The last rows are those that hold. The phases of the gas are those that its derivatives were asked in before.
+    The last rows are the unshifted ones. The phases of the gas are those of the preceding call for derivatives.
     """
     last = R.shape[0] - 1
     for k in range(last):
@@ -180,11 +180,12 @@ def by_unknowns(phi, y, f, g, logarithmic, R, P, shift, context, E, F, G):
 
 @kernel
 def derivatives(phi, widths, y, changes, logarithmic, size, least_oil, led, R, P, shift, context, n_e, A, Jq, F, G):
-    """Fill the derivatives of rates, one row a slice, in its middle phi; return how often those by states were asked.
+    """Fill the derivatives of rates, one row for each slice, at its middle phi.
 
-    By the states A of the coordinates' rates, Jq of the quadratures', and F and G by the unknowns (`by_unknowns`). The
-    states y (slices, N) are led (in place), in at most led[0] steps of at most led[1], while T or ρ would change by
-    led[2] more than they do (`changes`) over their slice.
+    Return how many Jacobians were evaluated. A are the derivatives of the coordinates' rates by states, Jq those of
+    the quadratures', F and G those by the unknowns (`by_unknowns`). The states y (slices, N) are adjusted (in
+    place) in at most led[0] steps of at most led[1], while T or ρ would change by led[2] more over their slice than
+    `changes`.
     """
     E = np.empty(n_e)
     f = np.empty(STATES)

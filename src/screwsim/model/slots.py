@@ -1,37 +1,33 @@
-"""The names that a composition defines in its generated module; the kernels of this package are written with them.
+"""Names that a composition defines in its generated module, used by the kernels of this package, and fixed indices.
 
-Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho, P, TAB)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)`
-(the state in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
+Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho, P, TAB)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)` (the
+state in a given phase, continued beyond its border), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
 `volume_slope_at(phi, P, TAB)`, `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
-`oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
-`given_off(y, phi, E, own, P, TAB)` → gas [kg/s] that comes from a chamber's oil, or flashes out of oil that enters,
-`solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
-kilogram of oil holds,
-`around_chamber(phi, middle, context, E)` → what surrounds a chamber, in E,
-`path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `films_into` that of oil beside it,
-`add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums,
-`push_on(T, rho, y, R, P, TAB)` → acceleration at rest of what moves between a seat and a stop, filled for each,
-`neighbour(columns, P, R, E, at)` → the port state of a neighbour at E[at],
-`keep_port_states(step, dense, context)` → what a history holds of a step beyond the states,
-`gas_in(V, y, at, P)` → gas [kg] in a chamber of a volume whose states begin at y[at],
-`mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
-`balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance,
-`balanced_alone(flows, mass_rate)` → that of the one port that is open to a line,
-`faces_line(phi, P, TAB)` → whether a chamber is open to a line,
-`add_to_lines(flows, phi, V, share, k, points, P, into, volume)` → a share of its flows into them,
-`lets_out(phi, middle, P, TAB)` → whether it is open to the discharge line, by a gap beyond the last one, too,
-`add_outflow(heat, mass, flows, T_oil, weight, E)` → what leaves it to the discharge line.
+`oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p, `given_off(y, phi,
+E, own, P, TAB)` → gas [kg/s] that a chamber's oil releases, or that flashes out of entering oil, `solution_entropy(w,
+P, TAB)` → entropy [J/(kg K)] of gas dissolved in oil that holds w, and of all that a kilogram of oil holds,
+`around_chamber(phi, middle, context, E)` → the surroundings of a chamber, in E, `path_flows(y, E, context, out)` → flow
+[kg/s] into a chamber through each path, `films_into` that of oil films, `add_moment(phi, y, mass_rate, E, context,
+flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums, `push_on(T, rho, y, R, P, TAB)` →
+acceleration at rest of what moves between a seat and a stop, one for each, `neighbour(columns, P, R, E, at)` → the port
+state of a neighbour at E[at], `keep_port_states(step, dense, context)` → what a history stores of a step beyond the
+states, `gas_in(V, y, at, P)` → gas [kg] in a chamber of a volume whose states begin at y[at], `mass_rate(theta, step,
+times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step, `balanced(flows, mass_rate, E, own, R, P)` →
+the flow through the widest port from the mass balance, `balanced_alone(flows, mass_rate)` → that of the only port that
+is open to a line, `faces_line(phi, P, TAB)` → whether a chamber is open to a line, `add_to_lines(flows, phi, V, share,
+k, points, P, into, volume)` → adds a share of its flows into the lines, `lets_out(phi, middle, P, TAB)` → whether it is
+open to the discharge line, also by a gap beyond the last chamber, `add_outflow(heat, mass, flows, T_oil, weight, E)` →
+adds what leaves it to the discharge line.
 
-By number, for Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
+By number, for use from Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
 `path_opening(i, drop, width, held, y, at, P)` → open share of a port at a pressure difference into the chamber,
-`stop_push(i, p, p_suction, p_discharge, y, at, P)` and `push_on(i, T, rho, y, R, P, TAB)`, and
-`line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself.
+`stop_push(i, p, p_suction, p_discharge, y, at, P)` and `push_on(i, T, rho, y, R, P, TAB)`, and `line_pulse(i, phi, P)`
+→ (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself.
 
-Constants: N (states of a chamber), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides
-of gaps), CHAMBERS (alive at once), the indices into P that move with the number of own plenums, and those of
-`network.layout`.
+Constants: N (states of a chamber), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides of gaps),
+CHAMBERS (alive at once), the indices into P that depend on the number of own plenums, and those of `network.layout`.
 
-Indices into P, R and a port state that are fixed for every composition stand here too.
+Indices into P, R and a port state that are fixed for every composition are defined here too.
 """
 
 from typing import Any
@@ -70,35 +66,35 @@ N_FLOWS: Any = Slot("N_FLOWS")
 CHAMBERS: Any = Slot("CHAMBERS")
 
 
-# P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
+# P: parameters of the run; the width of a port to plenum i is at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
-P_FIRST_OIL = 7  # without own plenums, whose widths stand before
+P_FIRST_OIL = 7  # without own plenums, whose widths come first
 P_C_OIL: Any = Structure("P_C_OIL")
 P_T_OIL: Any = Structure("P_T_OIL")
 P_TO_RATIO: Any = Structure("P_TO_RATIO")
 P_ROOM: Any = Structure("P_ROOM")  # specific volume of the oil; 0 where it takes no room
 P_P_SOURCE: Any = Structure("P_P_SOURCE")  # pressure of the oil's source
-P_H_PORT: Any = Structure("P_H_PORT")  # enthalpy over heat capacity of the oil that comes through ports
-P_TRAPPED: Any = Structure("P_TRAPPED")  # gas trapped [kg], noted by `inject`, to which a pump delivers its ratio
+P_H_PORT: Any = Structure("P_H_PORT")  # enthalpy over heat capacity of oil entering through ports
+P_TRAPPED: Any = Structure("P_TRAPPED")  # trapped gas [kg], set by `inject`, to which a pump delivers its ratio
 OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_PORT", "P_TRAPPED")
 
-# a port state: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T, and
-# what a kilogram of the oil holds dissolved.
-# Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
+# a port state: pressure, density, enthalpy, 1/k, drop and ψ² at choking, oil per gas, oil temperature, c_v, T p_T, and
+# dissolved gas per kilogram of oil.
+# Where oil takes room the density is that used by flows, and the oil temperature is enthalpy over heat capacity of
 # the oil (network.port_states).
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT, DISSOLVED = range(11)
 PORT_STATE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
 HELD = 4  # where oil dissolves: gas per oil
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
-PHASE = PORT_STATE  # behind a chamber's own port state: the phase that its gas is held in, FREE or 0 or 1
-BEYOND = PORT_STATE  # behind that of a neighbour in E: 1 where it is the discharge line's, beyond the last chamber
-OPENING = PORT_STATE + 1  # of a chamber's own: behind the phase that is held, opening and switch of each plenum path,
-# then what `stops` keeps of each seat and stop
-LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
-FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
+PHASE = PORT_STATE  # after a chamber's own port state: the phase in which its gas is held, FREE or 0 or 1
+BEYOND = PORT_STATE  # after a neighbour's port state in E: 1 where it is the discharge line's, beyond the last chamber
+OPENING = PORT_STATE + 1  # in a chamber's own: after the held phase, opening and switch of each plenum path,
+# then the memory of each seat and stop (`network.stops`)
+LOOSE = -2.0  # of a switch, when reading a stored cycle: open within the error of the pressure
+FREE = -1.0  # phase of a chamber that its state determines; otherwise it is held for a step of the integrator
 
-# R: what changes while the cycle is closed: the two plenums (port states), then what happens at the injection angle;
+# R: numbers that change in closing the cycle: both lines (port states), then those set at the injection angle;
 # plenum i of the effects' own (i = 3, 4, …) is the port state at i · PORT_STATE
 R_SUCTION = 0
 R_DISCHARGE = PORT_STATE
@@ -109,17 +105,17 @@ FIRST_OWN = 3  # number of the first of the effects' own plenums
 E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 
 # categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net); with own plenums
-# or oil ports also the oil that comes through ports, then in and out of each own plenum: 2 i and 2 i + 1 of plenum i
+# or oil ports also the oil through ports, then in and out of each own plenum: 2 i and 2 i + 1 for plenum i
 SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
 
-# what each carries: gas [kg], its enthalpy [J], oil [kg], that times its temperature, gas that the oil holds [kg]
+# sums of each: gas [kg], its enthalpy [J], oil [kg], oil times its temperature, gas dissolved in the oil [kg]
 OF_GAS, OF_ENERGY, OF_OIL, OF_OIL_HEAT, OF_HELD = range(5)
 
 # quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
-# mass, enthalpy (oil mass, oil mass × T_oil, gas that it holds)
+# mass, enthalpy (oil mass, oil mass × T_oil, dissolved gas)
 Q_WORK, Q_HEAT, Q_WALLS = range(3)
 
-# what written texts call by these names
+# names that written texts use
 FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),

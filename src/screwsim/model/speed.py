@@ -1,9 +1,8 @@
-"""A speed that changes over the lobe pitch, as the chambers feel it (docs/model.md M217).
+"""A speed that varies over the lobe pitch, as the chambers see it (docs/model.md M217).
 
-What depends on time, not on the angle, is divided by the speed: flows and heat. Instead of the speed itself, areas and
-heat rates are multiplied by the mean speed over the speed at the angle, so that nothing else of the model changes. The
-speed over the mean stands in P as a curve of its square, whose slope is the torque: smooth even from a creeping start
-on.
+Quantities per time (flows and heat) have to be divided by the speed. Instead, areas and heat rates are multiplied by
+the mean speed over the speed at the angle, so that nothing else in the model changes. P holds the square of the
+relative speed as a curve; its slope is the torque, so it is smooth even in a creeping start.
 """
 
 from __future__ import annotations
@@ -21,16 +20,16 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch
-TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the speed is not put in place
+TOO_LARGE = 0.98  # largest ripple, over twice the mean, with which a course of the speed is accepted
 
 
 @kernel
 def slowness(phi, pitch, curve, P):
-    """Return the mean speed over the speed where a chamber is at phi [rad]; it repeats every pitch."""
+    """Return the mean speed over the speed where a chamber is at phi [rad]; periodic with the pitch."""
     s = phi - pitch * math.floor(phi / pitch)
     rows = int(curve) + 1
     s = min(max(s, P[rows]), P[rows + ROWS - 1])
-    i = min(int(s * (ROWS - 1) / pitch), ROWS - 2)  # rows are evenly spaced but for rounding
+    i = min(int(s * (ROWS - 1) / pitch), ROWS - 2)  # rows are evenly spaced, up to rounding
     if P[rows + i] > s and i > 0:
         i -= 1
     elif P[rows + i + 1] <= s and i < ROWS - 2:
@@ -46,9 +45,9 @@ def flat_curve(pitch: float) -> Array:
 
 
 def curve_of(squares: Array, slopes: Array, pitch: float) -> Array:
-    """Return the packed curve of the square of the speed over the mean, and its slopes [1/rad], at `ROWS` angles.
+    """Return the packed curve of the squared relative speed, from its values and slopes [1/rad] at `ROWS` angles.
 
-    Slopes are limited so that no cubic between positive squares falls below zero.
+    Slopes are limited so that no cubic between positive squares becomes negative.
     """
     most = 3.0 * (ROWS - 1) / pitch * squares
     both = np.column_stack([np.maximum(slopes, -most)[:-1], np.minimum(slopes, most)[1:]])
@@ -56,24 +55,24 @@ def curve_of(squares: Array, slopes: Array, pitch: float) -> Array:
 
 
 def put(P: Array, at: int, curve: Array) -> None:
-    """Put a packed curve in place."""
+    """Store a packed curve in P."""
     P[at : at + len(curve)] = curve
 
 
 def squares_at(P: Array, at: int) -> Array:
-    """Return the square of the speed over the mean at the first `ROWS` − 1 angles of the curve."""
+    """Return the squared relative speed at the first `ROWS` − 1 angles of the curve."""
     first = at + 1 + ROWS
     return P[first : first + 4 * (ROWS - 1) : 4].copy()
 
 
 def curve_at(composition: Composition) -> Array:
-    """Return a composition's curve; none where its speed is constant."""
+    """Return a composition's curve; an empty array where its speed is constant."""
     at = composition.speed_curve
     return composition.P[at : at + 5 * ROWS - 3].copy() if at is not None else np.empty(0)
 
 
 def put_back(composition: Composition, course: Array) -> None:
-    """Put a curve, or a weighted sum of such, in place; not one that falls to a standstill."""
+    """Store a curve, or a weighted sum of curves, unless its speed falls nearly to zero."""
     at = composition.speed_curve
     if at is not None and len(course) and squares_at(course, 0).min() > (1.0 - TOO_LARGE) ** 2:
         put(composition.P, at, course)

@@ -1,4 +1,4 @@
-"""Reading a closed cycle: pressures, volumes and the flow of each path over the angle, from the stored steps."""
+"""Read a closed cycle: pressures, volumes and the flow of each path over the angle, from the stored steps."""
 
 import math
 
@@ -33,15 +33,15 @@ from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_value
 
-SAMPLED = ("volume", "pressure", "work", "mass_rate")  # what `sample` gives beside the states: m³, Pa, J, kg/rad
+SAMPLED = ("volume", "pressure", "work", "mass_rate")  # outputs of `sample` besides the states: m³, Pa, J, kg/rad
 
 
 @kernel
 def peak_pressure(times, dense, steps, limit, context):
     """Return the highest chamber pressure [Pa] from injection up to the angle `limit` [rad].
 
-    The ends of the steps tell where, and the dense output on both sides of the highest how high; a top within another
-    step, or the pressure at either end of the range, may be higher.
+    The ends of the steps show where it is, the dense output on both sides of the highest end how high; a top within
+    another step, or the pressure at either end of the range, may be higher.
     """
     P = context.P
     first = P[P_INJECTION]
@@ -74,9 +74,9 @@ def peak_pressure(times, dense, steps, limit, context):
 
 @kernel
 def top_within(start, end, c3, c4):
-    """Return at which share of a step its dense output has a maximum; 0 where it has none within.
+    """Return the share of a step at which its dense output has a maximum; 0 if there is none.
 
-    Its slope is that of `rodas.dense_slope`, a + b θ − 3 c4 θ²; at the maximum that falls.
+    Its slope is that of `rodas.dense_slope`, a + b θ − 3 c4 θ², which decreases at a maximum.
     """
     a = end - start + c3
     b = 2.0 * (c4 - c3)
@@ -98,7 +98,7 @@ def areas_along(angles, i, P, TAB, out):
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
     """Fill out[i] = (SAMPLED, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad].
 
-    dm/dφ is that by the paths: without gas that oil gives off.
+    dm/dφ is that by the paths, without gas released by oil.
     """
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
@@ -145,9 +145,9 @@ def volumes(angles, P, TAB, out):
 
 @kernel
 def oil_films(angles, times, dense, steps, context, n_e, out):
-    """Fill out[i] with the oil [kg/s] that flows into the chamber as films at the given angles [rad], gap by gap.
+    """Fill out[i] with the oil films [kg/s] into the chamber at the given angles [rad], gap by gap.
 
-    What walls drag along is part of it.
+    Oil that walls drag along is included.
     """
     E = np.empty(n_e)
     y = np.empty(N)
@@ -163,7 +163,7 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
 
 @kernel
 def given_off_along(angles, times, dense, steps, context, n_e, out):
-    """Fill out with the gas [kg/s] that oil gives off, less what it takes up, at increasing angles [rad]."""
+    """Fill out with the gas [kg/s] that oil releases, minus what it absorbs, at increasing angles [rad]."""
     P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
     y = np.empty(N)
@@ -174,7 +174,7 @@ def given_off_along(angles, times, dense, steps, context, n_e, out):
         i = locate(phi, phi, times, steps, i)
         read(phi, times, dense, i, y)
         around_chamber(phi, phi, context, E)
-        path_flows(y, E, context, flows)  # with it the state of the chamber's gas
+        path_flows(y, E, context, flows)  # also sets the state of the chamber's gas
         out[a] = given_off(y, phi, E, own, P, TAB)
 
 
@@ -196,9 +196,9 @@ def work_along(times, dense, quads, steps, context):
 
 @kernel
 def oil_with_outflow(times, dense, steps, context, n_e):
-    """Return (Σ ṁ T_oil, Σ ṁ) of what flows out to the discharge plenum, gaps beyond 720° included.
+    """Return (Σ ṁ T_oil, Σ ṁ) of the outflow to the discharge plenum, including gaps beyond 720°.
 
-    By Gauss's points within each step: where the flow comes and goes, the ends of the steps tell too little.
+    Gauss points within each step are used: where a flow starts or stops, the ends of the steps show too little.
     """
     P, TAB = context.P, context.TAB
     E = np.empty(n_e)
@@ -219,9 +219,9 @@ def oil_with_outflow(times, dense, steps, context, n_e):
 
 @kernel
 def port_oil(times, dense, steps, P, TAB):
-    """Return the oil [kg] that comes through ports over a life, and that times the chamber's pressure [kg Pa].
+    """Return the oil [kg] through ports over a life, and its integral with the chamber's pressure [kg Pa].
 
-    And that times what the chamber's pressure has above the source's (M255).
+    The third number is its integral with the excess of the chamber's pressure over the source's (M255).
     """
     mass = 0.0
     pressure = 0.0

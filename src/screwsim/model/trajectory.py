@@ -1,7 +1,7 @@
-"""One life of a chamber as it was integrated: what is read of a cycle is read from here.
+"""One life of a chamber as it was integrated, from which everything about a cycle is read.
 
-The dense output of its steps goes together with the numbers that it was integrated with, so that it can be read
-whatever its workspace does next.
+It combines the dense output of its steps with the numbers used in integrating it, so that it stays readable whatever
+its workspace does next.
 """
 
 from __future__ import annotations
@@ -22,7 +22,10 @@ Array = np.ndarray
 
 
 def with_numbers(composition: Composition, P: Array, **more: Any) -> Composition:
-    """Return a composition with other numbers, `more` by name; `dataclasses.replace` takes ten times as long."""
+    """Return a composition with other numbers, and `more` fields by name.
+
+    Ten times faster than `dataclasses.replace`.
+    """
     found = object.__new__(Composition)
     found.__dict__.update(composition.__dict__, P=P, **more)
     return found
@@ -31,7 +34,7 @@ def with_numbers(composition: Composition, P: Array, **more: Any) -> Composition
 class Trajectory(NamedTuple):
     """Times, dense output and quadratures of a life's steps; `composition.P` and `R` are the numbers it was made with.
 
-    What a workspace shows of its last turn stands until it integrates again; a copy stands for good.
+    A view of a workspace's last turn is valid until that integrates again; a copy is valid for good.
     """
 
     composition: Composition
@@ -42,10 +45,10 @@ class Trajectory(NamedTuple):
     quads: Array
     steps: int
     context: Context
-    alone: Lock  # held by who writes into the scratch of the context
+    alone: Lock  # held while writing to the context's scratch arrays
 
     def copy(self) -> Trajectory:
-        """Return the same, in arrays of its own that nobody writes into."""
+        """Return a copy in its own, read-only arrays."""
         c, steps = self.composition, self.steps
         own = [self.times[: steps + 1], self.dense[:steps], self.quads[:steps], c.P, self.R]
         scratch = self.context[-4:]  # kept, hints, state, own
@@ -58,7 +61,7 @@ class Trajectory(NamedTuple):
 
     @property
     def rows(self) -> tuple[Array, Array, int]:
-        """Times and dense output, and of how many steps."""
+        """Times and dense output, and the number of steps."""
         return self.times, self.dense, self.steps
 
     @property
@@ -72,19 +75,19 @@ class Trajectory(NamedTuple):
         return float(self.module.volume_at(angle, self.composition.P, self.composition.TAB))
 
     def states_at(self, angles: Array) -> Array:
-        """Return the states at increasing angles [rad], and the pressure [Pa] behind them, one row an angle."""
+        """Return the states and, last, the pressure [Pa] at increasing angles [rad], one row for each angle."""
         out = np.empty((len(angles), len(self.composition.states) + 1))
         self.module.history__states_at(angles, *self.rows, out)
         return out
 
     def pressures_at(self, angles: Array) -> Array:
-        """Return the pressures [Pa] of the states themselves at increasing angles [rad]."""
+        """Return the pressures [Pa] computed from the states at increasing angles [rad]."""
         c, found = self.composition, np.empty(len(angles))
         self.module.trace__pressures(self.states_at(angles), c.P, c.TAB, found)
         return found
 
     def sum_until(self, angle: float, quadrature: int) -> float:
-        """Return what a quadrature has come to at an angle [rad], even within a step."""
+        """Return a quadrature up to an angle [rad], interpolated within a step."""
         times = self.times
         i = int(times[: self.steps + 1].searchsorted(angle, "right")) - 1
         if i < 0:
@@ -112,7 +115,7 @@ class Trajectory(NamedTuple):
         return out, flows
 
     def oil_films(self, angles: Array) -> Array:
-        """Return rows of the oil [kg/s] that flows in through gaps as films, each ahead and behind, at angles [rad]."""
+        """Return rows of the oil [kg/s] that enters through gaps as films, each ahead and behind, at angles [rad]."""
         c = self.composition
         out = np.empty((len(angles), 2 * len(c.gap_paths)))
         with self.alone:
@@ -120,7 +123,7 @@ class Trajectory(NamedTuple):
         return out
 
     def given_off(self, angles: Array) -> Array:
-        """Return the gas [kg/s] that a chamber's oil gives off over time at increasing angles [rad] (M231)."""
+        """Return the gas [kg/s] that a chamber's oil releases at increasing angles [rad] (M231)."""
         out = np.empty(len(angles))
         with self.alone:
             self.module.trace__given_off_along(angles, *self.rows, self.context, self.composition.n_E, out)
@@ -131,9 +134,10 @@ class Trajectory(NamedTuple):
         return float(self.module.trace__peak_pressure(*self.rows, limit, self.context))
 
     def into_lines(self, points: int) -> tuple[Array, Array]:
-        """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] that is open to each.
+        """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] open to each.
 
-        The flow at `points` even angles of a pitch, from the youngest chamber's 0° on; only of lines that pulsate.
+        If they pulsate. The flow is given at `points` even angles of a pitch, starting at the youngest
+        chamber's 0°.
         """
         into, volume = np.zeros((2, points)), np.zeros(2)
         with self.alone:
@@ -141,9 +145,9 @@ class Trajectory(NamedTuple):
         return into, volume
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
-        """Return what paths, heat rates and walls, and oil sum up to over the life (`model.ledger`).
+        """Return the ledger's sums of paths, of heat rates and walls, and of oil over the life (`model.ledger`).
 
-        `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled when it is first asked for.
+        `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled on first use.
         """
         c = self.composition
         paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
@@ -155,11 +159,11 @@ class Trajectory(NamedTuple):
         return paths, heats[:warming], oil
 
     def port_oil(self) -> tuple[float, float, float]:
-        """Return the oil [kg] that came through ports over the life, times the chamber's pressure, times its lift."""
+        """Return the oil [kg] through ports over the life, and its integrals with chamber pressure and with lift."""
         c = self.composition
         return self.module.trace__port_oil(*self.rows, c.P, c.TAB)
 
     def oil_with_outflow(self) -> tuple[float, float]:
-        """Return Σ ṁ T_oil and Σ ṁ of what flows out to the discharge line."""
+        """Return Σ ṁ T_oil and Σ ṁ of the outflow to the discharge line."""
         with self.alone:
             return self.module.trace__oil_with_outflow(*self.rows, self.context, self.composition.n_E)

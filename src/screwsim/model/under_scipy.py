@@ -1,6 +1,6 @@
-"""Lives and pitches integrated by scipy's methods on our right-hand side and Jacobian: an independent check.
+"""Lives and pitches integrated by scipy's methods with our right-hand side and Jacobian: an independent check.
 
-Impacts on seat and stop are terminal events of scipy's own; what happens there is that of `model.impacts`.
+Impacts on seat and stop are terminal events of scipy; their effect is that of `model.impacts`.
 
 Source: docs/explanation/numerics.md, "Independent check"; docs/reference/slider-crank.md S32, S33.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class ImpactEvents:
-    """What the pairs of positions and speeds of one chamber meet during a turn."""
+    """Impact events of one chamber's pairs of positions and speeds during a turn."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class ImpactEvents:
         self.module.chamber__begin_modes(y, self.own, *self.around)
 
     def watched(self, t: float, y: Array) -> list[Callable[[float, Array], float]]:
-        """Return scipy's terminal events from angle t [rad] and state y on."""
+        """Return scipy's terminal events to watch from angle t [rad] and state y on."""
         found, self._due = [], []
         for k, (position, _) in enumerate(self.pairs):
             side = float(self.own[self.first + k])
@@ -66,6 +66,8 @@ class ImpactEvents:
         return found
 
     def _leaving(self, k: int, side: float) -> Any:
+        """Return an event function: the push of pair k away from where it rests."""
+
         def off(t: float, state: Array) -> float:
             y = np.ascontiguousarray(state)
             return -side * self.module.push_on(k, y[0], y[1], y, *self.around)
@@ -73,7 +75,7 @@ class ImpactEvents:
         return off
 
     def passed(self, which: int, y: Array) -> bool:
-        """Apply event `which` of the last `watched` to the state, in place; return whether the turn may go on."""
+        """Apply event `which` of the last `watched` to the state [in place]; return whether the turn may continue."""
         k, due = self._due[which]
         if due != LEAVES:
             y[self.pairs[k][0]] = 0.5 * (1.0 + due)
@@ -82,7 +84,10 @@ class ImpactEvents:
 
 
 def _meeting(position: int, side: float, end: float, started: float) -> Any:
-    """Return how far a position is beyond its end; from an end that it leaves at `started`, over the angle since."""
+    """Return an event function: the distance of a position beyond its end.
+
+    For a position that starts at that end, at the angle `started`, it is divided by the angle passed since.
+    """
 
     def beyond(t: float, state: Array) -> float:
         if t == started:
@@ -94,11 +99,14 @@ def _meeting(position: int, side: float, end: float, started: float) -> Any:
 
 
 Array = np.ndarray
-WATCHED = 16  # evaluations from one look at what may end the work to the next; the clock takes as long as one
+WATCHED = 16  # evaluations between two calls of the machinery's `watch`, which take as long as one
 
 
 def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-    """Do what `Machinery.turn` does with a check; a loose own turn gives the quadratures' scale."""
+    """Do what `Machinery.turn` does, by a check's method.
+
+    A loose turn of our own gives the scale of the quadratures.
+    """
     _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
     held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
@@ -119,7 +127,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     times[: steps + 1], dense[:steps, :, : machinery.n] = path.times, path.dense
     machinery.kept[0] = steps
     at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
-    if at < steps:  # nothing jumps there: what is noted is the trapped mass
+    if at < steps:  # nothing jumps there: it stores the trapped mass
         module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
     module.port_states__port_states_along(dense, steps, context)
     module.trace__work_along(times, dense, quads, steps, context)
@@ -127,7 +135,10 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
 
 
 def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-    """Do what `Machinery.pitch` does with a check; a loose own one gives the quadratures' scale."""
+    """Do what `Machinery.pitch` does, by a check's method.
+
+    A loose one of our own gives the scale of the quadratures.
+    """
     _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
     space, c, module = machinery.coupled_space(), machinery.composition, machinery.together
     machinery.inject(y)
@@ -148,7 +159,10 @@ def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -
 def _slopes(
     machinery: Machinery, kernels: Sequence[Any], context: Any, held: Sequence[Array], n: int, n_E: int, nq: int
 ) -> tuple[Slopes, Slopes]:
-    """Return rates and Jacobian of n states, and of the quadratures behind them; `held` is what no step holds here."""
+    """Return functions for rates and Jacobian of n states, followed by the quadratures.
+
+    `held` are the cells of phases and switches, which are left free: nothing is held over a step here.
+    """
     surroundings, fill_rates, fill_jacobian = kernels
     E, E_next, state, both, f_phi, g_phi = (np.empty(size) for size in (n_E, n_E, n, n + nq, n, nq))
     J, Jq, f, g = np.empty((n, n)), np.empty((nq, n)), both[:n], both[n:]
@@ -177,7 +191,7 @@ def _slopes(
 
 
 def _scales(machinery: Machinery, q: Array) -> Array:
-    """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
+    """Return the scale of each quadrature: the largest of its kind, so that an idle path needs no accuracy."""
     met, first = machinery.composition.first_met, machinery.composition.first_stream
     streams = np.abs(q[first:]).reshape(-1, machinery.composition.width)
     heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))

@@ -1,4 +1,4 @@
-"""Flows between the ends of the steps of a closed cycle: what integrals over its life are made of.
+"""Flows between the ends of steps of a closed cycle, for integrals over its life.
 
 Source: ours; Gauss–Legendre quadrature of the dense output on each step.
 """
@@ -9,7 +9,7 @@ from screwsim.model.slots import P_OMEGA, around_chamber, balanced, given_off, m
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
 
-POINTS = 2
+POINTS = 2  # nodes in each step
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 NODES = 0.5 + 0.5 * _NODES
 WEIGHTS = 0.5 * _WEIGHTS

@@ -1,7 +1,7 @@
-"""Writing the functions that a composition has of its own (slots.py): calls of kernels with their numbers filled in.
+"""Write the functions of a composition itself (slots.py): calls of kernels with their numbers filled in.
 
-Numbers go into P and TAB, what decides on terms into the text. Where the speed changes over the pitch, all that depends
-on time is multiplied by `Writer.slow`.
+Numbers go into P and TAB; whatever affects the terms goes into the text. Where the speed varies over the pitch,
+quantities per time are multiplied by `Writer.slow`.
 """
 
 import math
@@ -21,11 +21,11 @@ from screwsim.model.parts import Parts
 from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics.kernel import Kernel
 
-# symbols that a kernel can ask for and that are not numbers of the scene
+# names that kernels can ask for, besides numbers of the scene
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", *PRESSURES)
 OPENING_SYMBOLS = ("drop", "width", "held")
 PUSH_SYMBOLS = ("p", *PRESSURES)
-GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # of a push on what moves, by the state of the gas
+GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # arguments of a push on what moves, by the state of the gas
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 NO_FACTORS: Mapping[str, Sequence[str]] = MappingProxyType({})
@@ -42,8 +42,8 @@ class Writer:
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
-        self.speed_curve: int | None = None  # where in P it begins (speed.slowness)
-        self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
+        self.speed_curve: int | None = None  # its index in P (speed.slowness)
+        self.slow = ""  # factor on quantities per time, where the speed varies over the pitch
         self.network = network
 
     def call(
@@ -56,11 +56,11 @@ class Writer:
         factors: Mapping[str, Sequence[str]] = NO_FACTORS,
         of: str = "",
     ) -> str:
-        """Return a call of the kernel.
+        """Return a call of the kernel as text.
 
-        Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any) times their
-        factors, what the cycle makes, or symbols of the scene. Numbers are called after what they are `of`, or after
-        the kernel's module.
+        Its arguments are free names, its own numbers (with a prefix, `operating` names them by it) times their
+        factors, unknowns of the cycle, or symbols of the scene. The text names numbers after what they are
+        `of`, or after the kernel's module.
         """
         self.kernels.append(kernel)
         self.network.kernels[kernel.flat_name] = kernel
@@ -85,20 +85,20 @@ class Writer:
         return f"{kernel.flat_name}({', '.join(arguments)})"
 
     def in_time(self, rate: str) -> str:
-        """Return the text of a rate at the mean speed as one at the speed here, by `slow` (M217)."""
+        """Return the text of a rate at the mean speed, converted to the speed at the angle by `slow` (M217)."""
         return f"slow * {rate}" if self.slow else rate
 
     def function(self, head: str, body: Sequence[str]) -> None:
-        """Write a function of the composition's own."""
+        """Write a function of the composition."""
         self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
 
     def chosen(self, head: str, calls: Sequence[str], otherwise: str, before: Sequence[str] = ()) -> None:
-        """Write a function by which calls are asked one by one, by index, from Python."""
+        """Write a function that selects one of several calls by index, for use from Python."""
         body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
         self.function(head, [*before, *body, f"return {otherwise}"])
 
     def asked(self, name: str, arguments: Sequence[str], calls: Sequence[str], before: Sequence[str] = ()) -> None:
-        """Write the same of rates of one chamber, where there are any (`evaluate.own_effects`)."""
+        """Write such a function for rates of one chamber, if there are any (`evaluate.own_effects`)."""
         slow = [f"slow = {self.slow}"] if any(call.startswith("slow *") for call in calls) else []
         if calls:
             self.chosen(f"{name}(i, {', '.join(arguments)}, P)", calls, "0.0", [*before, *slow])
@@ -118,7 +118,7 @@ def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: M
         if path.mirror is not None:
             turned = [f"phi = {writer.numbers.add(path.mirror, label + '_mirror', of=(path, 'mirror'))} - phi"]
         result = [f"return {coefficient} * {call}"]
-        if writer.slow:  # asked for where something is open only
+        if writer.slow:  # evaluated only where something is open
             slow = [] if path.mirror is None else ["here = phi"]
             turned = [*slow, *turned]
             result = [
@@ -130,12 +130,12 @@ def write_areas(writer: Writer, paths: Sequence[tuple[str, FlowPath]], scales: M
 
 
 def _at(slow: str, path: FlowPath) -> str:
-    """Return a call for the angle of the chamber, which a mirrored path has put aside."""
+    """Return the call for the chamber's own angle, which a mirrored path has saved."""
     return slow if path.mirror is None else slow.replace("(phi,", "(here,")
 
 
 def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
-    """Put the heat [W] from the oil to the gas into the network."""
+    """Add the heat [W] from the oil to the gas to the network."""
     for effect, part in heats:
         call = writer.in_time(writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS, of=identifier(effect)))
         writer.network.heats.append(Heat(effect, call, "d * " if part.oil_factor == "printed" else ""))
@@ -143,7 +143,7 @@ def write_heat(writer: Writer, heats: Sequence[tuple[str, HeatRate]]) -> None:
 
 
 def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
-    """Put each wall's conductance [W/K] and temperature [K] into the network (M170)."""
+    """Add each wall's conductance [W/K] and temperature [K] to the network (M170)."""
     for effect, wall in walls:
         held, of = wall.temperature, (wall, "temperature")
         stated = not isinstance(held, str)
@@ -154,7 +154,7 @@ def write_walls(writer: Writer, walls: Sequence[tuple[str, Wall]]) -> None:
 
 
 def write_pulsations(writer: Writer, parts: Parts) -> None:
-    """Write of each line that pulsates the offset of its mean pressure and its harmonics, over itself (M185)."""
+    """Write the relative offset and harmonics of each pulsating line's pressure (M185)."""
     if not parts.pulsations:
         return
     writer.kernels.append(pulsation.harmonics)
@@ -173,13 +173,17 @@ def write_pulsations(writer: Writer, parts: Parts) -> None:
 
 
 def made(writer: Writer, name: str) -> str:
+    """Return how the text reads an unknown of the cycle; raise TypeError where no effect declares it."""
     if name not in writer.made:
         raise TypeError(f"no effect declares {name!r} as made by the cycle; known: {', '.join(writer.made) or 'none'}")
     return writer.made[name]
 
 
 def scales(writer: Writer, parts: Parts, clearances: bool = False) -> dict[str, list[str]]:
-    """Return of each effect the factors of its areas that the cycle makes, or those of them that are of its gap."""
+    """Return for each effect the factors on its areas that the cycle determines.
+
+    With `clearances` those of its gap only.
+    """
     found: dict[str, list[str]] = {}
     for _, part in parts.all(Scaled):
         if part.clearance or not clearances:
@@ -203,7 +207,7 @@ def write_gas(writer: Writer, gas: Any) -> None:
 
 
 def write_volume(writer: Writer, law: Any) -> None:
-    """Write the volume of a chamber, and its slope."""
+    """Write the volume of a chamber and its slope."""
     for name, of_law, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
         call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
         body = [f"return {call}"]
@@ -214,7 +218,7 @@ def write_volume(writer: Writer, law: Any) -> None:
 
 
 def write_speed(writer: Writer, pitch: float) -> None:
-    """Let all that depends on time follow the speed over the pitch."""
+    """Make all quantities per time follow the speed over the pitch."""
     start = writer.speed_curve = len(writer.numbers.values) + 1
     curve = writer.numbers.add(float(start), "speed_curve")
     writer.numbers.values.extend(flat_curve(pitch).tolist())
@@ -227,7 +231,7 @@ LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "
 
 
 def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -> None:
-    """Write the flow laws that paths have of their own, into the ports or gaps of the network."""
+    """Write paths' own flow laws into the ports or gaps of the network."""
     layout = Layout(writer.network)
     for index, path in enumerate(paths):
         if path.law is not None:
@@ -240,7 +244,7 @@ def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -
 def write_resistances(
     writer: Writer, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
 ) -> None:
-    """Write what holds flow back in gaps, and the oil that flows beside as a film, or dragged (M190, M252, M256)."""
+    """Write the resistances of gaps, and the oil that passes as a film or dragged by a wall (M190, M252, M256)."""
     layout = Layout(writer.network)
     for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
@@ -260,12 +264,12 @@ def write_resistances(
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
-    """Return a function's body behind those states of y, beyond T and rho, that are asked for by name."""
+    """Return a function's body, preceded by reading those states of y, beyond T and rho, that it uses by name."""
     return [*(f"{name} = y[at + S_{name}]" for name in states[2:] if name in asked), *body]
 
 
 def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
-    """Put the rates [1/s] of the effects' own states into the network."""
+    """Add the rates [1/s] of the effects' own states to the network."""
     for part in own:
         call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states), of=part.name)
         writer.network.rates.append(writer.in_time(call))
@@ -275,7 +279,7 @@ def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequen
 
 
 def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
-    """Write the open share of each port's area where that depends on the chamber's state, a valve's."""
+    """Write the open share of each port whose opening depends on the chamber's state (a valve)."""
     layout, calls = Layout(writer.network), [""] * len(paths)
     for index, path in enumerate(paths):
         if path.opening is not None:
@@ -289,7 +293,7 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
 
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
-    """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures and by the gas."""
+    """Write the push on what moves between a seat and a stop: its acceleration at rest, by pressures or by the gas."""
     lines = ", ".join(line_pressures(writer.network).values())
     arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
     for part in stops:

@@ -1,4 +1,4 @@
-"""Writing what a composition says of its oil: its supply, the ports through which it comes, the gas that it gives off.
+"""Write the functions of a composition's oil: its supply, the ports through which it enters, the gas that it releases.
 
 Source: docs/model.md M9, M30, M104, M196, M230–M233, M392.
 """
@@ -17,7 +17,7 @@ from screwsim.numerics.spline import table_value
 
 
 def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
-    """Write the oil [kg] that is injected at one angle, by a ratio to the gas or through an orifice for a pitch."""
+    """Write the oil [kg] injected at one angle, in a ratio to the gas or through an orifice during a pitch."""
     if oil is None:
         body = ["return 0.0"]
     elif "ratio" in oil.supply:
@@ -37,7 +37,7 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
 
 
 def write_ports(writer: Writer, parts: Parts, port: OilPort) -> None:
-    """Write the oil [kg/s] that flows in through a port, by its pressures or as a pump doses it."""
+    """Write the oil [kg/s] that enters through a port, driven by pressures or dosed by a pump."""
     if parts.pumped:
         assert port.pumped is not None and parts.oil is not None
         ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
@@ -51,7 +51,7 @@ def write_ports(writer: Writer, parts: Parts, port: OilPort) -> None:
 
 
 def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
-    """Write what flashes out of oil that enters, at once or, where the oil dissolves it, over time."""
+    """Write the gas that flashes out of entering oil at once, or that oil releases over time where it dissolves gas."""
     content, state = parts.oil_content, parts.plenums[part.plenum]
     assert content is not None
     writer.network.gas_cell = identifier(part.plenum)
@@ -66,7 +66,7 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
 
 
 def write_solution(writer: Writer, content: OilSolution) -> None:
-    """Write what a chamber's oil gives off over time, and its entropy (M230–M233)."""
+    """Write the gas that a chamber's oil releases over time, and its entropy (M230–M233)."""
     z, s, rise = content.log_held, content.entropy, content.slope
     values = {"enthalpy": content.enthalpy, "release": content.release, "uptake": content.uptake}
     back = slice(None, None, -1)  # entropy falls as more is dissolved
@@ -84,11 +84,11 @@ def write_solution(writer: Writer, content: OilSolution) -> None:
 
 
 def _ends(slope: np.ndarray) -> np.ndarray:
-    """Return the slopes at both ends of each interval, shape (n - 1, 2), from those of the rows."""
+    """Return the slopes at both ends of each interval, shape (n - 1, 2), from those at the rows."""
     return np.column_stack([slope[:-1], slope[1:]])
 
 
 @kernel
 def table_content(p, TAB, curve):
-    """Return the gas that flashes of a kilogram of oil at pressure p, from the table at index `curve` of TAB (M196)."""
+    """Return the gas that flashes out of a kilogram of oil at pressure p, from the table at TAB[curve] (M196)."""
     return table_value(p, TAB, curve)

@@ -1,1 +1,1 @@
-"""Solving a problem: closed as accurately as it asks, together with its drive."""
+"""Solve a problem: a cycle closed as accurately as the scene asks, with its drive and its surroundings."""

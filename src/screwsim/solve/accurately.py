@@ -1,4 +1,4 @@
-"""Closing a cycle, by fallbacks where it must be, and again more tightly until its figures are accurate enough."""
+"""Close a cycle, by fallbacks where necessary, and again more tightly until its figures are accurate enough."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -25,21 +25,21 @@ from screwsim.solve.estimate import estimated_errors
 from screwsim.solve.finer import FINER
 
 Array = np.ndarray
-TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
-AIM = 0.6  # of the wanted accuracy, at which the next try aims
-EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
-LOOSER = 1.5  # by this factor, AIM over EASY: none of them is estimated above AIM then
-TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
-AHEAD = 0.3  # of the bound on the balances, with which a cycle that gives a separator its oil may close early
-TRIES = 7
-NONE = np.zeros(4, np.int64)  # counts of a machinery that has done nothing
+TIGHTER = 0.25  # smallest factor on tolerances and regularisation from one try to the next
+AIM = 0.6  # estimate, over the wanted accuracy, at which the next try aims
+EASY = 0.4  # the same, below which the next scene of a course starts less tight ...
+LOOSER = 1.5  # ... by this factor, AIM over EASY, so that no estimate exceeds AIM
+TIGHTEST = 0.05  # smallest factor on the tolerances with which a scene of a course starts
+AHEAD = 0.3  # share of the bound on the balances within which a cycle with an oil separator may close early
+TRIES = 7  # closings of one cycle, at most
+NONE = np.zeros(4, np.int64)  # counts before any integration
 
 
 class Accurate(NamedTuple):
-    """A closed cycle being read, the estimated error of its figures ({} where nothing is estimated), what both took.
+    """A closed cycle with its evaluation, the estimated errors of its figures ({}: not estimated), and their cost.
 
-    `counts` and times [s] are those of closing and of estimating, apart; `wanted` is what was asked last, `tightness`
-    the factor of the tolerances with which the next scene of a course begins.
+    `counts` and `closing_time` [s] are those of closing, `estimating_time` [s] that of estimating; `wanted` are the
+    last criteria, `tightness` is the factor on the tolerances with which the next scene of a course starts.
     """
 
     cycle: CycleSolution
@@ -57,8 +57,8 @@ def solve(
 ) -> Accurate:
     """Close the cycle, and again more tightly while the estimated error exceeds the wanted accuracy.
 
-    Nothing is estimated of a cycle that did not close, that a check closed, or where the scene says
-    `numerics.error: none`. A course lends its guess; that the cycle is noted there is its owner's to see to. A cycle
+    Nothing is estimated for a cycle that did not close, that a check closed, or where the scene says
+    `numerics.error: none`. A course provides the guess; recording the cycle there is left to the caller. A cycle
     that is `given` is closed already.
     """
     numerics, watch = problem.scene.numerics, Watch(machinery)
@@ -84,7 +84,7 @@ def solve(
         factor = max(TIGHTER, AIM * numerics.accuracy / largest) if finer is None else FINER
         tightness, wanted = tightness * factor, wanted.tighter(factor)
         led = on if isinstance(on, Led) else None
-        tighter = finer or _tighter(problem, machinery, wanted, cycle, led=led)  # a search is dear: its cycle is taken
+        tighter = finer or _tighter(problem, machinery, wanted, cycle, led=led)  # a search is costly: keep its cycle
         watch.lap("closing")
         if not tighter.closed:
             break
@@ -97,9 +97,10 @@ def solve(
 
 
 def asked_for(problem: Problem, tightness: float) -> Wanted:
-    """Return what is wanted of a problem's cycle, with tolerances times a factor.
+    """Return the closing criteria of a problem, with tolerances multiplied by a factor.
 
-    What its energy balance leaves open an oil's circuit does, too, over the shaft's power: less than the sum of flows.
+    With an oil separator the bound on the balances is tightened too: an open energy balance opens the oil's
+    circuit, relative to the shaft power, which is less than the sum of flows.
     """
     wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
     separates = problem.parts.all(Separator)
@@ -107,10 +108,10 @@ def asked_for(problem: Problem, tightness: float) -> Wanted:
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
-    """Close a closed cycle once more, with finer tolerances; the old one stays where that fails.
+    """Close a closed cycle once more with finer tolerances; return the old one, with the added cost, where that fails.
 
-    It begins with what the last turn made of the lines: a cycle may close while that is far from what the turn met,
-    where next to nothing flows back, and every first turn would do so again.
+    It starts from the last turn's next values of the lines: where next to nothing flows back, a cycle may close
+    while these are far from the values that the turn was integrated with, and every first turn would do so again.
     """
     watch, of, problem = Watch(machinery), accurate.evaluation, accurate.evaluation.problem
     wanted = accurate.wanted.tighter(TIGHTER)
@@ -131,9 +132,10 @@ def _tighter(
     made: Array | None = None,
     led: Led | None = None,
 ) -> CycleSolution:
-    """Return a closed cycle closed again, with its drive; from what it `made` of the unknowns, where that is given.
+    """Close a closed cycle again, together with its drive.
 
-    Or from where its finer lives have `led`, on which the machinery stands.
+    It starts from the unknowns `made`, if given, or from where its finer lives have `led`, which the machinery then
+    holds.
     """
     if led is None:
         machinery.put(cycle.trajectory)
@@ -143,9 +145,10 @@ def _tighter(
 
 
 def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None) -> CycleSolution:
-    """Close the cycle; by fallbacks where the first way does not close it and the scene leaves the way to us.
+    """Close the cycle, by fallbacks where the first way fails and the scene allows them.
 
-    A gas outside its equation stays there, whatever is tried. What nothing closes is left as the first way left it.
+    A gas outside its equation of state stays there, so nothing further is tried. Where no fallback closes the
+    cycle, the first way's result is returned.
     """
     cycle = close(problem, machinery, wanted, course)
     if cycle.closed or wanted.check or not wanted.fallbacks or _outside(problem, cycle):
@@ -158,9 +161,9 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
 
 
 def _outside(problem: Problem, cycle: CycleSolution) -> bool:
-    """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation.
+    """Return whether closing stopped at, or left a cycle with, a state outside the gas's equation of state.
 
-    That of any chamber where all stopped in their first pitch, with which every further try begins as well.
+    If all chambers stopped in their first pitch, the state of any of them counts: every fallback starts there too.
     """
     gas, c = problem.parts.gas, problem.composition
     if cycle.failed:
@@ -170,10 +173,10 @@ def _outside(problem: Problem, cycle: CycleSolution) -> bool:
 
 
 def note(course: Course, of: Evaluation, cycle: CycleSolution, wanted: Wanted, tightness: float) -> None:
-    """Leave a closed cycle to the problems that follow on a course.
+    """Record a closed cycle for the following problems of a course.
 
-    What the cycle makes goes as the last turn made it: one that closes at once would hand on what it was given, and
-    errors of guesses would add up along the course.
+    The unknowns are recorded as the last turn's next values: those it was integrated with may be a guess
+    themselves, and the errors of guesses would add up along the course.
     """
     curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
     made = np.concatenate([of.problem.entries.possible(of.image), curve])
@@ -181,7 +184,7 @@ def note(course: Course, of: Evaluation, cycle: CycleSolution, wanted: Wanted, t
 
 
 class Watch:
-    """Time and counts of one machinery by what they were spent on; compilation does not count."""
+    """Time and counts of one machinery, by what they were spent on; compilation is excluded."""
 
     def __init__(self, machinery: Machinery) -> None:
         self.machinery, self.started = machinery, _now(machinery)
@@ -189,12 +192,13 @@ class Watch:
         self.counts: dict[str, Array] = dict.fromkeys(self.times, NONE)
 
     def lap(self, name: str) -> None:
-        """Add what was spent since the last lap."""
+        """Add what was spent since the last lap to `name` ('closing' or 'estimating')."""
         (then, before), self.started = self.started, _now(self.machinery)
         self.times[name] += self.started[0] - then
         self.counts[name] = self.counts[name] + self.started[1] - before
 
 
 def _now(machinery: Machinery) -> tuple[float, Array]:
+    """Return the time [s] without compilation, and the counts so far."""
     now = clock() - machinery.compile_time - here.elsewhere
     return now, machinery.counts.copy()

@@ -1,10 +1,10 @@
-"""Whether a machine has another cycle beside the one that was found.
+"""Look for a second cycle of the same machine.
 
-Gaps that pass oil where the chamber behind them holds enough of it, and gas where it does not, make two machines of
-one: tight ones keep their oil, and leaky ones blow it away. A cycle that closes slowly among such gaps is closed once
-more from a dry start. So is one that turns stood beside, when they had cost too much and all chambers together closed
-it elsewhere (behind check valves): from where the turns stood. Where that ends elsewhere, and closes there, a warning
-tells it.
+Gaps that pass oil where the chamber behind them holds enough of it, and gas where it does not, can have two steady
+states: tight machines keep their oil, leaky ones lose it. A cycle that closes slowly among such gaps is closed once
+more from a dry start. A second case: waveform relaxation had all but closed when it was given up for its cost, and
+simultaneous closing found a cycle elsewhere (behind check valves); relaxation is then continued from where it stood. If
+either closes elsewhere, a warning says so.
 
 Source: docs/explanation/numerics.md, two cycles of one machine.
 """
@@ -23,21 +23,21 @@ from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.run import Machinery
 from screwsim.solve.accurately import Accurate
 
-DRY = 0.01  # of the oil in the other first guess
-SLOW = 50_000  # evaluations of a closing, below which turns lead to the cycle from afar
-APART = 10.0  # wanted accuracies between figures of cycles that are two
-LEAST_APART = 0.01  # and so much at least, after a dry start
-BESIDE = 3.0  # wanted accuracies: the last change of turns that all but closed ...
-AWAY = 10.0  # ... of whose last change, and ...
-LEAST_AWAY = 5.0  # ... of wanted accuracies the closed cycle is farther away than they would have gone yet
-FINER = 0.1  # of the wanted tolerance of a step, with which turns go on from there
+DRY = 0.01  # factor on the oil of the first guess in a dry start
+SLOW = 50_000  # evaluations of a closing up to which a single cycle is assumed
+APART = 10.0  # wanted accuracies by which figures differ, at least, if the cycles count as two
+LEAST_APART = 0.01  # and relative difference, at least, after a dry start
+BESIDE = 3.0  # wanted accuracies: largest last change of turns that had all but closed ...
+AWAY = 10.0  # ... if the closed cycle is away from them by this many of those changes and ...
+LEAST_AWAY = 5.0  # ... by this many wanted accuracies: farther than they would still have moved
+FINER = 0.1  # factor on the wanted tolerance of a step when turns are continued from there
 SHOWN = {"volumetric_efficiency": "a volumetric efficiency of {:.4g}", "gas_mass_flow": "{:.4g} kg/s of gas"}
 
 
 def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterator[str]:
-    """Yield a warning where a closed cycle is not the only one; the machinery is left anywhere.
+    """Yield a warning where a closed cycle is not the only one; the machinery's last history is then arbitrary.
 
-    The other start is one of waveforms, which may cost no more than they may otherwise.
+    The second closing is by waveform relaxation, within its usual bound on evaluations.
     """
     problem, figures, beside = of.problem, of.figures, stood_beside(of.problem, accurate.cycle)
     if beside is not None:
@@ -68,7 +68,10 @@ def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterat
 
 
 def stood_beside(problem: Problem, cycle: CycleSolution) -> CycleSolution | None:
-    """Return where turns stood, all but closed, beside the cycle that all chambers together closed; None elsewhere."""
+    """Return the all but closed cycle that relaxation was at, away from that which simultaneous closing found.
+
+    Else None.
+    """
     left, accuracy = cycle.left_at, problem.scene.numerics.accuracy
     if left is None or problem.parts.shaft is not None or left.change > BESIDE * accuracy:
         return None
@@ -78,6 +81,6 @@ def stood_beside(problem: Problem, cycle: CycleSolution) -> CycleSolution | None
 
 
 def _asked(problem: Problem, evaluations: int) -> bool:
-    """Tell whether the scene has gaps that pass oil or gas, and closed slowly; not where a drive moves the shaft."""
+    """Return whether to try a dry start: a slow closing among gaps that pass oil or gas, without a drive."""
     parts = problem.parts
     return any(parts.films) and problem.composition.carried and evaluations > SLOW and parts.shaft is None

@@ -1,11 +1,10 @@
-"""What lies around the machine and follows from its cycle: the oil's circuit (M284), a package's losses (M343).
+"""Surroundings that follow from the cycle: the temperatures of the oil's circuit (M284) and a package's losses (M343).
 
-A cycle is closed with temperatures of the oil's supply and of the separator, and with lost pressures, as they stand;
-what it gives the separator (`evaluate.separator`), and its flow (`evaluate.separator`), tell others. Broyden's method
-finds those that agree, from the Jacobian of the circuit's own heat capacities, or from that of the point before: what
-the chambers change by them is left to learn. Every cycle begins from the one before, and is closed no better than the
-step after it needs. The last one is closed as accurately as the scene asks, and its errors are estimated; once more
-where its surroundings are more open than that.
+A cycle is closed with given temperatures of oil supply and separator and given pressure losses; its flows into the
+separator then imply other values (`evaluate.separator`). Broyden's method makes the two agree, starting from the
+Jacobian of the circuit's own heat capacities or from that of the point before, and learns the chambers' response. Every
+cycle starts from the one before and is closed only as accurately as the next step needs. The last one is closed as
+accurately as the scene asks, with its errors estimated; it is repeated where the surroundings do not agree so well.
 """
 
 from dataclasses import dataclass, field, replace
@@ -30,29 +29,29 @@ from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, asked_for,
 from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
-MOST = 20  # cycles closed for what lies around
-AGAIN = 8  # times that the last of them is solved once more
-OPEN = 0.2  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
-LEAST = 0.05  # of what an unknown is expected to give back, for what is learnt of it to be believed
-KPA = 1e3  # [Pa] of a lost pressure that count as a kelvin
-LARGEST = 40.0  # [K, kPa] of a step
-HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
-WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
-CONTRACTS = 0.1  # what a step is expected to leave of what is open ...
-LEARNT = 0.01  # ... the same with a Jacobian of the point before ...
-ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is closed
-ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
-UNCLOSED = 0.6  # of what the energy that a cycle leaves open makes of the mixture's temperature, by which that errs
-APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
-DUTY = "oil_cooler_duty"  # the figure of what the oil cooler takes
-ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
+MOST = 20  # cycles of one search
+AGAIN = 8  # repetitions of the final cycle
+OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
+LEAST = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
+KPA = 1e3  # [Pa], the unit of lost pressures that weighs as much as 1 K
+LARGEST = 40.0  # [K, kPa], longest step
+HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes
+WARMER = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
+CONTRACTS = 0.1  # expected ratio of the residual after a step to that before ...
+LEARNT = 0.01  # ... the same with the Jacobian of the point before ...
+ROUGH = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
+ROUGHEST = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
+UNCLOSED = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
+APART = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
+DUTY = "oil_cooler_duty"  # figure: heat flow to the oil cooler
+ALL = 0.98  # largest pressure loss before the machine, over the suction pressure
 
 
 class Asked(NamedTuple):
-    """What a cycle asks of its surroundings.
+    """The surroundings that a cycle implies, relative to those it was closed with.
 
-    `off` [K, kPa] is by how much the unknowns should change, `share` by how much the separator follows the supply,
-    `open` what is left open, of the shaft's power or of a pressure.
+    `off` [K, kPa] are the differences of the unknowns, `share` is the response of the separator temperature to the
+    supply's, `open` the residual over the shaft power or over a pressure.
     """
 
     off: Array
@@ -62,25 +61,25 @@ class Asked(NamedTuple):
 
 @dataclass
 class Search:
-    """Where the search stands, on a course of its own: Jacobian, last step, what the cycles took."""
+    """The state of the search, on a course of its own: Jacobian, last step, cost of the cycles."""
 
     series: Series
-    stated: float  # [rad/s], the speed that the scene states
+    stated: float  # [rad/s], the stated speed
     course: Course = field(default_factory=Course)
     counts: Array | None = None  # of closing the cycles
     time: float = 0.0
-    why: str = ""  # it ended at no solution
+    why: str = ""  # why it ended without a solution
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
-    seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles
-    expected: float = 1.0  # what the next cycle will leave open
-    contracts: float = CONTRACTS  # what a step is expected to leave of that
-    cycle: CycleSolution | None = None  # the last one; None where it was closed less tightly than the scene asks
+    seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles so far
+    expected: float = 1.0  # expected residual of the next cycle
+    contracts: float = CONTRACTS  # expected ratio of residuals over a step
+    cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
 
     def step(self, x: Array, asked: Asked) -> Array:
-        """Return the next change of the unknowns [K, kPa] from x, where the cycle asks for others.
+        """Return the next change of the unknowns [K, kPa] from x by Broyden's method.
 
-        What would turn the search away from where its circuit leads is not learnt.
+        An update that would reverse the response of the circuit (see `LEAST`) is not learnt.
         """
         off = asked.off
         if self.jacobian is None:
@@ -98,7 +97,7 @@ class Search:
         return found * min(1.0, LARGEST / largest) if largest > 0.0 else found
 
     def learn(self, of: Evaluation, x: Array) -> None:
-        """Note by how much the figures change with the unknowns: from the last cycle that was not as near."""
+        """Record a cycle, and the sensitivities of the figures by the last cycle at least `APART` from it."""
         for other, figures in reversed(self.seen):
             apart = float(np.max(np.abs(x - other)))
             if apart > APART:
@@ -108,7 +107,7 @@ class Search:
         self.seen.append((x, of.figures))
 
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
-        """Return a problem's closed cycle, begun from a course; None where it does not close."""
+        """Return a problem's closed cycle, started from a course; None where it does not close."""
         machinery = leased(problem)
         watch, asked = Watch(machinery), asked_for(problem, self.course.tightness)
         wanted = _rough(asked, self.expected)
@@ -125,7 +124,10 @@ class Search:
         return of
 
     def posed(self, problem: Problem, x: Array) -> Problem | None:
-        """Return a problem at other unknowns; None, with the reason noted, where oil or effects cannot be there."""
+        """Return the problem at other unknowns x.
+
+        None, with the reason in `why`, where oil or effects are impossible there.
+        """
         scene = problem.scene
         if any(open_temperatures(scene)):
             self.series.temperatures = Temperatures(*x[:2].tolist())
@@ -150,7 +152,7 @@ class Search:
         return at_its_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
 
     def next(self, of: Evaluation, asked: Asked) -> Evaluation | None:
-        """Return the cycle at the next unknowns; None, with the reason noted, where none is found."""
+        """Return the cycle at the next unknowns; None, with the reason in `why`, where none is found."""
         x = unknowns_of(of.problem)
         self.learn(of, x)
         step = self.step(x, asked)
@@ -165,7 +167,10 @@ class Search:
 
 
 def _rough(wanted: Wanted, open_: float) -> Wanted:
-    """Return what is wanted of a cycle that leaves so much open anyway; the same where that is all it may."""
+    """Return the criteria for a cycle whose surroundings will leave the residual `open_`.
+
+    Unchanged where that is too small.
+    """
     tolerance, bound = ROUGH * open_, CONTRACTS * open_
     if wanted.check or tolerance <= wanted.tolerance:
         return wanted
@@ -174,7 +179,10 @@ def _rough(wanted: Wanted, open_: float) -> Wanted:
 
 
 def unknowns_of(problem: Problem) -> Array:
-    """Return what a problem is posed with: temperatures [K] of supply and separator, and lost pressures [kPa]."""
+    """Return the unknowns that a problem stands at.
+
+    Temperatures [K] of supply and separator, lost pressures [kPa], other open numbers.
+    """
     T = _oil_temperature(problem)
     every = (one.parameters for one in problem.scene.effects.values())
     asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
@@ -184,7 +192,7 @@ def unknowns_of(problem: Problem) -> Array:
 
 
 def asked_of(of: Evaluation) -> Asked | None:
-    """Return what a cycle asks for; None where gas and oil do not part, which leaves nothing to ask."""
+    """Return the surroundings that a cycle implies; None where gas and oil do not separate."""
     circuit, package, both = of.circuit, of.package, all(open_temperatures(of.problem.scene))
     if isinstance(circuit, str):
         return None
@@ -202,28 +210,33 @@ def asked_of(of: Evaluation) -> Asked | None:
 
 
 def _of_sought(of: Evaluation) -> list[sought.Asked] | None:
+    """Return what a cycle implies for the scene's other open numbers; None where that is undefined."""
     scene = of.problem.scene
     return sought.asked(scene, of.figures, _oil_temperature(of.problem), open_temperatures(scene)[0])
 
 
 def _oil_temperature(problem: Problem) -> float:
+    """Return the oil's supply temperature [K], 0 without oil."""
     return 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
 
 
 def sought_open(of: Evaluation) -> float:
-    """Return what a scene's open numbers leave open, relative; nothing where it has none."""
+    """Return the relative residual of a scene's other open numbers; 0 where it has none."""
     asked = _of_sought(of) if sought.is_sought(of.problem.scene) else None
     return max((each.open for each in asked or ()), default=0.0)
 
 
 def follows(problem: Problem) -> bool:
-    """Tell whether something around the machine follows from its cycle."""
+    """Return whether anything around the machine follows from its cycle."""
     scene = problem.scene
     return any(open_temperatures(scene)) or package_of(scene) is not None or sought.is_sought(scene)
 
 
 def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
-    """Return the problem at the mean speed, and at what else follows from its cycle, and how that was found."""
+    """Return the problem at its mean speed and surroundings, with the search that found these.
+
+    None without a search.
+    """
     if not follows(problem):
         return at_its_speed(problem, series), None
     search = Search(series, problem.scene.operation.speed)
@@ -258,9 +271,9 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
 
 
 def solved(problem: Problem, machinery: Machinery, course: Course | None, search: Search | None) -> Accurate:
-    """Return the cycle solved as accurately as it asks, what lies around no more open than that.
+    """Return the cycle solved as accurately as asked, with surroundings that agree as well.
 
-    What the search took counts as closing. The errors that the unknowns have add to those of the figures.
+    The cost of the search counts as closing. Errors of the unknowns are added to those of the figures.
     """
     if search is None:
         return solve(problem, machinery, course)
@@ -273,7 +286,7 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
         if at_rest or asked is None:
             break
         x = unknowns_of(accurate.evaluation.problem)
-        tightness = min(tightness, accurate.tightness * min(1.0, AIM / size))  # looser balances would lead astray
+        tightness = min(tightness, accurate.tightness * min(1.0, AIM / size))  # looser balances would mislead
         note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
         search.learn(accurate.evaluation, x)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
@@ -293,7 +306,7 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
 
 
 def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[bool, float]:
-    """Tell whether a cycle needs no other unknowns; return the largest error over the wanted accuracy."""
+    """Return whether a cycle's unknowns are final, and the largest error over the wanted accuracy."""
     accuracy = accurate.evaluation.problem.scene.numerics.accuracy
     size = worst(errors)[1] / accuracy
     if asked is None or not accurate.cycle.closed:
@@ -303,10 +316,10 @@ def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[boo
 
 
 def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
-    """Return the errors of the figures with those that the unknowns have: of what is open, and of the cycle's.
+    """Return the errors of the figures including those due to errors of the unknowns.
 
-    A search of one step has learnt nothing of its last cycle yet; where little oil flows, temperatures that leave next
-    to nothing of the shaft's power open may be far off.
+    After a search of a single step the sensitivities are still to be learnt; with little oil flow, temperatures
+    that leave next to no residual of the shaft power may be far off.
     """
     errors, asked = Figures(accurate.errors), asked_of(accurate.evaluation)
     if asked is None or search.why or not errors:
@@ -319,14 +332,14 @@ def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
         if size is not None:
             errors[name] = size + off * search.series.per_step.get(name, 0.0)
     circuit = accurate.evaluation.circuit
-    if isinstance(circuit, Circuit) and errors.get(DUTY):  # one that is not stated
+    if isinstance(circuit, Circuit) and errors.get(DUTY):  # not stated in the scene
         watts = UNCLOSED * circuit.unclosed * circuit.outflow.oil_capacity
         errors[DUTY] = (errors[DUTY] or 0.0) + error_of(DUTY, watts, accurate.evaluation.figures)
     return errors
 
 
 def _of_circuit(accurate: Accurate, errors: Figures) -> float:
-    """Return by how much [K] the circuit's temperatures may be off."""
+    """Return the estimated error [K] of the circuit's temperatures."""
     circuit, of_separator = accurate.evaluation.circuit, errors.get("separator_temperature")
     if not isinstance(circuit, Circuit) or of_separator is None:
         return 0.0
@@ -335,7 +348,7 @@ def _of_circuit(accurate: Accurate, errors: Figures) -> float:
 
 
 def _of_package(accurate: Accurate, asked: Asked, errors: Figures) -> float:
-    """Return by how much [kPa] the lost pressures may be off: they go with the square of the flow."""
+    """Return the estimated error [kPa] of the lost pressures, which go with the square of the flow."""
     losses, of_flow = accurate.evaluation.problem.scene.losses, errors.get("gas_mass_flow") or 0.0
     if losses is None:
         return 0.0
@@ -344,4 +357,5 @@ def _of_package(accurate: Accurate, asked: Asked, errors: Figures) -> float:
 
 
 def _sum(counts: Array | None, more: Array) -> Array:
+    """Return the sum of counts, of which the first may be None."""
     return more if counts is None else counts + more

@@ -1,7 +1,7 @@
-"""A speed that changes over the pitch: chambers and drive closed by turns until they agree (docs/reference/drive.md).
+"""A speed that varies over the pitch: close chambers and drive alternately until they agree (docs/reference/drive.md).
 
-The chambers are closed under the speed's course of the drive, the drive moves under the torque of the chambers
-(docs/model.md M214, M217). A ripple changes the torque by much less than itself, so that two or three turns do.
+The chambers are closed at the drive's speed over the angle; the drive moves under the torque of the chambers
+(docs/model.md M214, M217). A ripple changes the torque by much less than itself, so two or three rounds suffice.
 """
 
 from dataclasses import replace
@@ -19,14 +19,15 @@ from screwsim.model import leases, speed
 from screwsim.model.run import Machinery
 from screwsim.outputs.variables import NOT_CLOSED
 
-MOST_TURNS = 20  # of chambers and drive by turns
-MOST_SPEEDS = 20  # tried for a mean speed that follows from the motor's line
+MOST_TURNS = 20  # rounds of chambers and drive
+MOST_SPEEDS = 20  # iterations of a mean speed that follows from the motor's characteristic
 
 
 def settled(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
-    """Return the cycle, on which the machinery stands, closed together with its drive; as it is where it has none.
+    """Return the cycle, which the machinery holds, closed together with its drive; unchanged where there is no drive.
 
-    `not_closed` where the turns do not settle, or the drive has no steady motion: the cycle is that of the last speed.
+    The status is `not_closed` where the rounds do not converge, or the drive has no steady motion; the cycle is
+    then that of the last speed.
     """
     part, change = problem.parts.shaft, 0.0
     if part is None or not cycle.closed:
@@ -49,9 +50,10 @@ def settled(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: Cycle
 def set_course(
     problem: Problem, machinery: Machinery, motion: Response, tolerance: float
 ) -> tuple[float, np.ndarray | None]:
-    """Let the chambers feel the speed of a motion; return the largest change of the speed over its mean, its curve.
+    """Set the chambers' speed over the angle to that of a motion; return the change over the mean speed, and the curve.
 
-    A change below the tolerance leaves what the chambers feel as it is. No curve where the motion all but stands still.
+    The change is the largest over the angle; below the tolerance the speed is left as it is. The curve is None
+    where the motion nearly stops.
     """
     composition, pitch = machinery.composition, problem.parts.geometry.pitch
     at = composition.speed_curve
@@ -70,9 +72,9 @@ def set_course(
 
 
 def at_its_speed(problem: Problem, series: Series) -> Problem:
-    """Return the problem at the mean speed that its motor's line gives.
+    """Return the problem at the mean speed that follows from its motor's characteristic.
 
-    The same one where the speed is held, or where the drive has no steady motion at the speed tried last.
+    It is unchanged where the speed is held, and that of the last speed tried where the drive has no steady motion.
     """
     stated, part = problem.parts.set_speed or problem.scene.operation.speed, problem.parts.shaft
     if part is None or part.train(stated).holds_mean:
@@ -97,7 +99,7 @@ def at_its_speed(problem: Problem, series: Series) -> Problem:
 
 
 def judged(of: Evaluation) -> tuple[str, tuple[str, ...], float | None]:
-    """Return what forbids the motion of a closed cycle's drive, or an empty text; warnings; its powers' residual."""
+    """Return why a closed cycle's drive cannot move so (empty: it can), warnings, and the residual of its powers."""
     part = of.problem.parts.shaft
     if part is None:
         return "", (), None

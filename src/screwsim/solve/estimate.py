@@ -1,9 +1,9 @@
-"""How accurate the figures of a closed cycle are.
+"""Estimate the errors of the figures of a closed cycle (docs/model.md M41).
 
-Finer solutions beside it (`solve.finer`) show its errors by what they change in the figures: one more life from the
-closed cycle with a finer tolerance and a narrower regularisation, or two, the first led by Newton's correction to where
-all that follow would go; or the cycle closed again, finer (docs/model.md M41). Another estimate is a function as
-`solve.finer.Estimate` says, an entry in `ESTIMATES`, and one in `numerics.estimates`.
+The errors follow from the changes of the figures in finer solutions (`solve.finer`): one more life after the closed
+cycle, with a finer tolerance and a narrower regularisation; two lives, the first moved by Newton's correction to the
+limit of all that follow; or the cycle closed again, finer. A further estimate is a function as `solve.finer.Estimate`
+says, an entry in `ESTIMATES`, and one in `numerics.estimates`.
 """
 
 import math
@@ -21,21 +21,22 @@ from screwsim.solve.finer import NARROWER, NOTHING, Asked, Estimate, Finer
 from screwsim.solve.finer_lives import chambers_together, changes, closed_again, finer_lives, repeated
 from screwsim.solve.left_open import left_open
 
-WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # the error over what that turn shows of it, where it is the regularisation's root
-LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
-HIDDEN = 1.5  # that it is as many times what two of them show
-EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all there is
-SLOWEST = 0.9  # the largest share of a life's change that the next one makes, that is believed
-BY_CHANCE = 0.3  # of what the gas trapped errs by: what is delivered, a small part of it, errs by no less
+WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # error over the change, where the error is the regularisation's, going as ε^½
+LEAKY = 0.5  # volumetric efficiency below which an error of waveform relaxation persists for many turns
+HIDDEN = 1.5  # factor by which it then exceeds what two turns show
+EMPTY = 2.0  # the same for a machine that delivers nothing: its chambers hold only leaks
+SLOWEST = 0.9  # largest ratio of successive lives' changes that is extrapolated
+BY_CHANCE = 0.3  # share of the trapped gas's error that what little is delivered errs by at least
 ESTIMATES: dict[str, Estimate] = {TOGETHER: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
 
 
 def estimated_errors(
     of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution
 ) -> tuple[Figures, Led | CycleSolution | None]:
-    """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands.
+    """Return the estimated relative error of every figure of a closed cycle, which the machinery holds.
 
-    And where it stands now, if that is where finer lives lead, or the finer cycle that a search closed.
+    The second value is where finer lives have led, if the machinery now stands there, or the finer cycle that a
+    search closed; otherwise None.
     """
     found = of.figures
     station()
@@ -47,10 +48,10 @@ def estimated_errors(
     station()
     errors = _shown(of, finer)
     c = of.problem.composition
-    told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # what comes back from other chambers
-    among_leaks = not told and asked.filling < LEAKY  # chambers live on what leaks
+    told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
+    among_leaks = not told and asked.filling < LEAKY  # leaks dominate: errors pass from turn to turn
     whole = WHOLE * ((HIDDEN if asked.filling > 0.0 else EMPTY) if among_leaks else 1.0)
-    left = cycle.left if len(finer.figures) == 1 else 0.0  # more than one life shows it
+    left = cycle.left if len(finer.figures) == 1 else 0.0  # a second life shows it
     for name, size in errors.items():
         errors[name] = whole * size + left if size is not None else None
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
@@ -65,10 +66,11 @@ def estimated_errors(
 
 
 def of_curves(found: Figures, errors: Figures) -> None:
-    """Let what lies between two angles of a curve err by no less than its amplitudes' errors make of it.
+    """Raise errors of readings between two angles of a curve to what the errors of its amplitudes imply.
 
-    Two curves may agree at two angles by chance. An amplitude's error is one of two parts of a harmonic's, the other is
-    that of its phase: at two angles, of any phases, they differ by the root of twice the sum of the squares.
+    Two curves may agree at two angles by chance. An amplitude's error is one of two components of a harmonic's
+    error, the other being in phase: at two angles, with arbitrary phases, the curves differ by the root of twice
+    the sum of squares.
     """
     for name, about in found.about.items():
         if about.curve and errors.get(name) is not None:
@@ -77,9 +79,9 @@ def of_curves(found: Figures, errors: Figures) -> None:
 
 
 def _finer(asked: Asked) -> Finer:
-    """Return finer solutions beside a closed cycle by the first estimate that finds enough, else what the last found.
+    """Return the finer solutions of the first estimate that suffices, else of the last that found any.
 
-    Where none does the cycle is not one to go on from.
+    In the latter case they are not a place to continue from.
     """
     found = NOTHING
     for name in ERRORS[asked.problem.scene.numerics.error].by:
@@ -91,11 +93,11 @@ def _finer(asked: Asked) -> Finer:
 
 
 def _shown(of: Evaluation, finer: Finer) -> Figures:
-    """Return what finer solutions show of the error of each figure: the most they change, and what later ones would.
+    """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
 
-    Two lives may agree with the closed one by chance where each goes another way. The last life's change is followed by
-    others, each as much smaller as that one was than the life's before it. A corrected life is where all would lead,
-    but for what its correction left; what lies before it is on the way there.
+    Two lives may agree with the closed one by chance, each in another figure, so the largest change counts. Later
+    lives continue the last one's change as a geometric series with the ratio of the last two changes. A corrected
+    life is at the limit of all lives, up to what its correction left; earlier lives are only on the way there.
     """
     found, least, lives, left = of.figures, of.least, finer.figures, finer.left
     errors = relative_errors(found, lives[-1], *least)

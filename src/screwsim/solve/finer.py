@@ -1,8 +1,8 @@
-"""What an estimate of the errors brings: the contract between one that finds finer solutions and what reads them.
+"""The contract of an error estimate: how finer solutions are asked for and returned.
 
-An estimate is asked of a closed cycle, on which the machinery stands, and returns the figures of one or more solutions
-with finer steps and a narrower regularisation; `solve.estimate` makes errors of what these change. Which are asked, one
-after the other, a scene's `numerics.error` says (`numerics.estimates`).
+An estimate receives a closed cycle, which the machinery holds, and returns the figures of one or more solutions with
+finer steps and a narrower regularisation; `solve.estimate` turns their changes into errors. `numerics.error` of a scene
+says which estimates are tried in turn (`numerics.estimates`).
 """
 
 from collections.abc import Sequence
@@ -15,13 +15,13 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
 
-FINER = 0.25  # tolerance of a step in the turn that estimates the error
-NARROWER = 0.25  # regularisation in that turn
-BARELY = 0.03  # volumetric efficiency below which what leaks hide of an error is told by chambers closed together alone
+FINER = 0.25  # factor on the tolerance of a step in a life that estimates errors
+NARROWER = 0.25  # factor on the regularisation in such a life
+BARELY = 0.03  # volumetric efficiency below which only simultaneous closing shows errors that leaks hide
 
 
 class Asked(NamedTuple):
-    """A closed cycle whose errors are asked for, its evaluation, the machinery that stands on it, what is `wanted`."""
+    """A closed cycle whose errors are to be estimated: evaluation, machinery that holds it, criteria, the cycle."""
 
     of: Evaluation
     machinery: Machinery
@@ -30,7 +30,7 @@ class Asked(NamedTuple):
 
     @property
     def problem(self) -> Problem:
-        """What the cycle solves."""
+        """The problem that the cycle solves."""
         return self.of.problem
 
     @property
@@ -41,19 +41,20 @@ class Asked(NamedTuple):
 
     @property
     def hidden(self) -> bool:
-        """Would lives among the closed cycle's repeat its error, as turns that had to be corrected close it?
+        """Whether further lives among the closed cycle's would only repeat its error.
 
-        Where nothing is delivered all that a chamber holds comes from the others, whose errors a correction leaves.
+        That is so where next to nothing is delivered and turns had to be corrected: a chamber then holds what
+        it got from the others, whose errors a correction leaves.
         """
         return not way_of(self.cycle).whole and self.cycle.tangents is not None and self.filling < BARELY
 
 
 class Finer(NamedTuple):
-    """Figures of finer solutions, one made from the other; `enough`: they tell what all later ones would make.
+    """The figures of consecutive finer solutions; `enough`: they determine the limit of all later ones.
 
-    `left`: of the first one's change, what Newton's correction left to the second. The last may be no life but what a
-    correction makes of the one before: `flow` is what it changes of the net flow, `led` where the machinery stands
-    then. `cycle` is the finer one that a search closed, on which it stands.
+    `left` is the share of the first one's change that Newton's correction left to the second. The last entry may be
+    read from a correction instead of a life: `flow` is then its change of the net flow, `led` where the machinery
+    stands. `cycle` is the finer cycle that a search closed, which the machinery then holds.
     """
 
     figures: Sequence[Figures]
@@ -68,11 +69,11 @@ NOTHING = Finer((), enough=False)
 
 
 class Estimate(Protocol):
-    """One way to find finer solutions."""
+    """A method of finding finer solutions."""
 
     def __call__(self, asked: Asked) -> Finer:
-        """Return finer solutions beside a closed cycle; NOTHING where it is not for this cycle, or found none.
+        """Return finer solutions near a closed cycle; NOTHING where the method does not apply or found none.
 
-        The estimate that is asked next begins where the machinery stands then.
+        The next estimate starts from where the machinery then stands.
         """
         ...

@@ -1,4 +1,4 @@
-"""Errors estimated by finer solutions: lives that follow a closed cycle, or a cycle that is closed once more.
+"""Finer solutions for error estimates: lives that follow a closed cycle, or the cycle closed once more.
 
 Source: docs/model.md M41; docs/explanation/numerics.md.
 """
@@ -28,20 +28,21 @@ from screwsim.model.slices import INSIDE
 from screwsim.outputs import Figures
 from screwsim.solve.finer import FINER, NOTHING, Asked, Finer
 
-MUCH = 1e-4  # wanted accuracy from which on two turns estimate
-TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
-QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
-SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
-FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
-DELIVERS = 0.2  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
-LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
+MUCH = 1e-4  # wanted accuracy up to which two lives estimate
+TIGHT = 0.75  # volumetric efficiency below which leaks dominate, and two lives estimate
+QUICK = 0.7  # ratio of successive lives' changes below which two lives determine the limit
+SMALL = 0.05  # of the wanted accuracy: change of the last life below which no more are needed
+FAITHFUL = 0.15  # relative error of the corrections in closing, below which one replaces the second life
+DELIVERS = 0.2  # volumetric efficiency above which it may do so: with less delivered, leaks hide larger errors
+LINEAR = 0.1  # share of such a correction that is assumed to be wrong, at least
 
 
 def finer_lives(asked: Asked) -> Finer:
-    """Return one life more, or two, finer than those that closed a cycle by waveforms; NOTHING where one stopped.
+    """Return one or two further lives, finer than the closed cycle's; NOTHING where one stops.
 
-    One shows the error, two where errors come back: there the first is corrected by the tangents that closed the cycle;
-    where there are none and the two repeat themselves, the second by new ones, for a third.
+    It applies to cycles closed by waveform relaxation. One life suffices unless errors feed back. Then there are
+    two: the first is moved to its limit by the tangents that closed the cycle, or, without any and if the two
+    lives' changes hardly shrink, the second by new tangents, for a third.
     """
     cycle = asked.cycle
     if cycle.needed or way_of(cycle).whole:
@@ -64,29 +65,29 @@ def finer_lives(asked: Asked) -> Finer:
 
 
 def changes(of: Evaluation, finer: Sequence[Figures]) -> list[Figures]:
-    """Return what each of finer solutions changes of the figures of the one before, the first those of the cycle."""
+    """Return the relative changes of the figures from each solution to the next, starting from the closed cycle."""
     return [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer])]
 
 
 def repeated(steps: Sequence[Figures]) -> float:
-    """Return the share of a solution's change that the last one made once more."""
+    """Return the ratio of the last change to the one before."""
     before, last = (worst(step)[1] for step in steps[-2:])
     return last / before if before > 0.0 else 0.0
 
 
 def _fed_back(asked: Asked) -> bool:
-    """Tell whether one finer life is not enough for an estimate: errors come back through what it still meets.
+    """Return whether one finer life is not enough because errors feed back through what it still takes from the cycle.
 
-    That is the coarser life of its neighbours; what the cycle makes beside the discharge line; the state at its own
-    beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell,
-    or that goes from chamber to chamber as films.
+    These are the coarser lives of its neighbours, unknowns beyond the discharge line, and its own initial state
+    where much of that persists: with a single chamber, reeds, an oil amount that only flows determine, or films
+    between chambers.
     """
     problem = asked.problem
     return problem.scene.numerics.accuracy <= MUCH or asked.filling < TIGHT or _keeps(problem)
 
 
 def _keeps(problem: Problem) -> bool:
-    """Tell whether a life begins with what the one before left in more than the states of gas and its oil."""
+    """Return whether a life inherits more from the one before than the states of gas and its oil."""
     parts, c = problem.parts, problem.composition
     if parts.made or parts.suction_line or any(parts.films):
         return True
@@ -96,7 +97,7 @@ def _keeps(problem: Problem) -> bool:
 
 
 def _foretold(asked: Asked) -> bool:
-    """Tell whether what a correction makes of a life is as good as another life, as those that closed were."""
+    """Return whether a correction may stand in for another life, being as reliable as those that closed the cycle."""
     problem = asked.problem
     if problem.scene.numerics.accuracy <= MUCH or asked.filling <= DELIVERS:
         return False
@@ -117,7 +118,7 @@ def _next_life(asked: Asked) -> Finer:
 
 
 class _Lives:
-    """Lives that follow a closed cycle, one among the other, with finer steps and what else is wanted."""
+    """Consecutive lives after a closed cycle, with finer steps and the criteria that are asked for."""
 
     def __init__(self, asked: Asked) -> None:
         self.of, machinery, wanted, cycle = asked
@@ -127,10 +128,10 @@ class _Lives:
         self.met = self.made = unknowns(asked.problem, machinery)
         self.figures: list[Figures] = []
         self.correction: Correction | None = None  # of the last life
-        self.changes: list[float] = []  # of the states and unknowns that each life met
+        self.changes: list[float] = []  # of states and unknowns over each life
 
     def next(self) -> bool:
-        """Integrate one more; tell whether it came to its end."""
+        """Integrate one more life; return whether it completed."""
         problem, machinery = self.of.problem, self.machinery
         if self.figures:
             self.met = self.made
@@ -149,7 +150,7 @@ class _Lives:
         return True
 
     def correct(self) -> bool:
-        """Lead the last life to where all that follow would go; tell whether a correction was to be had."""
+        """Move the last life to the limit of all that follow; return whether there was a correction."""
         pulsating = self.of.problem.composition.pulsating  # new tangents cost as much as some lives there
         if not self.corrections.able or (pulsating and not self.corrections.begun):
             return False
@@ -161,9 +162,10 @@ class _Lives:
         return True
 
     def foretold(self, by: Correction, wrong: float) -> Finer:
-        """Return the lives and what the last correction makes of them, read from the history that it moved.
+        """Return the lives together with the response to the last correction, read from the history that it moved.
 
-        But for the net flow: what a port gives and what crosses an angle change by far more than their sum.
+        The net flow is left as in the last life: port flow and flow across the angle each change by far more
+        than their sum.
         """
         problem, machinery, c = self.of.problem, self.machinery, self.of.problem.composition
         sums = by.sums.copy()
@@ -182,24 +184,24 @@ class _Lives:
         return self.read(Finer([*self.figures, life.figures], left=wrong, flow=max(abs(by.mass), passed), led=led))
 
     def repeated(self) -> float:
-        """Return the share of its change that the last life made once more."""
+        """Return the ratio of the last life's change to that of the one before."""
         return repeated(changes(self.of, self.figures))
 
     def read(self, finer: Finer) -> Finer:
-        """Return what the lives are with whether they show what all later ones would make."""
+        """Return finer solutions marked with whether they determine the limit of all later ones."""
         steps = changes(self.of, finer.figures)
         small = worst(steps[-1])[1] < SMALL * self.of.problem.scene.numerics.accuracy
         again = repeated(steps) if finer.left is None else finer.left
         return finer._replace(enough=small or again < QUICK)
 
     def left(self) -> float:
-        """Return the share that a correction left of the change before it; none where that is hardly any."""
+        """Return the share of the first life's change that its correction left; 0 where hardly anything is left."""
         before, last = self.changes[-2:]
         return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / max(before, 1e-300)
 
 
 def chambers_together(asked: Asked) -> Finer:
-    """Return all chambers closed together from a closed cycle, where lives among its own would repeat its error."""
+    """Return the cycle closed simultaneously from the closed one, where further lives would only repeat its error."""
     if not asked.hidden:
         return NOTHING
     problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
@@ -212,10 +214,10 @@ def chambers_together(asked: Asked) -> Finer:
 
 
 def closed_again(asked: Asked) -> Finer:
-    """Return the cycle that closes with finer steps from the closed one.
+    """Return the cycle closed again, with finer steps, from the closed one.
 
-    A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
-    off by is far less than what the cycle is off by. It goes the way that closed it and may cost as much as a fallback.
+    A cycle that needed a fallback attracts its neighbourhood slowly or not at all, so a single life shows much less
+    than its error. It is closed by the way that closed it before, at the cost of a fallback at most.
     """
     problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
     wanted = replace(asked.wanted, rtol=FINER * cycle.rtol, tolerance=FINER * asked.wanted.tolerance)

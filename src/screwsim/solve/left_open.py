@@ -1,4 +1,4 @@
-"""What a closed life leaves open, as errors of the figures that err by it: gas, oil, what oil holds, flows met twice.
+"""Errors of the figures due to open balances of a closed life: gas, oil, dissolved gas, and flows integrated twice.
 
 Source: docs/model.md M41; docs/explanation/numerics.md.
 """
@@ -14,14 +14,15 @@ from screwsim.figures.errors import flow_errors
 from screwsim.model.slots import OF_GAS
 from screwsim.outputs import Figures, names_of
 
-FLASHES = 0.25  # of dissolved gas that is left open, what flashes errs by: at most 0.2 of it where that was measured
+FLASHES = 0.25  # share of a residual of dissolved gas by which flashed gas errs; measured: at most 0.2
 
 
 def left_open(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
-    """Yield the errors of figures by what a life leaves open of gas, carried oil and what that holds dissolved.
+    """Yield the errors of figures due to residuals of gas, carried oil and dissolved gas over a life.
 
-    What gaps between chambers that are open to the suction line err by, the line makes good. Neither the net flow nor
-    the injected oil knows of it, where it is taken beyond; oil is injected before a slide's slot has closed.
+    Errors in gaps between chambers that are open to the suction line are compensated by the line; the net flow,
+    where it is taken later, and the injected oil do not see them. But oil is injected before a slide's slot has
+    closed.
     """
     problem, found, q = of.problem, of.figures, cycle.q
     flow, oil = found["gas_mass_flow"], found.get("oil_mass_flow")
@@ -38,7 +39,7 @@ def left_open(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
 
 
 def _at_ports(of: Evaluation, cycle: CycleSolution) -> Iterator[Figures]:
-    """Yield what flows through gaps err by that a plenum's port makes good, as a line does."""
+    """Yield the errors of gap flows that a plenum's port compensates, as a line does."""
     problem, found = of.problem, of.figures
     parts, rate, streams = problem.parts, problem.rate, balances.streams_of(problem.composition, cycle.q)
     for name, path in parts.all(FlowPath):

@@ -1,9 +1,9 @@
-"""Whether a machine stays on the cycle that was found for it.
+"""Check whether a machine stays on the cycle that was found for it.
 
-A periodic state is a fixed point of the turn, or of the pitch; what finds it need not care whether the machine's own
-turns lead to it. Those of heavy reeds on soft springs may not: then several cycles exist, and none of them lasts. Nor
-do those of chambers whose gas can hardly get out: they heat, empty and fill in a swing. Nor do cycles of machines that
-suck again most of what they have sucked, where a warmer line makes less flow and less flow a warmer line.
+A periodic state is a fixed point of the turn or pitch, and may be found although the machine's own course leads away
+from it. Heavy reeds on soft springs may have several cycles, none stable. Chambers whose gas can hardly get out heat,
+empty and fill in a slow oscillation. Machines that suck again most of what they sucked may be unstable because a warmer
+line reduces the flow and less flow warms the line.
 
 Source: docs/reference/slider-crank.md S35; docs/explanation/numerics.md, cycles that are not there to be found.
 """
@@ -16,20 +16,21 @@ from screwsim.evaluate.evaluation import evaluate
 from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK
 
-TURNS = 20
-STRAYED = 0.01  # change of the work of a turn, over that of the cycle
-EASY = 6.0  # turns in which a cycle closes that the machine's turns lead to anyway
-GROWS = 1.05  # a small change over a pitch; the linearised pitch errs by some 3 %
-LASTS = 0.99  # factor by which a change of the lines comes back, from which on the machine's own course is asked
-PUSHED = 1e-2  # change of the lines, in coordinates, with which that begins
-SETTLE, GO_ON = 2, 3  # lives after which the states have settled to a change, and over which it grows or not ...
-AWAY = 1.01  # ... by more than this
+TURNS = 20  # turns over which work is compared
+STRAYED = 0.01  # relative change of a turn's work above which the machine has left the cycle
+EASY = 6.0  # turns of a closing up to which the cycle is assumed to be stable
+GROWS = 1.05  # growth over a pitch above which the cycle is unstable; the linearised pitch errs by some 3 %
+LASTS = 0.99  # factor by which a change of the lines returns, above which the machine's own course is followed
+PUSHED = 1e-2  # change of the lines, in coordinates, with which that starts
+SETTLE, GO_ON = 2, 3  # lives in which the states settle to a change, and lives over which it then grows or not ...
+AWAY = 1.01  # ... and taken for instability above this
 
 
 def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> float:
-    """Return by how much the work of a turn strays from the closed cycle's over the next turns, as a share of it.
+    """Return the largest relative change of a turn's work over the turns after the closed cycle.
 
-    0 where it is not asked: of machines without seats and stops, and where the cycle closed within `EASY` turns.
+    0 where it is not computed: for machines without seats and stops, and where the cycle closed within `EASY`
+    turns.
     """
     if not problem.composition.stops or (not way_of(cycle).whole and cycle.turns <= EASY):
         return 0.0
@@ -45,10 +46,10 @@ def strayed(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: 
 
 
 def led_away(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> float:
-    """Return by which factor a small change of what the lines hold grows over `GO_ON` lives of the machine's course.
+    """Return the growth of a small change of the lines over `GO_ON` lives of the machine's own course.
 
-    It is the change that Newton's corrections tell to last longest. 1 where it is not asked: where that soon ends, and
-    of cycles that no correction of all chambers together has closed.
+    The change is the slowest-decaying one by Newton's corrections. 1 where it is not computed: where that decays
+    fast, with a drive, and for cycles that were not closed by corrections of simultaneous closing.
     """
     lasting = cycle.lasting
     if lasting is None or lasting.factor <= LASTS or problem.parts.shaft is not None:
@@ -68,7 +69,7 @@ def led_away(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol:
 
 
 def warnings(problem: Problem, machinery: Machinery, cycle: CycleSolution, rtol: float) -> tuple[str, ...]:
-    """Return a warning where the machine does not stay on its cycle."""
+    """Return a warning where the machine does not stay on its cycle, else nothing."""
     if cycle.closed and cycle.growth > GROWS:
         return (
             f"the machine does not stay on this cycle: a small change grows to {cycle.growth:.3g} times itself over a "

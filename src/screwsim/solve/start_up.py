@@ -1,7 +1,7 @@
-"""Start-up: all chambers and the drive from a creeping speed to the steady one against the discharge pressure (M218).
+"""Start-up: chambers and drive from a creeping speed to the steady one, against the discharge pressure (M218).
 
 The chambers are not periodic: each carries its own state from pitch to pitch. Within a pitch the chambers are
-integrated under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
+integrated at the speed over time, and the drive under the torque of the chambers, alternately until both agree.
 """
 
 import math
@@ -30,19 +30,19 @@ from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
 
 Array = np.ndarray
-CREEP = 30.0 * math.pi / 30.0  # rad/s, of the start
-LONGEST = 10.0  # s, of a start-up
-MOST_PITCHES = 4000
-MOST_TURNS = 8  # of chambers and drive within a pitch
-ARRIVED = 2e-3  # distance of a pitch's mean speed from the steady one
-STAYS = 12  # pitches that it stays there
-INSET = 5e-7  # rad, left out at the ends of a pitch, where the speed's course does not repeat
-STEP = 1e-3  # rad, the first
+CREEP = 30.0 * math.pi / 30.0  # rad/s, initial speed
+LONGEST = 10.0  # s, longest start-up
+MOST_PITCHES = 4000  # of a start-up
+MOST_TURNS = 8  # rounds of chambers and drive within a pitch
+ARRIVED = 2e-3  # relative distance of a pitch's mean speed from the steady one, within which it has arrived ...
+STAYS = 12  # ... for so many pitches
+INSET = 5e-7  # rad, left out at both ends of a pitch, where the speed's course is not periodic
+STEP = 1e-3  # rad, initial step
 UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
 
 
 class Pitch(NamedTuple):
-    """One pitch of a start-up: motion of the drive, torque of gas and of losses [N m], gas work [J], chambers' end."""
+    """One pitch of a start-up: motion of the drive, torques of gas and losses [N m], gas work [J], final states."""
 
     motion: Motion
     gas_torque: Array
@@ -54,7 +54,7 @@ class Pitch(NamedTuple):
 
 @dataclass(frozen=True)
 class StartUp:
-    """How a start went: status (ok, failed, not_closed) with a message, figures [SI], traces over the time."""
+    """The outcome of a start: status (ok, failed, not_closed) with a message, figures [SI], traces over time."""
 
     status: str
     message: str = ""
@@ -69,9 +69,10 @@ class StartUp:
 
 
 def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> StartUp:
-    """Return the start-up of a scene that names `drive`, from a creeping speed [rad/s], in at most `longest` [s].
+    """Return the start-up of a scene with a `drive`, from a creeping speed [rad/s], in at most `longest` [s].
 
-    Raises UsageError where the scene has no drive, or its motor no limit.
+    Raises UsageError where the scene has no drive, its motor has no torque limit, or `creep` is not below the
+    steady speed.
     """
     problem = steadily(scene, creep)
     machinery, part = leased(problem), problem.parts.shaft
@@ -112,10 +113,10 @@ def steadily(scene: Scene, creep: float) -> Problem:
 
 
 class Run:
-    """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
+    """A start in progress: state of chambers and drive, and the pitches so far."""
 
     def __init__(self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float) -> None:
-        """Begin at rest; `of` is the steady cycle, on which the machinery stands."""
+        """Start at rest; `of` is the steady cycle, which the machinery holds."""
         self.problem, self.machinery = of.problem, machinery
         self.steady, self.creep, self.longest = steady, creep, longest
         self.train: Train = steady.train
@@ -129,9 +130,9 @@ class Run:
         self.begins = self.train.stored(creep, creep, twist)
 
     def _at_rest(self) -> Array:
-        """Return the states of all chambers full of gas of the suction line, with a trace of oil.
+        """Return the states of all chambers, full of gas of the suction line with a trace of oil.
 
-        Oil that is pressed into a chamber meets some there: the rate of its temperature goes with 1 / its mass.
+        The trace avoids a singularity: the rate of the oil temperature goes as 1 / oil mass.
         """
         parts, composition, suction = self.problem.parts, self.problem.composition, self.problem.suction
         T_s = suction.temperature(suction.line, self.problem.lines.T_s)
@@ -168,13 +169,16 @@ class Run:
         return Pitch(motion, gas, loss, work, end, change <= tolerance)
 
     def go_on(self, step: Pitch) -> None:
-        """Begin the next pitch where the last one ended."""
+        """Set the start of the next pitch to the end of the last."""
         m = step.motion
         self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
         self.chambers = step.states
 
     def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
-        """Return gas torque, torque of the losses, gas work and the end's states, under the course of the speed."""
+        """Return gas torque, loss torque, gas work and final states at a given course of the speed.
+
+        A text where that fails.
+        """
         problem, machinery = self.problem, self.machinery
         composition, pitch = machinery.composition, problem.parts.geometry.pitch
         mean = _mean(motion, pitch)
@@ -196,7 +200,7 @@ class Run:
     # ---- all of it -------------------------------------------------------------------------------------------
 
     def run(self) -> StartUp:
-        """Go on until the steady speed is reached and kept, or something ends the start."""
+        """Continue until the steady speed is reached and kept, or the start ends otherwise."""
         stays, target = 0, self.steady.mean_speed
         unsettled = 0
         while len(self.pitches) < MOST_PITCHES:
@@ -225,11 +229,13 @@ class Run:
         return self._ended(FAILED, f"the speed is not steady after {MOST_PITCHES} lobe pitches")
 
     def _broken(self, motion: Motion) -> str:
+        """Return how the coupling fails in a pitch; empty where it is sound."""
         i = int(np.argmax(np.abs(motion.twist)))
         state = self.train.coupling.state(float(motion.twist[i]))
         return "" if state == "sound" else f"at {motion.time[i]:.4g} s of the start {state}"
 
     def _stalled(self, step: Pitch) -> str:
+        """Return why the rotors stopped."""
         load = float(np.mean(step.gas_torque)) + step.loss_torque
         at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
         return (
@@ -239,6 +245,7 @@ class Run:
         )
 
     def _ended(self, status: str, message: str) -> StartUp:
+        """Return the outcome of the pitches so far."""
         if not self.pitches:
             return StartUp(status, message)
         traces = _traces(self.pitches, self.train.pitch)
@@ -251,6 +258,7 @@ class Run:
         return StartUp(status, message, warnings, figures, traces)
 
     def _figures(self, traces: dict[str, Array]) -> Figures:
+        """Return the figures of a start [SI], with the residual of its energies."""
         last = self.pitches[-1]
         m = last.motion
         whole = [each for each in self.pitches if not each.motion.stalled]
@@ -281,7 +289,7 @@ class Run:
             peak_over_steady=float(abs(traces["coupling_torque"][highest])) / abs(steady) if steady else None,
             twist_peak=float(np.max(np.abs(traces["twist"]))),
             motor_torque_peak=float(np.max(np.abs(traces["motor_torque"]))),
-            **(energies if whole else dict.fromkeys(energies)),  # none is known of a pitch in which the rotors stop
+            **(energies if whole else dict.fromkeys(energies)),  # unknown for a pitch in which the rotors stop
             residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )
@@ -293,7 +301,7 @@ def _mean(motion: Motion, pitch: float) -> float:
 
 
 def _traces(pitches: list[Pitch], pitch: float) -> dict[str, Array]:
-    """Return the traces of all pitches over the time."""
+    """Return the traces of all pitches over time."""
     kept: dict[str, list[Array]] = {}
     for i, each in enumerate(pitches):
         m = each.motion
@@ -315,4 +323,5 @@ def _traces(pitches: list[Pitch], pitch: float) -> dict[str, Array]:
 
 
 def _rpm(omega: float) -> str:
+    """Return a speed [rad/s] as text in rpm."""
     return f"{omega * 30.0 / math.pi:.5g} rpm"

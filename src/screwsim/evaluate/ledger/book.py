@@ -1,4 +1,4 @@
-"""The book of the ledger: its entries while they are written, and what they ask of a closed cycle."""
+"""The entries of the ledger while they are being added up, and the quantities of a closed cycle that it uses."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -15,11 +15,11 @@ from screwsim.numerics.remembered import once
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
 
-Rows = list[list[float]]  # sums of model.ledger, in rates, a row a flow path
+Rows = list[list[float]]  # sums of model.ledger as rates, one row for each flow path
 
 
 class State(NamedTuple):
-    """A state of the gas, relative to nothing: T [K], ρ [kg/m³], h [J/kg], s [J/(kg K)]."""
+    """A state of the gas: T [K], ρ [kg/m³], h [J/kg], s [J/(kg K)]."""
 
     T: float
     rho: float
@@ -34,8 +34,8 @@ class State(NamedTuple):
 class End(NamedTuple):
     """A line or plenum to which gas and oil leave the chambers.
 
-    Gas that comes there comes to `state`; `entry` holds what the end takes. `kept`: what comes stays there, and mixes
-    to the mean of what comes; else the end stays as it is, and what is brought beyond that is lost.
+    Gas that arrives is brought to `state`; `entry` names the entry for what the end takes. `kept`: the arriving gas
+    stays and mixes to its mean; otherwise the end does not change, and anything brought beyond its state is lost.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Entry:
 
 @dataclass
 class Book:
-    """The entries while they are written, in rates; T_0 [K]."""
+    """The entries as they are added up, as rates; T_0 [K]."""
 
     T_0: float
     entries: dict[str, Entry] = field(default_factory=dict)
@@ -70,7 +70,7 @@ class Book:
         gas: float | None = None,
         energy: float | None = None,
     ) -> None:
-        """Add to an entry: entropy generated [W/K], or exergy destroyed [W], which stands for entropy at T_0."""
+        """Add to an entry: entropy generated [W/K], or exergy destroyed [W], which counts as entropy at T_0."""
         entry = self.entries.get(name)
         if entry is None:
             entry = self.entries[name] = Entry()
@@ -84,7 +84,10 @@ class Book:
 
 
 class Cycle:
-    """What the ledger asks of a closed cycle; `line_given`: is the discharge line another than that of the outflow?"""
+    """The quantities of a closed cycle that the ledger uses.
+
+    `line_given`: the discharge line's state is not that of the outflow.
+    """
 
     def __init__(self, of: Evaluation) -> None:
         self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
@@ -97,7 +100,7 @@ class Cycle:
 
     @property
     def oil(self) -> OilPart:
-        """The oil, where there is one."""
+        """The oil; only for machines that have one."""
         assert self.parts.oil is not None
         return self.parts.oil
 
@@ -107,22 +110,25 @@ class Cycle:
         return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
     def pressure_behind(self, to: str) -> float | None:
-        """Return the mean pressure [Pa] that the chambers meet in a line that pulsates (M184); None in one that not."""
+        """Return the mean pressure [Pa] at the chambers' end of a pulsating line (M184).
+
+        None if it does not pulsate.
+        """
         return pressure_behind(self.problem, self.life, to)
 
     def behind(self, to: str, line: State) -> State:
-        """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
+        """Return the mean state at the chambers' end of a line: throttled where its pressure has an offset (M184)."""
         p = self.pressure_behind(to)
         return line if p is None else self.at(p, line.h)
 
     def at(self, p: float, h: float) -> State:
-        """Return the state at a pressure [Pa] of enthalpy h [J/kg]."""
+        """Return the state at a pressure [Pa] and an enthalpy h [J/kg]."""
         gas = self.parts.gas
         return self.state(gas.temperature(p, h), gas.port_state_of_enthalpy(p, h)[1], h)
 
     @once
     def paths(self) -> list[str]:
-        """Return whose flow paths there are, in the order of their sums."""
+        """Return the names of the effects of all flow paths, in the order of their sums."""
         c = self.composition
         return [*c.plenum_paths, *[name for name, _ in c.gap_paths]]
 
@@ -132,7 +138,7 @@ class Cycle:
         return pressures[end] if end in pressures else self.parts.plenums[end].p
 
     def ends(self, back: State, discharge: State) -> list[End]:
-        """Return the end of each path; what flows back to suction comes to the state `back`."""
+        """Return the end of each path; gas that flows back to suction is brought to the state `back`."""
         found = {
             SUCTION: End(SUCTION, back, SUCTION_LINE, kept=self.parts.suction_line),
             DISCHARGE: End(DISCHARGE, discharge, DISCHARGE_LINE, kept=True),

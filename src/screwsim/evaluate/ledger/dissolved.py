@@ -1,6 +1,6 @@
-"""What gas dissolved in the oil has to do with the shaft power: its exergy rise, its mixing, what a line takes of it.
+"""The gas dissolved in oil, in the ledger: its exergy rise, its mixing, what a line takes of it.
 
-Source: docs/model.md M233, M234. For the ledger, where what the oil holds is a state of the chambers.
+It applies where the dissolved gas is a state of the chambers. Source: docs/model.md M233, M234.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +14,7 @@ from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, DISSOLVED, OF_HELD
 
 
 class Held:
-    """The gas that the oil holds: entropy and exergy (M233, M234) over gas at the state (h, s) of the suction line."""
+    """The gas dissolved in oil: entropy and exergy (M233, M234) over gas at the state (h, s) of the suction line."""
 
     def __init__(self, cycle: Cycle, suction: State) -> None:
         self.cycle, self.suction = cycle, suction
@@ -22,26 +22,26 @@ class Held:
         self.content = cycle.parts.oil_content
 
     def entropies(self, w: float) -> tuple[float, float]:
-        """Return the entropy [J/(kg K)] of gas in oil that holds w, and of all that a kilogram of it holds."""
+        """Return the entropy of the dissolved gas [J/(kg K)] in oil that holds w, and the total per kilogram of oil."""
         c = self.cycle.composition
         s, total = self.cycle.life.module.solution_entropy(w, c.P, c.TAB)
         return float(s), float(total)
 
     def exergy(self, held: float, entropy: float) -> float:
-        """Return the exergy [W] of dissolved gas [kg/s] of an entropy [W/K]."""
+        """Return the exergy [W] of dissolved gas [kg/s] with an entropy [W/K]."""
         h, s, T_0 = self.suction.h, self.suction.s, self.cycle.T_0
         return held * (self.content.enthalpy - h) - T_0 * (entropy - held * s)
 
     def of_oil(self, oil: float, w: float) -> float:
-        """Return the exergy [W] of what oil [kg/s] holds."""
+        """Return the exergy [W] of the gas dissolved in oil [kg/s], w per kilogram of oil."""
         return self.exergy(oil * w, oil * self.entropies(w)[1])
 
     def of_stream(self, stream: Stream) -> float:
-        """Return the exergy [W] of what the oil of a stream holds, all of it the same."""
+        """Return the exergy [W] of the gas dissolved in the oil of a stream, uniform in all its oil."""
         return self.of_oil(stream.oil, stream.held / stream.oil) if stream.oil > 0.0 else 0.0
 
     def mix(self, paths: list[tuple[str, list[float]]], stream: Stream, add: Callable[..., None]) -> None:
-        """Enter the mixing of oil that comes by paths to what all of it, the stream, holds in the mean (M233)."""
+        """Enter the mixing of oil from several paths to the mean content of the whole stream (M233)."""
         w = stream.held / stream.oil if stream.oil > 0.0 else 0.0
         s, total = self.entropies(w)
         for name, row in paths:
@@ -54,9 +54,9 @@ class Held:
         return gas * (state.h - self.suction.h - self.cycle.T_0 * (state.s - self.suction.s))
 
     def at_lines(self, ends: Mapping[End, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
-        """Enter the mixing of what leaves in the discharge line, by path, and what ends that keep nothing take (M234).
+        """Enter the mixing of the oil that leaves to the discharge line, by path, and what other ends take (M234).
 
-        `ends` holds the paths that lead to each, with their sums.
+        `ends` holds the paths that lead to each end, with their sums.
         """
         out, held = self.flow_out()
         self.mix(
@@ -70,12 +70,12 @@ class Held:
                     add(end.entry, exergy=self.exergy(row[kernels.OUT_HELD], row[kernels.OUT_HELD_ENTROPY]))
 
     def flow_out(self) -> tuple[float, float]:
-        """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] that it holds."""
+        """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] dissolved in it."""
         out = self.cycle.streams[DISCHARGE_OUT]
         return -self.cycle.rate * float(out[OF_OIL]), -self.cycle.rate * float(out[OF_HELD])
 
     def rise(self) -> float:
-        """Return the exergy [W] of what leaves to the discharge line over that of what comes with the oil."""
+        """Return the exergy [W] of what leaves to the discharge line, less that of what comes with the oil."""
         cycle = self.cycle
         out, held = self.flow_out()
         back, supplied = (cycle.rate * float(cycle.streams[row, OF_OIL]) for row in (DISCHARGE_IN, PORT_OIL))

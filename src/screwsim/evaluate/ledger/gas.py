@@ -1,8 +1,8 @@
-"""The gas in the ledger: its exergy rise; what flow paths, lines and walls destroy (M50–M57, M163, M187).
+"""The gas in the ledger: its exergy rise, and what flow paths, lines and walls destroy (M50–M57, M163, M187).
 
-Of the suction line, where what flows back stays in it (M273, M274): what flows back mixes to its mean state, by path;
-that, what leaks beside the chambers and fresh gas mix to what is sucked in: the entry `suction_line`. Throttling of the
-leak is the leak's own entry.
+In a suction line that keeps backflow (M273, M274), the backflow first mixes to its mean state, by path; then it mixes
+with leaks that bypass the chambers and with fresh gas: the entry `suction_line`. Throttling of the leak is the leak's
+own entry.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from screwsim.model.trajectory import Array
 
 
 def enter_paths(book: Book, cycle: Cycle, paths: Rows, ends: Sequence[End], suction: State) -> None:
-    """Enter every flow path: what its gas generates where it arrives, in a chamber or at its end (M50–M52)."""
+    """Enter every flow path: the entropy its gas generates where it arrives, in a chamber or at its end (M50–M52)."""
     for name, end, row in zip(cycle.paths, ends, paths, strict=True):
         target = end.state
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
@@ -28,13 +28,13 @@ def enter_paths(book: Book, cycle: Cycle, paths: Rows, ends: Sequence[End], suct
         energy = row[kernels.CARRIES] - moved * suction.h
         book.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
         if not end.kept and row[kernels.OUT_MASS] > 0.0:
-            # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
+            # the line stays at T_s: enthalpy above that leaves as heat at T_s (M54)
             heat = row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h
             book.add(end.entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
 
 
 def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: State) -> float:
-    """Return the exergy rise of the gas [W] (M55), and enter what keeps the discharge line at a given state (M54)."""
+    """Return the exergy rise of the gas [W] (M55); enter what holds the discharge line at a given state (M54)."""
 
     def exergy(state: State) -> float:
         return state.h - suction.h - cycle.T_0 * (state.s - suction.s)
@@ -51,7 +51,7 @@ def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: S
 
 
 class Throttled(NamedTuple):
-    """The states before and after a line's plenum, and that of the line, from which gas comes into the chambers."""
+    """The states before and after the throttling in a line's plenum, and that of the line, the source of inflow."""
 
     before: State
     after: State
@@ -59,7 +59,7 @@ class Throttled(NamedTuple):
 
 
 def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]) -> None:
-    """Enter what lines that pulsate cost (M187): throttling, and what gas that comes in takes of the pulsation."""
+    """Enter what pulsating lines cost (M187): throttling, and the pulsation work that entering gas takes up."""
     for name, part in cycle.parts.all(Pulsation):
         row = 2 * cycle.parts.number(part.to)
         before, after, line = of_lines[part.to]
@@ -71,7 +71,7 @@ def enter_pulsations(book: Book, cycle: Cycle, of_lines: Mapping[str, Throttled]
 
 
 def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> float:
-    """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
+    """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
     flow = suction_line.fresh(cycle.problem, cycle.R, cycle.streams) * cycle.rate
@@ -90,14 +90,14 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
         if part.returned > 0.0:
             energy = share * flow * (discharge.h - intake.line[slots.ENTHALPY])
             book.add(name, gas=share * flow, energy=energy, exergy=returned)
-        if intake.ratio_of(part) < 1.0:  # of several throttles each has its share of the drop
+        if intake.ratio_of(part) < 1.0:  # each of several throttles has its share of the drop
             share_of = log(intake.ratio_of(part)) / log(intake.pressure_ratio)
             book.add(name, gas=flow, exergy=share_of * throttled)
     return of_gas - returned - throttled
 
 
 def enter_walls(book: Book, cycle: Cycle, heats: Array) -> None:
-    """Enter the heat between walls and gas, and what leaves the walls at their temperature (M171)."""
+    """Enter the heat between walls and gas, and the exergy that leaves the walls at their temperature (M171)."""
     c = cycle.composition
     for (name, wall), (heat, generated) in zip(cycle.parts.walls, heats.tolist(), strict=True):
         held = wall.temperature
@@ -107,9 +107,9 @@ def enter_walls(book: Book, cycle: Cycle, heats: Array) -> None:
 
 @dataclass(frozen=True)
 class Streams:
-    """What meets in the suction line, in rates: fresh gas [kg/s], what comes from the chambers, a leak, what is sucked.
+    """The streams in the suction line, as rates: fresh gas [kg/s], backflow from the chambers, a leak, what is sucked.
 
-    Oil temperatures [K] are those at the pressure of the intake.
+    Oil temperatures [K] are those at the intake pressure.
     """
 
     fresh: float
@@ -122,12 +122,12 @@ class Streams:
 
     @property
     def oil_lost(self) -> float:
-        """Oil [kg/s] that leaves by the line: where more flows back than is sucked."""
+        """Oil [kg/s] that leaves through the line, where more flows back than is sucked."""
         return self.back.oil + self.leak.oil - self.sucked.oil
 
 
 def line_streams(cycle: Cycle, paths: Rows) -> Streams:
-    """Return what meets in the suction line; what comes back is that of the ledger's own sums."""
+    """Return the streams in the suction line; the backflow is that of the ledger's own sums."""
     problem, R, rate = cycle.problem, cycle.R, cycle.rate
     rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == SUCTION]
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
@@ -143,7 +143,7 @@ def line_streams(cycle: Cycle, paths: Rows) -> Streams:
 
 
 def mean_back(cycle: Cycle, met: Streams, sucked: State) -> State:
-    """Return the mean state of the gas that flows back, at the pressure that it comes to; else that which is sucked."""
+    """Return the mean state of the gas that flows back, at the pressure where it arrives; without backflow `sucked`."""
     if not met.back.gas > 0.0:
         return sucked
     return cycle.at(cycle.pressure_behind(SUCTION) or cycle.suction.pressure, met.back.enthalpy / met.back.gas)
@@ -154,7 +154,7 @@ def enter_line(
 ) -> float:
     """Enter mixing and leak of the gas; return the exergy rise [W] of the fresh gas that is delivered.
 
-    `states`: what is sucked in at the pressure before the port, the same as chambers meet it, and what flows back.
+    `states`: the sucked gas at the pressure before the port, the same at the chambers' end, and the backflow.
     """
     before, sucked, back = states
 
@@ -176,7 +176,10 @@ def enter_line(
 
 
 def _warmed(book: Book, cycle: Cycle, met: Streams, fresh: State) -> State:
-    """Return the fresh gas with the heat that it takes up on its way; enter what that brings, which no shaft gives."""
+    """Return the fresh gas after it was warmed on its way.
+
+    Enter the exergy this adds, which does not come from the shaft.
+    """
     found = fresh
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:

@@ -1,7 +1,7 @@
-"""The oil in the ledger: its exergy rise, its injection and supply, the heat of its droplets, the gas that it holds.
+"""The oil in the ledger: its exergy rise, injection and supply, the heat of its droplets, the gas dissolved in it.
 
-With effects.separator gas and oil mix there, and the oil goes back through its cooler (M286). Without effects.separator
-the ledger ends where gas and oil leave the chambers, unmixed, and the oil's supply is given.
+With effects.separator gas and oil mix there, and the oil returns through its cooler (M286). Without it the ledger ends
+where gas and oil leave the chambers, unmixed, and the oil's supply is given.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ COOLER = "oil_cooler"
 
 
 def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
-    """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
+    """Set oil that takes room to its temperature after throttling to its line [in place] (M109)."""
     if not cycle.parts.oil_room:
         return
     for row, end in zip(paths, cycle.composition.ends, strict=True):
@@ -52,9 +52,9 @@ def oil_rise(
     sums: Array,
     met: Streams | None,
 ) -> float:
-    """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved.
+    """Return the exergy rise of the oil [W] (M56); enter its heat, injection, supply and what is not conserved.
 
-    `met` is what meets in a suction line that keeps what flows back.
+    `met` are the streams in a suction line that keeps backflow.
     """
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
@@ -62,7 +62,7 @@ def oil_rise(
     lift = oil_lift(cycle.parts, known)
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     for name, part in cycle.parts.all(Pulsation):
-        if part.to == DISCHARGE and not cycle.parts.oil_room:  # what the oil loses on its way to the line (M187)
+        if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)
             through = known.oil_volume_flow + known.leaked_oil_flow
             book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
@@ -80,7 +80,10 @@ def oil_rise(
 def _flash(
     book: Book, cycle: Cycle, ends: Sequence[End], suction: State, paths: Rows, sums: Array, met: Streams | None
 ) -> float:
-    """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
+    """Enter the gas that flashes out of the oil.
+
+    Return the exergy [W] by which dissolved gas falls short of it (M197).
+    """
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
@@ -95,7 +98,10 @@ def _flash(
 def _released(
     book: Book, cycle: Cycle, ends: Sequence[End], suction: State, paths: Rows, sums: Array, met: Streams | None
 ) -> float:
-    """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
+    """Enter the gas that oil gives off over time.
+
+    Return the exergy rise [W] of the dissolved and of that gas (M234).
+    """
     held, coming = Held(cycle, suction), {end: [] for end in ends}
     for name, end, row in zip(cycle.paths, ends, paths, strict=True):
         coming[end].append((name, row))
@@ -117,10 +123,10 @@ def _released(
 
 
 def _throttled(cycle: Cycle) -> float:
-    """Return the pressure [Pa] that the oil loses between its source and the chamber, dissipated at T_0 (M58).
+    """Return the pressure [Pa] that the oil loses between source and chamber, dissipated at T_0 (M58).
 
-    Where the oil takes room, what it loses in the chamber heats it instead: left is the loss of the line, and what
-    lifts oil from a source below the chamber's pressure.
+    Where the oil takes room, its loss in the chamber heats it instead; what remains is the loss of the line, and
+    what lifts oil from a source below the chamber's pressure.
     """
     known, port = cycle.known, cycle.parts.oil_port
     if not cycle.parts.oil_room:
@@ -131,7 +137,7 @@ def _throttled(cycle: Cycle) -> float:
 
 
 def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
-    """Return the exergy [W] of oil above that of injected oil at equal pressure, from Σ ṁ, Σ ṁ T, Σ ṁ ln T (M56)."""
+    """Return the exergy [W] of oil relative to injected oil at equal pressure, from Σ ṁ, Σ ṁ T, Σ ṁ ln T (M56)."""
     oil = cycle.oil
     T = oil.temperature
     return oil.heat_capacity * ((mass_T - mass * T) - cycle.T_0 * (mass_log - mass * log(T)))
@@ -143,7 +149,7 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
 
 
 def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = DISCHARGE) -> None:
-    """Enter the mixing of the oil that leaves to a line to its mean temperature there (M53)."""
+    """Enter the mixing of the oil that leaves to a line, to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         mass, mass_T, mass_log = row[kernels.OUT_OIL], row[kernels.OUT_OIL_T], row[kernels.OUT_OIL_LOG]
@@ -179,7 +185,7 @@ def _carried(book: Book, cycle: Cycle, ends: Sequence[End], paths: Rows, met: St
 
 
 def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) -> float:
-    """Enter what oil has to do with the suction line, and its leak; return what of its exergy rise leaks, or leaves.
+    """Enter the oil's part in the suction line and its leak; return the part of its exergy rise that leaks or leaves.
 
     T_line [K] is the oil's temperature in the discharge line.
     """
@@ -197,7 +203,7 @@ def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) ->
 
 
 def _injection(cycle: Cycle) -> float:
-    """Return the entropy [J/K] that one injection generates by mixing with the oil that is there (M53)."""
+    """Return the entropy [J/K] generated when one injection mixes with the oil in the chamber (M53)."""
     oil, R = cycle.oil, cycle.R
     before, injected = float(R[slots.R_OIL_BEFORE]), float(R[slots.R_INJECTED])
     times, dense, steps = cycle.life.rows
@@ -208,7 +214,7 @@ def _injection(cycle: Cycle) -> float:
 
 
 def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
-    """Return the thermal exergy rise of oil at a constant ratio [W], and enter what appears and vanishes (M57)."""
+    """Return the thermal exergy rise of oil at a constant ratio [W]; enter the oil that appears and vanishes (M57)."""
     oil, R = cycle.oil, cycle.R
     out, out_T = (sum([row[column] for row in paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
     T_mean = out_T / out if out > 0.0 else oil.temperature
@@ -235,7 +241,7 @@ def _kept(cycle: Cycle) -> float:
 def through_circuit(book: Book, cycle: Cycle, of: Evaluation, of_gas: float, of_oil: float) -> tuple[float, float]:
     """Return the exergy rises [W] of gas that has left the separator and of oil that is back; enter what lies between.
 
-    As they stand, `of_gas` and `of_oil`, where a scene has no separator.
+    Without a separator these are `of_gas` and `of_oil` unchanged.
     """
     circuit, names = of.circuit, [name for name, _ in cycle.parts.all(Separator)]
     if not (isinstance(circuit, Circuit) and names) or circuit.parted.why:

@@ -1,9 +1,9 @@
 """The ledger: where the shaft power goes, as exergy destroyed by each effect (docs/model.md M50–M59).
 
 Shaft power = exergy rise of the gas + exergy rise of the oil + T_0 Σ entropy generated + residual. Every effect of the
-scene has an entry, and so has what the model itself destroys or gives: the oil's supply, its injection, the lines.
-Its control volume is the machine, from the suction line to gas and oil as they leave the chambers, with the oil's
-supply; with effects.separator it is machine, separator and oil cooler, to the gas that leaves the separator (M286).
+scene has an entry, and so has what the model itself destroys or adds: the oil's supply, its injection, the lines. The
+control volume is the machine, from the suction line to gas and oil as they leave the chambers, with the oil's supply;
+with effects.separator it is machine, separator and oil cooler, up to the gas that leaves the separator (M286).
 """
 
 import math
@@ -25,7 +25,7 @@ from screwsim.outputs import Figures
 
 @dataclass(frozen=True)
 class Ledger:
-    """Where the shaft power of a closed cycle goes [W]: exergy rise of gas and oil (None without), and the entries."""
+    """The balance of a closed cycle's shaft power [W]: exergy rise of gas and oil (None: no oil), and the entries."""
 
     entries: dict[str, Entry]
     T_0: float
@@ -40,20 +40,20 @@ class Ledger:
 
     @property
     def residual(self) -> float:
-        """What no entry explains [W]."""
+        """The power that no entry explains [W]."""
         return self.shaft_power - self.of_gas - (self.of_oil or 0.0) - self.destroyed
 
     @property
     def finite(self) -> bool:
-        """Is every number one?"""
+        """Whether every number is finite."""
         values = [value for entry in self.entries.values() for value in vars(entry).values() if value is not None]
         return math.isfinite(self.residual) and all(map(math.isfinite, values))
 
     def entropy_residual(self, least_power: float = 0.0) -> float:
-        """Return the residual over the shaft power, all that is destroyed, and all energy that is moved to and fro.
+        """Return the residual over the sum of shaft power, all exergy destroyed and all energy moved, as magnitudes.
 
-        Given that energy closes, it is the residual of the entropy balance times T_0 (docs/model.md M59); what is left
-        open of energy is in it, and so it counts against no less than that does. Powers [W] below the least one are
+        If energy closes, it is the residual of the entropy balance times T_0 (docs/model.md M59). It contains
+        the energy residual, so it is related to no less than that is. Powers [W] below the least one are
         rounding, as in the energy balance.
         """
         size = abs(self.shaft_power)
@@ -79,7 +79,7 @@ class Ledger:
 
 
 def ledger(of: Evaluation) -> Ledger:
-    """Return where the shaft power of a closed cycle goes (contract: ledger)."""
+    """Return the ledger of a closed cycle's shaft power (contract: ledger)."""
     cycle, R = Cycle(of), of.life.R
     suction = _sucked(cycle)
     line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
@@ -116,7 +116,7 @@ def ledger(of: Evaluation) -> Ledger:
 
 
 def _sucked(cycle: Cycle) -> State:
-    """Return the state of the gas before the suction port: the line's where nothing is mixed in, or throttled."""
+    """Return the state of the gas before the suction port: the line's, unless mixed or throttled."""
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
     if cycle.parts.suction_line:
         return cycle.at(cycle.suction.pressure, h)
@@ -133,7 +133,7 @@ def _acting(cycle: Cycle) -> Iterator[str]:
 
 
 def _losses(book: Book, cycle: Cycle) -> None:
-    """Enter every power beside the gas work: dissipated at T_0, but for what stays in the oil as pressure (M58)."""
+    """Enter every power besides the gas work: dissipated at T_0, except for what stays in the oil as pressure (M58)."""
     for name, part in cycle.parts.all(PowerLoss):
         power = float(part.power(cycle.known))
         given = part.kept(cycle.known) if part.kept is not None else 0.0

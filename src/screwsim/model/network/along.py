@@ -1,9 +1,9 @@
-"""The rates of all chambers and how they change along any change of what they take, as text: forward mode, one seed.
+"""The rates of all chambers with their directional derivative, as text: forward mode with one seed.
 
-States, surroundings, parameters, tables and port states of lines have a change beside them, `y__along`, `E__along`,
-`P__along`, `TAB__along`, `R__along`. So a number of the scene, `P[…]`, is a seed as a state is, alone or with all that
-it moves. Figures have their derivatives by rates in lanes, which cost a tenth of this; it is the writer's seed for
-parameters, by which tests hold the text's derivatives along every number, and with which exact ones of new kinds begin.
+States, surroundings, parameters, tables and port states of lines have their changes in `y__along`, `E__along`,
+`P__along`, `TAB__along`, `R__along`. So a number of the scene, `P[…]`, is a seed like a state, alone or with everything
+that it changes. Derivatives of figures use rates in lanes instead, at a tenth of the cost; this text serves the tests,
+which compare derivatives along every number, and as the basis of further exact derivatives.
 
 Source: docs/model.md M1–M13; docs/explanation/numerics.md, derivatives by the numbers of a scene.
 """
@@ -20,8 +20,8 @@ from screwsim.numerics.expressions import ALONG, slope_name
 from screwsim.numerics.kernel import Kernel
 
 GIVEN = ("y", "E", "P", "TAB", "R")  # arrays whose changes are given ...
-WORKED = ("port_states", "work")  # ... those in which numbers stand on the way ...
-FOUND = ("f", "g")  # ... and those whose changes are found
+WORKED = ("port_states", "work")  # ... those with intermediate results ...
+FOUND = ("f", "g")  # ... and those whose changes are results
 NAME = "chambers__rates_along"
 
 
@@ -35,7 +35,7 @@ def along_text(key: tuple[Any, ...]) -> tuple[str, tuple[Kernel, ...]]:
 
 
 class Along(Chambers):
-    """The rates of all chambers with their change along one of all they take; phases stay as the states have them."""
+    """The rates of all chambers with their change along a direction; phases are those of the states."""
 
     def __init__(self, network: Network) -> None:
         super().__init__(network, exact=True)

@@ -1,6 +1,6 @@
 """The balances of one chamber as text: from the sums of its streams to the rates of its states; its gas between steps.
 
-Source: docs/model.md M1–M9, M104–M110, M170, M230, M253, M257. `network.chamber` and `network.chambers` write them.
+Source: docs/model.md M1–M9, M104–M110, M170, M230, M253, M257. Used by `network.chamber` and `network.chambers`.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from screwsim.numerics.rodas import dense_slope
 
 
 def balance_kernels(network: Network) -> list[Kernel]:
-    """Return what the balances call."""
+    """Return the kernels that the balances call."""
     asked = {oil_temperature_slope: network.heated, held_slope: network.dissolves, gas_mass: network.roomed}
     return [temperature_slope, *(each for each, wanted in asked.items() if wanted)]
 
@@ -26,7 +26,10 @@ def gas_state(to: Statements, network: Network) -> None:
 
 
 def oil_room(to: Statements, network: Network, of: str = "") -> None:
-    """Set what flows feel of a chamber in which oil takes room (M107, M108); `of` ends the names of its numbers."""
+    """Set the numbers that flows use of a chamber where oil takes room (M107, M108).
+
+    `of` is the suffix of their names.
+    """
     if network.roomed:
         where = " of the chamber ahead" if of else ""
         to.add(f"# what flows feel{where} where oil takes room (M107, M108)")
@@ -36,7 +39,7 @@ def oil_room(to: Statements, network: Network, of: str = "") -> None:
 
 
 def gas_inside(to: Statements, network: Network) -> None:
-    """Set the mass of the gas, and of the oil (M3, M106), and the factor of all that depends on time (M217)."""
+    """Set the mass of the gas and of the oil (M3, M106), and the factor on quantities per time (M217)."""
     to.add(f"# mass of the gas{' and of the oil' if network.heated else ''} (M1{', M106' if network.roomed else ''})")
     if network.slow:
         to.add(f"slow = {network.slow}  # mean speed over the speed here (M217)")
@@ -46,14 +49,14 @@ def gas_inside(to: Statements, network: Network) -> None:
 
 
 def totals(to: Statements, network: Network, sums: Sequence[str]) -> None:
-    """Set the totals of streams over sums, which are given in order."""
+    """Set the totals of streams from the sums, which are given in order."""
     to.add("# totals of all streams (M1, M2)")
     for quantity in network.quantities:
         to.add(f"{quantity} = {' + '.join(f'{quantity}_{each}' for each in sums)}")
 
 
 def port_oil_enthalpy(network: Network) -> str:
-    """Return the enthalpy over heat capacity [K] of oil that comes through ports into a chamber of pressure p (M108).
+    """Return the enthalpy over heat capacity [K] of oil through ports into a chamber at pressure p (M108).
 
     A pump presses it into the chamber, whatever the pressure of its source (M255).
     """
@@ -63,7 +66,7 @@ def port_oil_enthalpy(network: Network) -> str:
 
 
 def oil_through_ports(to: Statements, network: Network) -> None:
-    """Add the oil that comes through ports, and the gas that it gives off (M104, M196, M231)."""
+    """Add the oil that enters through ports, and the gas that oil releases (M104, M196, M231)."""
     if network.ported:
         to.add(f"# oil through ports (M104{', M255' if network.roomed and network.pumped else ''})")
         to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
@@ -84,16 +87,16 @@ def oil_through_ports(to: Statements, network: Network) -> None:
 
 
 def rates(to: Statements, network: Network) -> None:
-    """Set the rates of the states: f_… of each, and work, heat and what walls give over the angle.
+    """Set the rates of the states: f_… of each, and those of work, heat and walls.
 
-    Of the chamber: T, rho … (its states), V, dV, phi, the state of its gas, m, m_oil and the totals of its streams.
+    Uses the chamber's states T, rho …, V, dV, phi, the state of its gas, m, m_oil and the totals of its streams.
     """
     to.add("omega = P[P_OMEGA]", "warmth = 0.0")
     if network.heated:
         to.add("# heat from the oil (M3), its temperature (M4)", "lost = 0.0", "d = R[R_RATIO]")
         for each in network.heats:
             to.add(f"heat = {each.call}", "warmth += heat", f"lost += {each.factor}heat")
-        if network.pushes:  # what the oil gives the walls that drag it along (M257)
+        if network.pushes:  # work of the oil on the walls that drag it along (M257)
             to.add("lost += pushed")
         oil, energy, felt = ("oil", "oil_energy", "T_felt" if network.roomed else "T_oil")
         if not network.carried:
@@ -140,19 +143,19 @@ def heads(network: Network) -> list[str]:
 
 
 def between_texts(network: Network) -> list[str]:
-    """Return the functions of a chamber between two steps."""
+    """Return the functions for a chamber between two steps."""
     return [_gas(network), _mass_rate(network)]
 
 
 def _gas(network: Network) -> str:
-    """Return the text of the gas [kg] in a chamber of a volume, whose states begin at y[at] (M106)."""
+    """Return the text of the gas [kg] in a chamber of a given volume, whose states begin at y[at] (M106)."""
     mass = f"{gas_mass.flat_name}(V, y[at + S_rho], y[at + S_x_oil], P)" if network.roomed else "y[at + S_rho] * V"
     text = '"""Return the gas [kg] in a chamber of volume V [m³], whose states begin at y[at] (M1, M106)."""'
     return function("chamber__gas(V, y, at, P)", [text, f"return {mass}"])
 
 
 def _mass_rate(network: Network) -> str:
-    """Return the text of the change of a chamber's gas over the angle, along the dense output of a step."""
+    """Return the text of the rate of change of a chamber's gas, along the dense output of a step."""
     to, slope = Statements(), dense_slope.flat_name
     to.add("h = times[step + 1] - times[step]")
     for name, column in (("rho", "S_rho"), ("x", "S_x_oil")) if network.roomed else (("rho", "S_rho"),):

@@ -1,6 +1,6 @@
-"""What a chamber is in every text: its states, its connections to lines and plenums, its balances, its quadratures.
+"""Statements for a chamber that all texts share: states, connections to lines and plenums, balances, quadratures.
 
-Source: docs/model.md M1–M13. Streams are summed by the cell beyond a connection.
+Source: docs/model.md M1–M13. Streams are summed by the cell on the far side of a connection.
 """
 
 from screwsim.model.network import balances, flows
@@ -8,7 +8,7 @@ from screwsim.model.network.layout import Layout
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements
 
-CONSTANT = ("exponent", "choke", "choked")  # of the gas, in the derivatives of flows
+CONSTANT = ("exponent", "choke", "choked")  # numbers of the gas held constant in the derivatives of flows
 RESERVED = {  # names that no state can have
     *("y", "E", "P", "TAB", "R", "own", "f", "g", "J", "Jq", "e", "j", "c", "i", "k", "s", "phi", "phase", "V", "dV"),
     *("oiled", "delta", "per_delta", "context", "side", "port_states", "work", "ahead"),
@@ -17,7 +17,7 @@ BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_n
 
 
 class Cell:
-    """A chamber whose surroundings stand in E from `e` on; where lines pulsate, their port states stand behind."""
+    """A chamber whose surroundings are in E from `e` on; where lines pulsate, their port states follow."""
 
     e = ""
     together = False
@@ -30,18 +30,18 @@ class Cell:
         self.sums[4:4] = ["between", "port"] if network.ported or len(network.cells) > 3 else ["between"]
 
     def states(self, at: str = "") -> list[str]:
-        """Return lines that read the states, and what of the surroundings is no flow's."""
+        """Return lines that read the states, and the surroundings other than flows."""
         names = [f"{name} = y[{at}S_{name}]" for name in self.network.states]
         around = {"phi": "E_ANGLE", "V": "E_VOLUME", "dV": "E_SLOPE"}
         around |= {"oiled": "E_OILED"} if self.network.heated and not self.network.carried else {}
         return [*names, *(f"{name} = E[{self.e}{number}]" for name, number in around.items())]
 
     def line(self, cell: str) -> tuple[str, str]:
-        """Return array and index of the port state of a line or plenum; in E where the lines pulsate (M184)."""
+        """Return array and index of the port state of a line or plenum; in E where lines pulsate (M184)."""
         return self.layout.line(cell, self.together)
 
     def opened(self, to: Statements, what: str, at: str, slopes: bool) -> str:
-        """Set the area of an opening, and return the test whether it is open, or opens."""
+        """Set the area of an opening, and return the test for it being open or opening."""
         if slopes:
             to.add(f"next_area = E_next[{at}]")
         to.add(f"area = E[{at}]  # {what}")
@@ -63,7 +63,7 @@ class Cell:
     def gap(
         self, to: Statements, gap: Gap, inward: str, outward: str, beyond: flows.PortState, way: str = "ahead"
     ) -> None:
-        """Add the streams through a gap to the port state `way` of the chamber, of gas and of oil beside it."""
+        """Add the streams of gas and of oil through a gap to the port state on side `way` of the chamber."""
         flows.gap_flux(to, gap, self.own, beyond)
         self.upwind(to, inward, outward, beyond)
         if gap.film:
@@ -85,7 +85,7 @@ class Cell:
             flows.add_film(to, self.network, outward, self.own)
 
     def upwind(self, to: Statements, inward: str, outward: str, beyond: flows.PortState) -> None:
-        """Add a stream that has the port state that it comes from."""
+        """Add a stream with the port state of its source."""
         to.add("flow = area * flux")
         with to.within("if flux >= 0.0"):
             flows.add_stream(to, self.network, inward, "flow", beyond)
@@ -93,7 +93,7 @@ class Cell:
             flows.add_stream(to, self.network, outward, "flow", self.own)
 
     def begin(self, to: Statements, sums: list[str]) -> None:
-        """Set sums to nothing."""
+        """Set sums to zero."""
         for each in sums:
             to.add(*(f"{quantity}_{each} = 0.0" for quantity in self.network.quantities))
 
@@ -112,7 +112,7 @@ class Cell:
         return [*balances.heads(self.network), *of_streams]
 
     def by_angle(self) -> dict[tuple[str, str], str]:
-        """Return the derivatives by the angle of what stands in E."""
+        """Return the derivatives by the angle of the numbers in E."""
         network = self.network
         found = {"V": "dV", "dV": BY_ANGLE.format(at=f"{self.e}E_SLOPE")}
         found["area"] = "(next_area - area) * per_delta"

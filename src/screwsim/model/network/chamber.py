@@ -1,4 +1,4 @@
-"""One chamber among neighbours whose histories are known, as text: its rates, their derivatives, its flows.
+"""One chamber among neighbours with known histories, as text: its rates, their derivatives, its flows.
 
 Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volume, areas, port states of the neighbours
 (slots.py).
@@ -58,11 +58,14 @@ class Chamber(Cell):
         return [*own, *between, *around, *line_flow_texts(network)]
 
     def _side(self, gap: Gap, way: str) -> tuple[str, str]:
-        """Return where in E the area of a gap's side stands, and the port state beyond it."""
+        """Return the index in E of the area of a gap's side, and that of the port state beyond it."""
         return self.layout.area(gap, way), f"E_{self.layout.neighbour(gap.side, way)}"
 
     def _streams(self, to: Statements, slopes: bool) -> None:
-        """Add the streams of all connections to the sums of their cells; with what derivatives by the angle need."""
+        """Add the streams of all connections to the sums of their cells.
+
+        With `slopes` also set what derivatives need.
+        """
         network, discharge = self.network, self.network.lines[1]
         met = [self.layout.neighbour(side, "ahead") for side in range(len(network.offsets))]
         ahead = [f"{there}_{way}" for there in met for way in ("in", "out")]
@@ -86,10 +89,10 @@ class Chamber(Cell):
         balances.oil_through_ports(to, network)
 
     def _neighbour(self, to: Statements, gap: Gap, way: str, slopes: bool) -> None:
-        """Add the streams through a gap to the chamber ahead, or behind."""
+        """Add the streams through a gap to the chamber ahead or behind."""
         area, port_state = self._side(gap, way)
         cell, network = self.layout.neighbour(gap.side, way), self.network
-        instead = ("area == 0.0", "E_next") if slopes else ("", "")  # of a gap that opens
+        instead = ("area == 0.0", "E_next") if slopes else ("", "")  # for a gap that opens
         with to.within(self.opened(to, f"{gap.effect}, {way} (M12)", area, slopes)):
             read_port_state(to, network, cell, "E", port_state, instead)
             if way == "ahead":
@@ -158,7 +161,7 @@ class Chamber(Cell):
         )
 
     def _by_angle(self) -> dict[tuple[str, str], str]:
-        """Return the derivatives by the angle of what stands in E, the port states of the neighbours with it."""
+        """Return the derivatives by the angle of the numbers in E, including the port states of neighbours."""
         found = self.by_angle()
         for gap, way in self.sides:
             _, port_state = self._side(gap, way)
@@ -189,7 +192,7 @@ class Chamber(Cell):
         )
 
     def film_flows(self) -> str:
-        """Return the text of the oil [kg/s] that comes as films, and dragged: gaps ahead and behind (M252, M256)."""
+        """Return the text of the oil [kg/s] that enters as films, and dragged: gaps ahead and behind (M252, M256)."""
         network, to = self.network, Statements()
         if network.slow:
             to.add(f"slow = {network.slow}")
@@ -200,7 +203,7 @@ class Chamber(Cell):
         return self._reading("film_flows", what, to, ", drags")
 
     def oil_films(self) -> str:
-        """Return the text of the oil [kg/s] that flows beside the gas through gaps, as films and dragged."""
+        """Return the text of the oil [kg/s] that passes gaps beside the gas, as films and dragged."""
         flows = [self.layout.film(gap, way) for gap, way in self.sides]
         text = '"""Fill `out` with the oil [kg/s] beside the gas, films and dragged: each gap ahead and behind."""'
         call = "chamber__film_flows(y, E, context, out, drags)"
@@ -208,7 +211,7 @@ class Chamber(Cell):
         return function("chamber__oil_films(y, E, context, out)", [text], lines)
 
     def given_off(self) -> str:
-        """Return the text of the gas that comes from oil, and through no path: in the chamber, or as it enters."""
+        """Return the text of the gas that oil releases in the chamber, or that flashes as oil enters."""
         network, to = self.network, Statements()
         gas = "0.0"
         if network.flash is not None:
@@ -244,7 +247,7 @@ class Chamber(Cell):
             to.add(f"{out} = {sign}area * {what}")
 
     def _reading(self, name: str, what: str, to: Statements, more: str = "") -> str:
-        """Return the text of a function that fills `out` for the state of a stored cycle, and the port state."""
+        """Return the text of a function that fills `out`, and the port state, for the state of a stored cycle."""
         asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
         asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
         port_state = [

@@ -1,11 +1,11 @@
-"""All chambers alive at once, over one lobe pitch, as text: a gap is evaluated once, what leaves one enters another.
+"""All chambers alive at once, over one lobe pitch, as text: each gap is evaluated once and feeds both its chambers.
 
-Source: docs/model.md M1–M13, M24. Chamber j stands at s + j pitch; its states are y[j N …]. What the chambers give each
-other is summed first, then each closes its balances with it. The derivatives of these are made by the chamber's own
-states and by what the others give it; that again follows from the states of both sides of each gap.
+Source: docs/model.md M1–M13, M24. Chamber j is at s + j pitch; its states are y[j N …]. The flows between chambers are
+summed first, then each chamber's balances use them. Derivatives of the balances are taken by the chamber's own states
+and by what the others give it; the latter's derivatives follow from the states on both sides of each gap.
 
-Where effects open chambers beyond the injection angle to suction, or others to discharge, what enters the chambers
-before that angle from those beyond it is counted with what the lines' sums take for the other side's.
+Where effects open chambers to suction beyond the injection angle, or to discharge before it, the gas that crosses that
+angle includes those flows.
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a por
 NOZZLE = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
 BOTH = ("T", "rho")
 ANGLE = "COLUMNS - 1"  # the column of derivatives by the angle
-BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: how names of its numbers end, and the number of the chamber
+BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: suffix of names, index of the chamber
 
 
 @lru_cache(maxsize=64)
@@ -47,20 +47,20 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
 
 
 def _has_exact(network: Network) -> bool:
-    """Tell whether an exact Jacobian is another than the integrator's: of a gas that varies or has two phases."""
+    """Return whether an exact Jacobian differs from the integrator's: for a gas that varies or has two phases."""
     return network.varies or network.phases
 
 
 def room(network: Network) -> int:
-    """Return how many numbers the functions of all chambers write into their working array."""
+    """Return the size of the working array of the functions of all chambers."""
     n, slopes = network.chambers, len(BOTH) * len(GAS | (NOZZLE if _has_exact(network) else {}))
     return n * (slopes + len(given(network)) * (n * len(network.states) + 2))
 
 
 def work_constants(network: Network) -> dict[str, int]:
-    """Return where in the working array stands what each chamber is given (`GIVEN_mass` …), and slopes (`Chambers`).
+    """Return indices in the working array of what each chamber is given (`GIVEN_mass` …), and of slopes (`Chambers`).
 
-    `BY_p_T` is the slope of the pressure by the temperature, the last of `COLUMNS` that by the angle.
+    `BY_p_T` is the slope of the pressure by the temperature; the last of `COLUMNS` is that by the angle.
     """
     found = {"GIVEN": len(given(network)), "COLUMNS": network.chambers * len(network.states) + 1}
     found |= {f"GIVEN_{quantity}": k for k, quantity in enumerate(given(network))}
@@ -73,15 +73,16 @@ def work_constants(network: Network) -> dict[str, int]:
 
 
 def given(network: Network) -> tuple[str, ...]:
-    """Return what a gap gives the chamber behind: of each quantity, taken from the one ahead, and to walls (M257)."""
+    """Return what a gap gives the chamber behind: each quantity, taken from the one ahead, and work on walls (M257)."""
     return (*network.quantities, *(("pushed",) if network.pushes else ()))
 
 
 class Chambers(Cell):
-    """The functions of all chambers; `work` takes what each is given, slopes of its gas, and of what it is given.
+    """The functions of all chambers.
 
-    The integrator's Jacobian takes a gas's exponent and choking for constant, and the phase of its states, in which it
-    is held from there on; an `exact` one follows them, and takes the phase that is held.
+    `work` holds what each is given, slopes of its gas, and slopes of what it is given. The integrator's Jacobian
+    holds a gas's exponent and choking constant, and sets the phase from the states, which is held from then on; an
+    `exact` one differentiates them, and uses the held phase.
     """
 
     e = "e + "
@@ -90,7 +91,7 @@ class Chambers(Cell):
     def __init__(self, network: Network, exact: bool = False) -> None:
         super().__init__(network)
         self.jacobian_name = "exact_jacobian" if exact else "jacobian"
-        # what of a port state has derivatives
+        # the numbers of a port state that have derivatives
         self.gas, self.constant = (GAS | NOZZLE, ()) if exact else (GAS, CONSTANT)
         self.of_gas = [(name, seed) for name in self.gas for seed in BOTH]
         self.exact, self.ends = exact, "_EXACT" if exact else ""  # of the names of `work_constants`
@@ -111,11 +112,11 @@ class Chambers(Cell):
             to.add(f"{slope_name(name + of, seed + of)} = {self._gas_slope(j, name, seed)}")
 
     def _gas_slope(self, j: str, name: str, seed: str) -> str:
-        """Return where the derivative of a number of the gas of chamber j stands."""
+        """Return where the derivative of a number of chamber j's gas is."""
         return f"work[GAS_SLOPES + {j} * OF_GAS{self.ends} + BY_{name}_{seed}]"
 
     def _given_slope(self, row: str, quantity: str, column: str) -> str:
-        """Return where the derivative of what chamber `row` is given stands, by the state or angle of a column."""
+        """Return where the derivative of what chamber `row` is given is, by the state or angle of a column."""
         return f"work[GIVEN_SLOPES{self.ends} + ({row} * GIVEN + GIVEN_{quantity}) * COLUMNS + {column}]"
 
     def _read_other(self, to: Statements, slopes: bool) -> None:
@@ -128,7 +129,7 @@ class Chambers(Cell):
             self._read_slopes(to, "_ahead", "ahead")
 
     def _given(self, gap: Gap) -> list[str]:
-        """Return the statements of what a gap gives a chamber, from the states of both sides to the sums `…_given`."""
+        """Return the statements for what a gap gives a chamber, from the states of both sides to the sums `…_given`."""
         to = Statements()
         balances.oil_room(to, self.network)
         balances.oil_room(to, self.network, "_ahead")
@@ -142,7 +143,7 @@ class Chambers(Cell):
         return to.lines
 
     def _between(self, slopes: bool) -> list[str]:
-        """Return the statements that sum what the chambers give each other, and its derivatives."""
+        """Return the statements that sum the flows between chambers, and their derivatives."""
         network, to = self.network, Statements()
         first = f"GIVEN_SLOPES{self.ends}"
         for span in ("CHAMBERS * GIVEN", *([f"{first}, {first} + CHAMBERS * GIVEN * COLUMNS"] if slopes else [])):
@@ -169,7 +170,7 @@ class Chambers(Cell):
         return to.lines
 
     def _gives(self, to: Statements, at: Callable[[str, str], str], text: Callable[[str], str]) -> None:
-        """Add something of each quantity to what a chamber is given, and take it from the one ahead."""
+        """Add a term for each quantity to what a chamber is given, and subtract it from the one ahead."""
         for quantity in given(self.network):
             found = text(quantity)
             if found != "0.0":
@@ -179,13 +180,13 @@ class Chambers(Cell):
 
     @property
     def _columns_by_seed(self) -> dict[str, str]:
-        """Return the columns of the derivatives of what a gap gives: by the states of both sides, and by the angle."""
+        """The columns of the derivatives of what a gap gives: by the states of both sides, and by the angle."""
         states = [name for name in self.network.states if name not in self.network.own_states]
         found = {f"{name}{of}": f"{j} * N + S_{name}" for name in states for of, j in BOTH_SIDES}
         return found | {"phi": ANGLE}
 
     def _tangent(self, to: Statements, gap: Gap) -> Tangent:
-        """Return what a gap gives with its derivatives."""
+        """Return what a gap gives, with its derivatives."""
         pairs = [(name + of, seed + of) for name, seed in self.of_gas for of, _ in BOTH_SIDES]
         slopes = {pair: slope_name(*pair) for pair in pairs} | {("area", "phi"): "(next_area - area) * per_delta"}
         if self.network.slow and gap.drag:
@@ -228,7 +229,7 @@ class Chambers(Cell):
         return to.lines
 
     def _crossing(self, to: Statements) -> None:
-        """Set the gas that enters a chamber before the injection angle from those beyond it (slots.py)."""
+        """Set the gas that passes from chambers beyond the injection angle to those before it (slots.py)."""
         suction, discharge, *others = [cell for cell in self.network.cells if cell]
         entering = ["mass_between", *(f"mass_{cell}_{way}" for cell in others for way in ("in", "out"))]
         leaving = ["0.0"]
@@ -246,18 +247,19 @@ class Chambers(Cell):
 
     @property
     def _all(self) -> list[str]:
-        """Return the quadratures of all chambers; what they give each other cancels."""
+        """The quadratures of all chambers; flows between them cancel."""
         return [*self.quadratures, "crossing"]
 
     def _sum(self, name: str) -> str:
-        """Return where a quadrature of all chambers stands."""
+        """Return the index of a quadrature of all chambers."""
         return "Q_crossing" if name == "crossing" else place_of_sum(name)
 
     def _summed(self, name: str) -> bool:
-        """Tell whether a quadrature is summed over the chambers."""
+        """Return whether a quadrature is summed over the chambers."""
         return not name.endswith("_between")
 
     def _stored(self, to: Statements) -> None:
+        """Store rates and quadratures."""
         to.add(*(f"f[own + S_{name}] = f_{name}" for name in self.network.states))
         to.add(*(f"g[{self._sum(name)}] += {name}" for name in self._all if self._summed(name)))
 
@@ -279,7 +281,7 @@ class Chambers(Cell):
         return function("chambers__rates(y, E, context, f, g)", [text, CONTEXT], to.lines)
 
     def _gas(self, to: Statements) -> None:
-        """Fill the port states of all chambers, and keep the derivatives of their gas."""
+        """Fill the port states of all chambers, and store the derivatives of their gas."""
         network, body = self.network, Statements()
         balances.gas_state(body, network)
         tangent = Tangent(body.lines, BOTH, network.kernels, {}, self.constant)
@@ -328,7 +330,7 @@ class Chambers(Cell):
         network, quantities = self.network, given(self.network)
 
         def through(name: str, column: str) -> str:
-            """Return what a derivative has through the sums between the chambers."""
+            """Return the part of a derivative through the sums between chambers."""
             slopes = {quantity: tangent.slope(name, f"{quantity}_between") for quantity in quantities}
             at = partial(self._given_slope, "j", column=column)
             terms = [f"{slope} * {at(quantity)}" for quantity, slope in slopes.items() if slope != "0.0"]
@@ -355,5 +357,5 @@ class Chambers(Cell):
 
 
 def _is_given(row: str, quantity: str) -> str:
-    """Return where stands what chamber `row` is given."""
+    """Return where what chamber `row` is given is."""
     return f"work[{row} * GIVEN + GIVEN_{quantity}]"

@@ -1,7 +1,7 @@
-"""Flows through openings and the streams that they carry, each stated once: what every text takes from here.
+"""Flows through openings and the streams that they carry, each stated once and used by every text.
 
 Source: docs/model.md M10–M13, M184–M186, M190, M250–M252, M256. A flow [kg/s] is positive into the chamber. Its stream
-has the port state that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
+has the port state of its source: mass, enthalpy, oil, oil times temperature, dissolved gas.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from screwsim.model.network.network import Gap, Law, Network, Port
 from screwsim.model.network.statements import Statements
 
 FLOW = flow.flat_name
-NUMBERS = {  # of a port state, by the name that locals have for it: where it stands (slots.PRESSURE …)
+NUMBERS = {  # of a port state: their indices (slots.PRESSURE …) by local name
     "p": "PRESSURE",
     "rho": "DENSITY",
     "h": "ENTHALPY",
@@ -26,10 +26,10 @@ NUMBERS = {  # of a port state, by the name that locals have for it: where it st
 
 @dataclass(frozen=True)
 class PortState:
-    """Names of the numbers of a port state: of a chamber itself, or of what lies beyond an opening."""
+    """Names of the numbers of a port state: of the chamber itself, or of what lies beyond an opening."""
 
     p: str
-    rho: str  # that flows feel (M107)
+    rho: str  # as used by flows (M107)
     h: str
     exponent: str
     choke: str
@@ -40,19 +40,19 @@ class PortState:
 
     @property
     def nozzle(self) -> str:
-        """What a nozzle asks of a port state."""
+        """The arguments of a nozzle from a port state."""
         return f"{self.p}, {self.rho}, {self.exponent}, {self.choke}, {self.choked}"
 
 
 def needed(network: Network) -> dict[str, str]:
-    """Return which numbers of a port state flows and streams ask for, and where they stand in it."""
+    """Return the numbers of a port state that flows and streams use, with their indices."""
     skipped = () if network.carried else ("oil_ratio", "T_oil")
     skipped += () if network.dissolves else ("held",)
     return {name: at for name, at in NUMBERS.items() if name not in skipped}
 
 
 def port_state_of(network: Network, cell: str) -> PortState:
-    """Return the names of a port state's numbers: `p_suction` …; 0.0 for what there is none of."""
+    """Return the names of a port state's numbers: `p_suction` …; 0.0 for those that do not exist."""
     asked = needed(network)
     return PortState(*(f"{name}_{cell}" if name in asked else "0.0" for name in NUMBERS))
 
@@ -60,7 +60,7 @@ def port_state_of(network: Network, cell: str) -> PortState:
 def read_port_state(
     to: Statements, network: Network, cell: str, array: str, at: str, instead: tuple[str, str] = ("", "")
 ) -> None:
-    """Read the numbers of a port state that stands in an array; in another one where a test holds."""
+    """Read the numbers of a port state from an array, or from another array where a test holds."""
     test, other = instead
     for name, number in needed(network).items():
         found = f"{array}[{at} + {number}]"
@@ -68,7 +68,7 @@ def read_port_state(
 
 
 def stream_terms(to: Statements, network: Network, stream: str, source: PortState) -> dict[str, str]:
-    """Return what a stream of a port state adds to the sum of each quantity."""
+    """Return the addition of a stream to the sum of each quantity."""
     terms = {"mass": stream, "energy": f"{stream} * {source.h}"}
     if network.carried:
         to.add(f"oil = {stream} * {source.oil_ratio}")
@@ -85,14 +85,14 @@ def add_stream(to: Statements, network: Network, sums: str, stream: str, source:
 
 
 def add_film(to: Statements, network: Network, sums: str, source: PortState) -> None:
-    """Add oil that flows as a film, `film` [kg/s], of a port state to sums (M252)."""
+    """Add an oil film, `film` [kg/s], of a port state to sums (M252)."""
     to.add(f"oil_{sums} += film", f"oil_energy_{sums} += film * {source.T_oil}")
     if network.dissolves:
         to.add(f"held_{sums} += film * {source.held}")
 
 
 def _flux(to: Statements, law: Law | None, own: PortState, beyond: PortState, width: str) -> str:
-    """Return a call for the flux [kg/(m² s)] into the chamber: a nozzle's (M12), or that of a law of the path's own."""
+    """Return a call for the flux [kg/(m² s)] into the chamber: a nozzle's (M12), or the path's own law."""
     if law is None:
         return f"{FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, {width})"
     port_states = {"1": own, "2": beyond}
@@ -103,7 +103,7 @@ def _flux(to: Statements, law: Law | None, own: PortState, beyond: PortState, wi
 
 
 def port_flux(to: Statements, port: Port, label: str, own: PortState, beyond: PortState) -> None:
-    """Set `flux` [kg/(m² s)] through a port (M12); times its open share where that hangs on the state."""
+    """Set `flux` [kg/(m² s)] through a port (M12), times its open share where that depends on the state."""
     flux = _flux(to, port.law, own, beyond, port.width)
     if not port.opening:
         to.add(f"flux = {flux}")
@@ -114,7 +114,7 @@ def port_flux(to: Statements, port: Port, label: str, own: PortState, beyond: Po
 
 
 def gap_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> None:
-    """Set `flux` [kg/(m² s)] through a gap: less what the gap holds back of it (M190)."""
+    """Set `flux` [kg/(m² s)] through a gap, reduced by its resistance (M190)."""
     nozzle = _flux(to, gap.law, own, beyond, f"0.5 * P[P_GAP_WIDTH] * ({own.p} + {beyond.p})")
     if not gap.share:
         to.add(f"flux = {nozzle}")
@@ -127,7 +127,7 @@ def gap_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> Non
 
 
 def film_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> None:
-    """Set `film` [kg/(m² s)] of oil beside the gas through a gap, down the pressure difference (M252)."""
+    """Set the oil `film` [kg/(m² s)] through a gap, driven by the pressure difference (M252)."""
     to.add(f"drop = {beyond.p} - {own.p}")
     for head, sign, source in (("if drop >= 0.0", "", beyond), ("else", "-", own)):
         with to.within(head):
@@ -138,5 +138,5 @@ def film_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> No
 
 
 def drag_flux(to: Statements, network: Network, gap: Gap, ahead: PortState) -> None:
-    """Set `drag` [kg/(m² s)] of oil that a wall drags out of the port state ahead, whatever the pressures (M256)."""
+    """Set the oil `drag` [kg/(m² s)] that a wall drags from the port state ahead, independent of pressures (M256)."""
     to.add(f"oil_ratio = {ahead.oil_ratio}", f"drag = {gap.drag}{' / slow' if network.slow else ''}")

@@ -1,9 +1,8 @@
-"""Where everything stands, by name: the indices that the texts of a network use, each stated here alone.
+"""The layout of all arrays by name: the indices that a network's texts use, each defined only here.
 
-States stand in y as `S_T` …, areas in E as `A_tip_leakage_ahead` …, port states of chambers and lines in E as
-`E_ahead_4` or `E_discharge_line`, those of lines and plenums in R as `R_discharge_line` …, flows as
-`FLOW_tip_leakage_ahead` …, quadratures as `Q_work` …; `slots` says what the arrays are. Paths of one effect are told
-apart by a number.
+States are in y as `S_T` …, areas in E as `A_tip_leakage_ahead` …, port states of chambers and lines in E as `E_ahead_4`
+or `E_discharge_line`, those of lines and plenums in R as `R_discharge_line` …, flows as `FLOW_tip_leakage_ahead` …,
+quadratures as `Q_work` …; `slots` describes the arrays. Paths of one effect are numbered.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,7 +11,7 @@ from functools import lru_cache
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PORT_STATE
 
-AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # of a turn, and the angles of the step tried
+AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # impacts of a turn, and the angles of the attempted step
 WAYS = ("ahead", "behind")  # the two sides of a gap
 
 
@@ -33,11 +32,11 @@ class Layout:
     # ---- names -------------------------------------------------------------------------------------------------
 
     def of_path(self, path: Port | Gap, way: str = "") -> str:
-        """Return the name of a port, or of a gap to the chamber on one side."""
+        """Return the name of a port, or of one side of a gap."""
         return f"{self.label(path)}_{way}" if way else self.label(path)
 
     def area(self, path: Port | Gap, way: str = "") -> str:
-        """Return where in E an area stands; of a gap without a side where all chambers are together."""
+        """Return the index in E of an area; without a side for a gap of all chambers together."""
         return f"A_{self.of_path(path, way)}"
 
     def area_at(self, path: Port | Gap, phi: str) -> str:
@@ -45,73 +44,73 @@ class Layout:
         return f"area__{self.label(path)}({phi}, P, TAB)"
 
     def flow(self, path: Port | Gap, way: str = "") -> str:
-        """Return where the flow through a path stands among those into a chamber."""
+        """Return the index of a path's flow among those into a chamber."""
         return f"FLOW_{self.of_path(path, way)}"
 
     def film(self, gap: Gap, way: str) -> str:
-        """Return where the film of oil through a gap stands among those into a chamber."""
+        """Return the index of a gap's oil film among those into a chamber."""
         return f"FILM_{self.of_path(gap, way)}"
 
     def neighbour(self, side: int, way: str) -> str:
-        """Return the name of the chamber so many lobe pitches ahead or behind: `ahead_4`."""
+        """Return the name of the chamber some lobe pitches ahead or behind: `ahead_4`."""
         return f"{way}_{self._network.offsets[side]}"
 
     def share(self, port: Port, what: str) -> str:
-        """Return where in a chamber's own port state stands how far a port is `OPENED`, or which way it is `HELD`."""
+        """Return where a chamber's own port state has the open share (`OPENED`) or the switch (`HELD`) of a port."""
         return f"own[{what}_{self.label(port)}]"
 
     def line(self, cell: str, together: bool = False) -> tuple[str, str]:
-        """Return array and index of the port state of a line or plenum; in E where the lines pulsate (M184)."""
+        """Return array and index of the port state of a line or plenum; in E where lines pulsate (M184)."""
         if self._network.pulsating:
             return "E", f"{'ALL' if together else 'E'}_{cell}"
         return "R", f"R_{cell}"
 
     @property
     def stops(self) -> list[str]:
-        """Return the names of all that moves between a seat and a stop: those of the positions."""
+        """The names of everything that moves between a seat and a stop: those of the positions."""
         return [each.position for each in self._network.stops]
 
     @property
     def heats(self) -> list[str]:
-        """Return the names of all heats: from the oil, then from walls."""
+        """The names of all heats: from the oil, then from walls."""
         return labels([each.effect for each in (*self._network.heats, *self._network.walls)])
 
     @property
     def walls(self) -> list[str]:
-        """Return the names of the walls."""
+        """The names of the walls."""
         return self.heats[len(self._network.heats) :]
 
     # ---- numbers -----------------------------------------------------------------------------------------------
 
     @property
     def flows(self) -> list[str]:
-        """Return the names of all flows into a chamber: ports, then each gap ahead and behind."""
+        """The names of all flows into a chamber: ports, then each gap ahead and behind."""
         network = self._network
         return [*(self.flow(each) for each in network.ports), *(self.flow(*each) for each in self.sides)]
 
     @property
     def sides(self) -> list[tuple[Gap, str]]:
-        """Return each gap with the chamber ahead, and with that behind."""
+        """Each gap with its side ahead, and with its side behind."""
         return [(gap, way) for gap in self._network.gaps for way in WAYS]
 
     @property
     def met(self) -> list[str]:
-        """Return the names of all neighbours, in the order of their places."""
+        """The names of all neighbours, in the order of their indices."""
         return [self.neighbour(side, way) for side in range(len(self._network.offsets)) for way in WAYS]
 
     @property
     def lines(self) -> int:
-        """Return where in E of one chamber the port states of lines that pulsate begin."""
+        """The index in one chamber's E where the port states of pulsating lines begin."""
         network = self._network
         return E_AREAS + len(network.ports) + 2 * len(network.gaps) + (PORT_STATE + 1) * len(self.met)
 
     @property
     def size(self) -> int:
-        """Return how many numbers of E a chamber has where all are together."""
+        """The number of entries in E for each of all chambers together."""
         return E_AREAS + len(self._network.ports) + len(self._network.gaps)
 
     def constants(self, columns: Sequence[str], quadratures: Sequence[str]) -> dict[str, int]:
-        """Return the numbers of all names; a history holds `columns` beyond the states."""
+        """Return the values of all names; a history has `columns` beyond the states."""
         network, ports = self._network, len(self._network.ports)
         cells = [(number, cell) for number, cell in enumerate(network.cells) if cell]
         opened = [port for port in network.ports if port.opening]
@@ -149,11 +148,12 @@ class Layout:
 
 
 def _counted(head: str, names: Iterable[str], first: int = 0) -> dict[str, int]:
+    """Return consecutive numbers by name, each with a prefix."""
     return {f"{head}{name}": i for i, name in enumerate(names, first)}
 
 
 def labels(names: Iterable[str]) -> list[str]:
-    """Return names as parts of identifiers, each once: the second of a name ends with 2 …."""
+    """Return names as parts of identifiers, made unique: the second of a name ends with 2 …."""
     return list(_labels(tuple(names)))
 
 
@@ -169,5 +169,5 @@ def _labels(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def place_of_sum(name: str) -> str:
-    """Return where a quadrature `q_…` stands among them."""
+    """Return the name of a quadrature's index, from its local name `q_…`."""
     return name.replace("q_", "Q_", 1)

@@ -1,9 +1,9 @@
-"""What a chamber of a stored cycle exchanges with the lines, as text: the port that its balance tells, flows to lines.
+"""Exchange of a chamber of a stored cycle with the lines, as text: port flows from the mass balance, flows to lines.
 
 Source: docs/model.md M3, M106, M184; docs/explanation/numerics.md. A wide port is held at its line by a tiny Δp, which
 between the ends of a step carries the whole error of the pressure; the change of the chamber's gas does not. So the
-balance tells the flow through one port: for the ledger through the widest, near its line; for the lines' waves, which
-take what a chamber gives them at every pressure, through the one that alone is open to a line.
+mass balance determines the flow through one port: for the ledger the widest, if near its line's pressure; for pulsating
+lines, which receive flow at any pressure, the only port that is open to a line.
 """
 
 from screwsim.model.network.cell import Cell
@@ -12,11 +12,11 @@ from screwsim.model.network.network import Network, Port
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.slots import FIRST_OWN
 
-NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
+NEAR = 100.0  # widths ε of a port within which the mass balance gives its flow more accurately than its Δp
 
 
 def line_flow_texts(network: Network) -> list[str]:
-    """Return the functions of flows to lines that a network calls for."""
+    """Return the functions for flows to lines that a network needs."""
     texts = [_told(network), _balanced(network)]
     if network.pulsating:
         texts += [_faces_line(network), _balanced_alone(network), _add_to_lines(network)]
@@ -31,7 +31,7 @@ def _to_lines(network: Network) -> list[Port]:
 
 
 def _told(network: Network) -> str:
-    """Return the text that lets the balance tell the flow through a port."""
+    """Return the text that computes the flow through a port from the mass balance."""
     to = Statements()
     to.add("flows[port] = 0.0", "others = 0.0", *(f"others += flows[{flow}]" for flow in Layout(network).flows))
     to.add("flows[port] = mass_rate - others")
@@ -43,7 +43,7 @@ def _told(network: Network) -> str:
 
 
 def _balanced(network: Network) -> str:
-    """Return the text that lets the balance tell the flow through the widest port to a line, at nearly its pressure."""
+    """Return the text that does so for the widest port to a line, near that line's pressure."""
     to, cell, layout = Statements(), Cell(network), Layout(network)
     wide = [port for port in network.ports if port.wide]
     if wide:
@@ -65,7 +65,7 @@ def _balanced(network: Network) -> str:
 
 
 def _balanced_alone(network: Network) -> str:
-    """Return the text that lets the balance tell the flow through the one port that is open to a line."""
+    """Return the text that does so for the only port that is open to a line."""
     to, layout, ports = Statements(), Layout(network), _to_lines(network)
     to.add("opened = 0", "port = 0")
     for port in ports:
@@ -81,12 +81,12 @@ def _balanced_alone(network: Network) -> str:
 
 
 def _beyond(offset: int, phi: str = "phi") -> str:
-    """Tell in the text whether what lies so many lobe pitches ahead of a chamber at phi is the discharge line."""
+    """Return the test for the discharge line being some lobe pitches ahead of a chamber at phi."""
     return f"{phi} + {offset} * P[P_PITCH] > P[P_LIFE]"
 
 
 def _faces_line(network: Network) -> str:
-    """Return the text that tells whether a chamber is open to a line, by a port or by a gap beyond the last chamber."""
+    """Return the text of whether a chamber is open to a line, by a port or by a gap beyond the last chamber."""
     to, layout = Statements(), Layout(network)
     for port in _to_lines(network):
         with to.within(f"if {layout.area_at(port, 'phi')} > 0.0"):
@@ -100,7 +100,7 @@ def _faces_line(network: Network) -> str:
 
 
 def _add_to_lines(network: Network) -> str:
-    """Return the text that adds a chamber's flows to those into both lines, and its volume to what is open to them."""
+    """Return the text that adds a chamber's flows to those into both lines, and its volume to that open to them."""
     to, layout = Statements(), Layout(network)
     for number, line in enumerate(network.lines):
         ports = [port for port in network.ports if port.number == number]
@@ -120,7 +120,7 @@ def _add_to_lines(network: Network) -> str:
 
 
 def _lets_out(network: Network) -> str:
-    """Return the text that tells whether a chamber is open to the discharge line, beyond the last one by a gap."""
+    """Return the text of whether a chamber is open to the discharge line, also by a gap beyond the last one."""
     to, layout = Statements(), Layout(network)
     for port in network.ports:
         if port.cell == network.lines[1]:
@@ -139,7 +139,7 @@ def _lets_out(network: Network) -> str:
 
 
 def _add_outflow(network: Network) -> str:
-    """Return the text that adds what leaves a chamber to the discharge line, and its oil's temperature."""
+    """Return the text that adds the outflow of a chamber to the discharge line, and its oil's temperature."""
     to, layout = Statements(), Layout(network)
     for port in network.ports:
         if port.cell == network.lines[1]:
@@ -157,5 +157,6 @@ def _add_outflow(network: Network) -> str:
 
 
 def _leaving(to: Statements, flow: str, test: str) -> None:
+    """Add an outflow where a test holds."""
     with to.within(test):
         to.add(f"heat += weight * {flow} * T_oil", f"mass += weight * {flow}")

@@ -1,8 +1,7 @@
-"""Port states as text: the numbers by which flows and balances know a chamber, a neighbour or a line.
+"""Port states as text: the numbers of a chamber, a neighbour or a line that flows and balances use.
 
-Source: docs/model.md M5, M6, M10, M106–M108, M184. A port state is the row of numbers that `slots.PRESSURE` … name.
-Those of neighbours are read from histories, whose columns beyond the states hold what the equation of state says of
-them.
+Source: docs/model.md M5, M6, M10, M106–M108, M184. A port state is the row of numbers named in `slots` from PRESSURE
+on. Those of neighbours are read from histories, whose columns beyond the states store results of the equation of state.
 """
 
 from screwsim.model.network import balances
@@ -12,9 +11,9 @@ from screwsim.model.port_states import gas_at_third, hold_to_line, jumps, make_c
 from screwsim.numerics.kernel import Kernel
 
 STORED = {"p": "PRESSURE", "h": "ENTHALPY"}  # in the columns beyond the states, in this order
-VARYING = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}  # of a real gas these, too
+VARYING = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}  # also these, of a real gas
 OIL = {"x_oil": "OIL_RATIO", "w_gas": "DISSOLVED"}
-LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
+LEAST = 1e-6  # of a neighbour's exponent and choking: a cubic across a phase border may dip below zero
 
 
 def port_state_texts(network: Network) -> list[str]:
@@ -23,17 +22,17 @@ def port_state_texts(network: Network) -> list[str]:
 
 
 def port_state_kernels() -> list[Kernel]:
-    """Return what those functions call."""
+    """Return the kernels that those functions call."""
     return [gas_at_third, hold_to_line, jumps, make_cubic, row_of_third]
 
 
 def columns(network: Network) -> dict[str, str]:
-    """Return what a history holds beyond the states, and where it stands in a port state."""
+    """Return what a history stores beyond the states, with the indices in a port state."""
     return STORED | (VARYING if network.varies else {})
 
 
 def _of_chamber(network: Network) -> str:
-    """Return the text of a chamber's port state, whose states begin at y[at], in the phase that is held, or its own."""
+    """Return the text of a chamber's port state, whose states begin at y[at], in the held phase or its own."""
     to = Statements()
     to.add(*(f"{name} = y[at + S_{name}]" for name in network.states if name not in network.own_states))
     to.add("phase = gas_phase(T, rho, P, TAB) if held == FREE else int(held)" if network.phases else "phase = 0")
@@ -47,7 +46,7 @@ def _of_chamber(network: Network) -> str:
 
 
 def _fill(to: Statements, network: Network, numbers: dict[str, str], port_state: str) -> None:
-    """Store numbers of a port state, and those that flows feel where oil takes room (M107, M108)."""
+    """Store numbers of a port state, and those that flows use where oil takes room (M107, M108)."""
     balances.oil_room(to, network)
     felt = {"rho_felt": "DENSITY", "T_felt": "OIL_TEMPERATURE"} if network.roomed else {"rho": "DENSITY"}
     if network.heated and not network.roomed:
@@ -87,7 +86,7 @@ def _of_neighbour(network: Network) -> str:
     to, asked = Statements(), columns(network)
     to.add(*(f"{name} = columns[S_{name}]" for name in network.states if name in ("rho", "T_oil", "w_gas")))
     if network.carried:
-        to.add("x_oil = max(0.0, columns[S_x_oil])")  # a cubic between two steps may dip below none by its error
+        to.add("x_oil = max(0.0, columns[S_x_oil])")  # a cubic between two steps may dip below zero
     for name in asked:
         found = f"columns[COLUMN_{name}]"
         to.add(f"{name} = {found}" if name in STORED else f"{name} = max({LEAST!r}, {found})")

@@ -1,7 +1,7 @@
 """Straight-line text: statements with named locals, and the same statements with their derivatives.
 
-What a scene does not call for is not written. Derivatives are made from the statements (`numerics.derivative`): those
-of kernels from the kernels' source, branch by branch.
+Only what a scene calls for is written. Derivatives are made from the statements (`numerics.derivative`), those of
+kernels from the kernels' source, branch by branch.
 """
 
 import ast
@@ -13,7 +13,7 @@ from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed
 
 
 class Statements:
-    """Lines of text, at a depth."""
+    """Lines of text at an indentation."""
 
     def __init__(self, depth: int = 0) -> None:
         self.lines: list[str] = []
@@ -25,7 +25,7 @@ class Statements:
 
     @contextmanager
     def within(self, head: str) -> Iterator[None]:
-        """Put what is added meanwhile below a head: `if …`, `else`, `for …`."""
+        """Indent what is added inside below a head: `if …`, `else`, `for …`."""
         self.add(f"{head}:")
         before, self._depth = len(self.lines), self._depth + 1
         yield
@@ -35,11 +35,11 @@ class Statements:
 
 
 class Tangent:
-    """Statements with their derivatives by seeds: names that are set outside, or that `given` has derivatives of.
+    """Statements with their derivatives by seeds: names that are set elsewhere, or have derivatives in `given`.
 
-    `given` are texts of derivatives, by variable and seed: of one that the statements set, in place of its own; of one
-    set outside, the name that is set with it (`slope_name`). What is `held` is taken for constant. `arrays` move with
-    the seed `ALONG`: so a number of the scene, `P[…]`, is a seed like any state.
+    `given` maps variable and seed to the text of a derivative: for a variable that the statements set, in place of
+    its own; for one set elsewhere, the name that is set with it (`slope_name`). `held` variables are constant.
+    `arrays` change along the seed `ALONG`, so that a number of the scene, `P[…]`, is a seed like any state.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Tangent:
         self.lines = [line for node in found for line in unparsed(node).splitlines()]
 
     def slope(self, name: str, seed: str) -> str:
-        """Return the text of the derivative of a variable behind the statements; 0.0 where there is none."""
+        """Return the text of a variable's derivative after the statements; 0.0 where there is none."""
         found = self._forward.slope(name, seed)
         return "0.0" if found is None else ast.unparse(found)
 

@@ -1,4 +1,4 @@
-"""What the integrator asks of a chamber between its steps, as text: errors, jumps, borders, the mass balance.
+"""What the integrator calls for a chamber between its steps, as text: errors, jumps, borders, the mass balance.
 
 Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 """
@@ -19,7 +19,7 @@ CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 
 
 def step_texts(network: Network) -> list[str]:
-    """Return the functions that the integrator asks of one chamber, and those that both drivers share."""
+    """Return the functions that the integrator calls for one chamber, and those that both drivers share."""
     return [
         *(
             _error(network),
@@ -34,7 +34,7 @@ def step_texts(network: Network) -> list[str]:
 
 
 def step_kernels(network: Network) -> list[Kernel]:
-    """Return what those functions call, and those of port states and of gas between two steps."""
+    """Return the kernels that those functions call, and those of port states and of gas between two steps."""
     asked = {share_before_border: network.phases}
     asked |= dict.fromkeys((share_before_switch, share_while_steep), any(port.one_way for port in network.ports))
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
@@ -47,10 +47,10 @@ def step_kernels(network: Network) -> list[Kernel]:
 def _error(network: Network) -> str:
     """Return the text of the largest relative error of one chamber's states.
 
-    Relative, but for next to no oil. In the dome p follows T by 7:1 and more, and flows follow p: the error of T counts
-    as that of the pressure that it makes, at fixed density, where that is larger (for an ideal gas they are equal). A
-    negative T, ρ or oil ratio would pass where it is small beside the value before the step, and oil less than none is
-    unstable.
+    The error is relative, except for very little oil. In the dome p follows T by 7:1 and more, and flows follow p:
+    the error of T counts as that of the resulting pressure, at fixed density, where that is larger (for an ideal
+    gas they are equal). Negative T, ρ or oil ratio must be rejected explicitly: they would pass where they are
+    small beside the value before the step, and a negative oil ratio is unstable.
     """
     to, positive = Statements(), dict(zip(network.own_states, network.positive, strict=True))
     if network.roomed:
@@ -87,18 +87,19 @@ def _error(network: Network) -> str:
 
 
 def _above_zero(name: str, positive: dict[str, bool]) -> bool:
+    """Return whether a state must be positive."""
     return positive.get(name, name in ("T", "rho", "T_oil"))
 
 
 def _error_size() -> str:
-    """Return the text of a step's error; that of y1 is the last stage's port state, but for the error itself."""
+    """Return the text of a step's error; the port state at y1 is that of the last stage."""
     body = ["return chamber__error(y0, y1, error, 0, context.own, 0, context.P)"]
     text = '"""Return the largest relative error of the states over a step."""'
     return function("chamber__error_size(y0, y1, error, context)", [text], body)
 
 
 def _lands(network: Network) -> str:
-    """Return the text that tells whether a step may end where the segment does (`model.borders`)."""
+    """Return the text of whether a step may end at the end of its segment (`model.borders`)."""
     to, layout = Statements(), Layout(network)
     if network.ports:
         with to.within(f"if {closing_test(layout, network, '')}"), to.within(f"if {stiff_test(network, '')}"):
@@ -112,13 +113,13 @@ def _lands(network: Network) -> str:
 
 
 def closing_test(layout: Layout, network: Network, e: str) -> str:
-    """Return a test whether a port closes along a step; the chamber's surroundings begin at E[e]."""
+    """Return a test for a port closing along a step; the chamber's surroundings begin at E[e]."""
     areas = [f"[{e}{layout.area(port)}]" for port in network.ports]
     return " or ".join(f"{closes.flat_name}(E{at}, E_end{at})" for at in areas)
 
 
 def stiff_test(network: Network, own: str) -> str:
-    """Return a test whether a step is too long for what is left; the chamber's states begin at `own`."""
+    """Return a test for a step being too long for what is left; the chamber's states begin at `own`."""
     return " or ".join(f"{stiff.flat_name}(h, J[{own}S_{name}, {own}S_{name}])" for name in network.states)
 
 
@@ -126,7 +127,7 @@ def stiff_test(network: Network, own: str) -> str:
 
 
 def _inject(network: Network) -> str:
-    """Return the text that lets the oil in at the injection angle, and notes what is there (M9, M30, M104, M110)."""
+    """Return the text that injects oil at the injection angle, and stores what was there (M9, M30, M104, M110)."""
     to, before = Statements(), "0.0"
     to.add("V = volume_at(P[P_INJECTION], P, TAB)", "m = chamber__gas(V, y, at, P)")
     to.add("p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(y[at + S_T], y[at + S_rho], P, TAB)")
@@ -171,7 +172,7 @@ def _at_breakpoint(network: Network) -> str:
 
 
 def _share_in_phase(network: Network) -> str:
-    """Return the text of the share of a step that holds: to a switch, an impact or a border of the phases."""
+    """Return the text of the share of a step that holds: up to a switch, an impact or a phase border."""
     to, layout = Statements(), Layout(network)
     switched = any(port.one_way for port in network.ports)
     if switched:
@@ -198,7 +199,7 @@ def _share_in_phase(network: Network) -> str:
 
 
 def _jump(network: Network) -> str:
-    """Return the text of what happens between two steps; it tells whether the integration may go on."""
+    """Return the text of events between two steps, which returns whether the integration may continue."""
     body = "chamber__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
     text = '"""Let happen what is due between two steps; tell whether the integration may go on."""'
     return function("chamber__jump(y, rtol, context)", [text, CONTEXT, f"return {body}"])
@@ -217,10 +218,10 @@ def _into(network: Network) -> str:
 
 
 def _conserve(network: Network) -> str:
-    """Return the text that closes a step's mass balance: by the flow through the widest open port, else by the density.
+    """Return the text that closes a step's mass balance, by the widest open port's flow or else by the density.
 
-    A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
-    of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
+    A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the
+    change of ρV over the step does not. Where no port is open the flows are smooth, and ρV is made to follow them.
     """
     to, layout, first = Statements(), Layout(network), network.lines[0]
     opened = [port for port in network.ports if port.opening]
@@ -263,12 +264,15 @@ def _conserve(network: Network) -> str:
 
 
 def exchanged(line: str) -> tuple[str, str, str]:
-    """Return what sets the sums of the streams in from a line and out to it, and its port state."""
+    """Return statements that set the sums of the streams in from a line and out to it, and its port state."""
     return f"inward = Q_mass_{line}_in", f"outward = Q_mass_{line}_out", f"line = R_{line}"
 
 
 def _held_shares(to: Statements, network: Network, y: str, name: str) -> None:
-    """Set how far each port whose opening hangs on the state is open to a chamber of state y; fill its port state."""
+    """Set the open share of each port whose opening depends on the state, for a chamber of state y.
+
+    Fill its port state.
+    """
     to.add(f"chamber__port_state(own[PHASE], {y}, 0, P, TAB, own, 0)")
     layout = Layout(network)
     for port in network.ports:

@@ -1,4 +1,4 @@
-"""What the integrator asks of all chambers at once between its steps, as text: errors, phases, the mass balance.
+"""What the integrator calls for all chambers at once between its steps, as text: errors, phases, the mass balance.
 
 Source: docs/model.md M24; docs/explanation/numerics.md. Chamber j has its states at y[j N], its port state in row j.
 """
@@ -11,15 +11,15 @@ from screwsim.model.network.statements import Statements, function
 from screwsim.model.network.steps import closing_test, exchanged, stiff_test
 from screwsim.model.slots import FIRST_OWN
 
-BEFORE = "(j + 0.5) * P[P_PITCH] < P[P_INJECTION]"  # is chamber j before the injection angle?
+BEFORE = "(j + 0.5) * P[P_PITCH] < P[P_INJECTION]"  # test for chamber j being before the injection angle
 CONTEXT = "P, TAB, R, port_states = context.P, context.TAB, context.R, context.port_states"
 
 
 def step_texts_together(network: Network) -> list[str]:
-    """Return the functions that the integrator asks of all chambers."""
+    """Return the functions that the integrator calls for all chambers."""
     nothing = [
         function(head, ["pass"])
-        # the only jump, oil injection, lies at the border between two pitches; port states are filled when the pitch
+        # the only jump, oil injection, is at the border between two pitches; port states are filled when the pitch
         # becomes a life (`port_states.port_states_along`)
         for head in ("chambers__at_breakpoint(phi, y, context)", "chambers__keep_port_states(step, dense, context)")
     ]
@@ -29,7 +29,7 @@ def step_texts_together(network: Network) -> list[str]:
 
 
 def held_phase(network: Network, j: str) -> str:
-    """Return where the phase stands that chamber j is held in during a step."""
+    """Return where the phase is in which chamber j is held during a step."""
     return f"port_states[(CHAMBERS + 1) * PORT_STATE + {j}]"
 
 
@@ -60,7 +60,7 @@ def _share_in_phase(network: Network) -> str:
 
 
 def _conserve(network: Network) -> str:
-    """Return the text that lets the mass balances of a step set the flows through the ports, as in one chamber.
+    """Return the text that closes the mass balances of a step by flows through ports, as in one chamber.
 
     Chambers before the injection angle are the suction side, the others the discharge side.
     """
@@ -68,7 +68,7 @@ def _conserve(network: Network) -> str:
     suction, discharge, *others = filter(None, network.cells)
     to.add("crossing = dq[Q_crossing]")
     _close_side(to, network, suction, BEFORE, "- crossing", [])
-    # what crosses holds what comes from own plenums to the suction side
+    # the crossing gas includes flows from own plenums to the suction side
     own = [f"Q_mass_{cell}_{way}" for cell in others for way in ("in", "out")]
     _close_side(to, network, discharge, f"not ({BEFORE})", "+ crossing", own)
     text = '"""Close the mass balances of a step: on the side of the suction, then on that of the discharge (M1)."""'
@@ -76,14 +76,14 @@ def _conserve(network: Network) -> str:
 
 
 def _close_side(to: Statements, network: Network, line: str, test: str, crossing: str, own: Sequence[str]) -> None:
-    """Let the mass balance of the chambers on the side of a line set the flow through the widest of their ports."""
+    """Close the mass balance of the chambers on the side of a line by the flow through the widest of their ports."""
     layout = Layout(network)
     to.add(*exchanged(line), "widest = 0.0", "open_one = 0")
     to.add(f"defect = -dq[inward] - dq[outward] {crossing}", *(f"defect -= dq[{each}]" for each in own))
     with to.within("for j in range(CHAMBERS)"), to.within(f"if {test}"):
         to.add("e = j * E_CHAMBER")
         gas = [f"chamber__gas({E}[e + E_VOLUME], {y}, j * N, P)" for E, y in (("E_next", "y1"), ("E", "y"))]
-        to.add(f"defect += {gas[0]} - {gas[1]}")  # first what is small
+        to.add(f"defect += {gas[0]} - {gas[1]}")  # small terms first
         for port in network.ports:
             if port.cell == line or (network.across and port.number < FIRST_OWN):
                 at = f"[e + {layout.area(port)}]"
@@ -95,7 +95,7 @@ def _close_side(to: Statements, network: Network, line: str, test: str, crossing
 
 
 def _through_port(network: Network) -> str:
-    """Return the text that adds what a mass balance lacks to the stream through a port of chamber j."""
+    """Return the text that adds the defect of a mass balance to the stream through a port of chamber j."""
     to = Statements()
     with to.within("if dq[inward] + dq[outward] >= 0.0"):
         to.add("chamber__into(dq, inward, defect, R, line)")
@@ -111,7 +111,7 @@ def _through_port(network: Network) -> str:
 
 
 def _lands(network: Network) -> str:
-    """Return the text that tells whether a step may end where the segment does, for all chambers (`model.borders`)."""
+    """Return the text of whether a step may end at the end of its segment, for all chambers (`model.borders`)."""
     to, layout = Statements(), Layout(network)
     if network.ports:
         with to.within("for j in range(CHAMBERS)"):

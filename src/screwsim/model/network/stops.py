@@ -1,4 +1,4 @@
-"""What moves between a seat and a stop, as text: each pair of position and speed by its name (`model.impacts`).
+"""Motion between a seat and a stop, as text: each pair of position and speed by its name (`model.impacts`).
 
 Source: docs/reference/slider-crank.md S26, S32, S33.
 """
@@ -12,33 +12,33 @@ AROUND = "R, P, TAB"
 
 
 def stop_kernels(network: Network) -> list[Kernel]:
-    """Return what the texts call of every pair alike."""
+    """Return the kernels that the texts call for every pair alike."""
     alike = [impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.put_within, impacts.share_before_meeting]
     return alike if network.stops else []
 
 
-OF_EACH = (impacts.begin, impacts.share_before_event, impacts.take_event)  # pasted for each pair, with its push
+OF_EACH = (impacts.begin, impacts.share_before_event, impacts.take_event)  # pasted for every pair, with its push
 
 
 def of_stop(label: str) -> tuple[dict[str, str], str]:
-    """Return what fills the slots of the kernels of a pair, and how their names end."""
+    """Return what fills the slots of a pair's kernels, and the suffix of their names."""
     return {"push_on": f"push_on__{label}"}, f"_{label}"
 
 
 def stop_texts(network: Network) -> list[str]:
-    """Return the functions of all that moves between a seat and a stop."""
+    """Return the functions for everything that moves between a seat and a stop."""
     if not network.stops:
         return []
     return [_begin(network), _share_before_event(network), _put_within(network), _take_event(network)]
 
 
 def _of(stop: Stop) -> str:
-    """Return the arguments that say where position, speed, mode and what is due of a pair stand."""
+    """Return the arguments with the indices of a pair's position, speed, mode and due event."""
     return f"S_{stop.position}, S_{stop.speed}, MODE_{stop.position}, DUE_{stop.position}"
 
 
 def keep_at_rest(network: Network, f: str) -> list[str]:
-    """Return statements that let nothing move that rests, in rates f or in their derivatives by the angle."""
+    """Return statements that zero the entries of resting pairs, in rates f or their derivatives by the angle."""
     return _kept(network, impacts.keep_at_rest, f)
 
 
@@ -48,6 +48,7 @@ def keep_rows_at_rest(network: Network, J: str) -> list[str]:
 
 
 def _kept(network: Network, by: Kernel, array: str) -> list[str]:
+    """Return calls of a kernel for all pairs."""
     return [
         f"{by.flat_name}(own, MODE_{each.position}, S_{each.position}, S_{each.speed}, {array})"
         for each in network.stops
@@ -55,6 +56,7 @@ def _kept(network: Network, by: Kernel, array: str) -> list[str]:
 
 
 def _begin(network: Network) -> str:
+    """Return the text that sets the modes at the start of a turn."""
     to = Statements()
     to.add("own[IMPACTS] = 0.0")
     for stop in network.stops:
@@ -64,6 +66,7 @@ def _begin(network: Network) -> str:
 
 
 def _share_before_event(network: Network) -> str:
+    """Return the text of the share of a step before its first impact event."""
     to = Statements()
     to.add("step = own[STEP_END] - own[STEP_BEGIN]", "share = 1.0")
     for stop in network.stops:
@@ -75,6 +78,7 @@ def _share_before_event(network: Network) -> str:
 
 
 def _put_within(network: Network) -> str:
+    """Return the text that limits positions at the end of an accepted step."""
     put = impacts.put_within.flat_name
     calls = [f"{put}(y1, own, S_{stop.position}, DUE_{stop.position})" for stop in network.stops]
     text = '"""Put positions at the end of an accepted step where they were met, and none beyond seat or stop."""'
@@ -82,6 +86,7 @@ def _put_within(network: Network) -> str:
 
 
 def _take_event(network: Network) -> str:
+    """Return the text that applies impact events between two steps."""
     to = Statements()
     for stop in network.stops:
         where = f"S_{stop.speed}, MODE_{stop.position}, DUE_{stop.position}, {stop.seat}, {stop.stop}"

@@ -1,7 +1,7 @@
-"""What surrounds chambers, as text: volume and areas at an angle, port states of neighbours and of lines that pulsate.
+"""The surroundings of chambers, as text: volume and areas at an angle, port states of neighbours and pulsating lines.
 
-Source: docs/model.md M1–M13, M24, M184–M186. What neighbours do is read from histories. Of all chambers together, over
-one lobe pitch, chamber j stands at s + j pitch. A context is one of `contexts`.
+Source: docs/model.md M1–M13, M24, M184–M186. Neighbours are read from histories. Of all chambers together, over one
+lobe pitch, chamber j is at s + j pitch. A context is one of `contexts`.
 """
 
 from screwsim.model.network.flows import NUMBERS, needed
@@ -13,11 +13,11 @@ from screwsim.model.pulsation import pulsed
 from screwsim.numerics.kernel import Kernel
 
 DISCHARGE = 1  # number of the line that lies ahead of the last chamber
-PULSED = ("p", "rho", "h")  # of a line that pulsates
+PULSED = ("p", "rho", "h")  # numbers that pulsate with a line
 
 
 def surroundings_kernels(network: Network) -> list[Kernel]:
-    """Return what the texts call."""
+    """Return the kernels that the texts call."""
     asked = {read_ahead: bool(network.gaps), read_behind: bool(network.gaps), pulsed: network.pulsating}
     return [each for each, wanted in asked.items() if wanted]
 
@@ -75,7 +75,7 @@ def surroundings_together_text(network: Network) -> str:
 
 
 def _of_angle(to: Statements, network: Network, phi: str, middle: str, e: str = "") -> None:
-    """Set what depends on the angle alone; oil is present beyond the injection angle."""
+    """Set what depends on the angle alone; oil is present after the injection angle."""
     to.add(f"E[{e}E_ANGLE] = {phi}")
     to.add(f"E[{e}E_VOLUME] = volume_at({phi}, P, TAB)", f"E[{e}E_SLOPE] = volume_slope_at({phi}, P, TAB)")
     if network.heated and not network.carried:
