@@ -1,7 +1,7 @@
 """The catalogue of effects: every file of this package that defines EFFECT, in a fixed order.
 
-A name with a dot (`my_package.my_effect`) is imported from the user's own code, so that a new effect needs no edit
-here.
+An effect whose name has a dot (`my_package.my_effect`) is imported from the user's own code, so a new effect needs no
+edit here.
 """
 
 import importlib
@@ -22,7 +22,7 @@ _ORDER = (*_PORTS, *_GAPS, *_LINES, *_HEAT, *_LOSSES, "air_package")
 
 @cache
 def catalogue() -> dict[str, Effect]:
-    """Return {name: effect} of the built-in effects: ports, gaps, heat, losses, then the others by name."""
+    """Return {name: effect} of the built-in effects: ports, gaps, lines, heat, losses, then the others by name."""
     names = [module.name for module in pkgutil.iter_modules(__path__) if not module.ispkg and module.name != "base"]
     found = {name: importlib.import_module(f"{__name__}.{name}").EFFECT for name in names}
     rank = {name: index for index, name in enumerate(_ORDER)}
@@ -30,20 +30,23 @@ def catalogue() -> dict[str, Effect]:
 
 
 def having(role: str) -> list[str]:
-    """Return the effects of the catalogue that have a role (`effects.base`), by the keys with which they do."""
+    """Return the keys (`effects.NAME.key`) by which effects of the catalogue take on a role (`effects.base`)."""
     return [f"effects.{name}{each.roles[role]}" for name, each in catalogue().items() if role in each.roles]
 
 
 def stating(parameters: type) -> str:
-    """Return the effect of the catalogue whose parameters are of a kind, as scenes name it."""
+    """Return the name of the catalogue's effect whose parameters derive from a class."""
     return next(name for name, effect in catalogue().items() if issubclass(effect.parameters, parameters))
 
 
 def imported() -> dict[str, Effect]:
-    """Return {name: effect} of the user's own that this program has imported."""
+    """Return {name: effect} of the user's own effects that this program has imported."""
     return {name: made for name, made in sources.noted().items() if isinstance(made, Effect)}
 
 
 def find_effect(name: str) -> Effect:
-    """Return the effect of a name; raise KeyError when there is none, ImportError when a dotted one is not there."""
+    """Return the effect of a name.
+
+    Raise KeyError where there is none, ImportError where a dotted one cannot be imported.
+    """
     return found_in(catalogue(), name, "EFFECT", Effect)

@@ -40,7 +40,7 @@ from screwsim.outputs import (
 NAME = "air_package"
 SEPARATED = ("effects.separator",)
 BEFORE = "inlet_filter", "inlet_valve"
-MOST = 0.5  # of the suction pressure, that filter and valve may take at rated flow
+MOST = 0.5  # largest share of the suction pressure that filter and valve may lose at rated flow
 AIR = "air"
 NO_AIR = "ISO 1217's isentropic power is that of air, and the gas is {fluid}"
 NONE_DELIVERED = "no net gas is delivered"
@@ -79,7 +79,7 @@ _named = (
     power_figure("package_heat", "heat that leaves the package but with its air", needs=SEPARATED),
 )
 FIGURES = (*_always, *_named)
-OF_WATER = (  # found with what else becomes of the water (M361)
+OF_WATER = (  # computed with the package's water balance (M361)
     Figure(
         "package_vapour_flow",
         "kg s-1",
@@ -160,20 +160,23 @@ class Parameters(LosesPressure):
 
     @property
     def delivers(self) -> bool:
-        """Whether the package delivers: unloaded, what the machine moves is blown off."""
+        """Whether the package delivers; unloaded, the gas that the machine moves is blown off."""
         return self.state != UNLOADED
 
     def cooled(self, T: float, inlet: float) -> float | None:
-        """Return the temperature [K] behind the aftercooler of air that comes with T, its inlet's known (M344)."""
+        """Return the temperature [K] behind the aftercooler of air that enters at T; `inlet` is the package's (M344).
+
+        None where there is no aftercooler.
+        """
         return None if self.aftercooler is None else min(T, inlet + self.aftercooler.approach)
 
     def rated(self, *names: str) -> float:
-        """Return what parts of these names take at rated flow [Pa]."""
+        """Return the pressure loss [Pa] of the named parts at rated flow."""
         parts = (getattr(self, name) for name in names)
         return sum(part.pressure_loss for part in parts if part is not None)
 
     def losses(self, flow: float, inlet: float, outlet: float) -> PressureLosses:
-        """Return what a flow [m³/s] at the inlet loses, inlet and outlet at pressures [Pa] (M341, M342)."""
+        """Return the pressure losses at a flow at the inlet [m³/s], given both pressures [Pa] (M341, M342)."""
         if self.state == UNLOADED and self.unloaded is not None:
             return PressureLosses(inlet - self.unloaded.intake_pressure, self.unloaded.separator_pressure - outlet)
         share, valve = (flow / self.rated_flow) ** 2, self.minimum_pressure_valve
@@ -185,7 +188,7 @@ class Parameters(LosesPressure):
 
 
 def fan_power(parameters: Parameters, flow: float) -> float:
-    """Return the power of the fan [W] at a flow at the inlet [m³/s] (M345)."""
+    """Return the fan's power [W] at a flow at the inlet [m³/s] (M345)."""
     fan = parameters.fan
     if fan is None:
         return 0.0
@@ -193,7 +196,7 @@ def fan_power(parameters: Parameters, flow: float) -> float:
 
 
 def read(parameters: Parameters, known) -> Given:
-    """Return the figures of ISO 1217, and what becomes of power and heat (M340, M345–M347)."""
+    """Return the figures of ISO 1217 and the package's balance of power and heat (M340, M345–M347)."""
     found, losses = known.found, known.package
     flow = found["gas_mass_flow"] / known.suction_density
     inlet, outlet = found["suction_pressure"], found["discharge_pressure"] - losses.behind
@@ -216,9 +219,9 @@ def read(parameters: Parameters, known) -> Given:
 
 
 def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
-    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348, M362).
+    """Return outlet temperature [K], duty of the aftercooler and heat of the package [W] (M344, M348, M362).
 
-    They follow from the separator's temperature, and are none where nothing finds that.
+    They follow from the separator's temperature; where no effect finds that, each is a text that says so.
     """
     found = known.found
     T, flow = found.get("separator_temperature"), found["gas_mass_flow"]
@@ -226,16 +229,16 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
         return dict.fromkeys(OF_HEAT, "gas and oil do not part in the separator")
     T_1 = found["suction_temperature"]
     h_1, h = known.enthalpy(found["suction_pressure"], T_1), known.enthalpy(found["discharge_pressure"], T)
-    if parameters.state == UNLOADED:  # what the machine moves is blown off, as warm as it comes
+    if parameters.state == UNLOADED:  # the gas that the machine moves is blown off at the separator's temperature
         return dict(zip(OF_HEAT, (IDLE, 0.0, power - flow * (h - h_1)), strict=True))
     cooled = parameters.cooled(T, T_1)
     T_2 = T if cooled is None else cooled
-    share, passed = known.drained(found["discharge_pressure"], T)  # what condensed before leaves with T
+    share, passed = known.drained(found["discharge_pressure"], T)  # water that has condensed before leaves at T
     try:
         h_2 = h - share * passed.enthalpy(found["discharge_pressure"], T) + share * passed.enthalpy(outlet, T_2)
     except Unfound as wrong:
         return dict.fromkeys(OF_HEAT, f"behind the aftercooler {wrong}")
-    h_2 = min(h_2, h)  # a cooler heats nothing: what is not cooled keeps its enthalpy
+    h_2 = min(h_2, h)  # a cooler never heats: uncooled air keeps its enthalpy
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
 
 

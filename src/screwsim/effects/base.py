@@ -1,8 +1,9 @@
-"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, walls, losses, readings; kernels.
+"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, walls, losses and readings.
 
-An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
-with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
-or one of the symbols of docs/reference/nomenclature.md (`phi`, `T`, `m`, `T_oil`, `omega`, `rotor_diameter` …).
+An effect only ever adds to the rates of a chamber; it never assigns them. Each is one file, of this package or of the
+user's own, with a module variable `EFFECT`. The argument names of its kernels say what they need: a parameter of the
+effect itself, or one of the symbols of docs/reference/nomenclature.md (`phi`, `T`, `m`, `T_oil`, `omega`,
+`rotor_diameter` …).
 
 Source: screwsim, docs/how-to/adding-an-effect.md.
 """
@@ -89,7 +90,7 @@ Part = (
 
 
 class Around(NamedTuple):
-    """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity.
+    """What an effect can learn about a scene before it is composed (SI units). `oil` has density and viscosity.
 
     `tip_speed` is that of the male rotor, or the mean piston speed.
     """
@@ -107,17 +108,19 @@ class Around(NamedTuple):
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
-    `figures` are those that it gives where a scene calls for them, `traces` its curves over the angle;
-    `warnings(found)` tells from the figures of a cycle what of them hardly can be.
+    `figures` are the results that it gives where a scene calls for them, `traces` its curves over the angle.
+    `warnings(found)` yields a text for each figure of a cycle that is hardly plausible.
 
-    `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
-    shows, `check_geometry(parameters, geometry)` those that show on the machine's geometry, of a scene that is in order
-    but for these. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from
-    the scene. `needs` is what a machine must offer (`machine.protocol`), of all kinds by default.
+    `build(parameters, machine)` returns its parts. `check(parameters, facts)` returns the faults that only the whole
+    scene shows, `check_geometry(parameters, geometry)` those that only the machine's geometry shows; it is called once
+    the scene has no other fault. `numbers(parameters, around)` returns values for argument names of its kernels that
+    follow from the scene. `needs` is what a machine must offer (`machine.protocol`); empty: every kind of machine will
+    do.
 
-    What the core asks for without knowing who does it, an effect says of itself: `roles` are such questions (words of
-    `outputs`) with the key of its own, `.key`, by which it answers one, empty where it always does; `usual` is what it
-    is in scenes of machines that offer something; `sizes` are those of its keys that must fit into the machine.
+    The core never asks for an effect by name; an effect says of itself what the core wants to know. `roles` maps such a
+    question (a text of `outputs` or `effects.parts.roles`) to the effect's own `.key` that answers it, or to an empty
+    text where the answer is always yes. `usual` says, by what a machine offers, which usual ingredient of a scene it
+    is. `sizes` are those of its keys that must fit into the machine.
     """
 
     name: str
@@ -140,5 +143,5 @@ class Effect:
     sizes: tuple[Sized, ...] = ()
 
     def fits(self, kind: MachineKind) -> bool:
-        """Tell whether a kind of machine can have this effect."""
+        """Tell whether a kind of machine offers what this effect needs."""
         return self.needs <= kind.offers

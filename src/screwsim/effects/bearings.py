@@ -20,7 +20,7 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS
 from screwsim.outputs import power_figure
 
-LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 does not depend on it (Palmgren)
+LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 no longer depends on ν n (Palmgren)
 _OF_FRICTION = {"simple": ("friction_coefficient", "bore"), "two_term": ("mean_diameter", "f_0", "f_1")}
 _EXAMPLES = {"friction_coefficient": "0.0018", "bore": "60 mm", "mean_diameter": "85 mm", "f_0": "2", "f_1": "0.0004"}
 _OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area")}
@@ -64,14 +64,17 @@ class Parameters:
 
 
 def idle_moment(speed: float, kinematic_viscosity: float, mean_diameter: float, f_0: float) -> float:
-    """Return M_0 of one bearing [N m]: speed [rad/s], viscosity [m²/s], diameter [m] (M143)."""
+    """Return the load-independent moment M_0 of one bearing [N m] (M143).
+
+    Arguments: speed [rad/s], kinematic viscosity [m²/s], mean diameter [m], factor f_0.
+    """
     film = 1e6 * kinematic_viscosity * abs(speed) * 30.0 / pi  # mm²/s · 1/min, the units of the rule
     scale = film ** (2.0 / 3.0) if film >= LEAST_FILM else LEAST_FILM ** (2.0 / 3.0)
     return 1e-7 * f_0 * scale * (1e3 * mean_diameter) ** 3 * 1e-3 if speed != 0.0 else 0.0
 
 
 def load_on_male(parameters: Parameters, figures) -> float:
-    """Return the load on the male rotor [N]: the stated one, or the mean of the gas (M146)."""
+    """Return the load on the male rotor [N]: as stated, or the mean gas force on the stated areas (M146)."""
     if parameters.load == "stated":
         return hypot(parameters.radial_load or 0.0, parameters.axial_load or 0.0)
     pitch = figures.pitch()
@@ -81,7 +84,7 @@ def load_on_male(parameters: Parameters, figures) -> float:
 
 
 def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
-    """Return the moment of friction of one rotor's bearings [N m] (M143)."""
+    """Return the friction moment of the bearings of one rotor [N m] (M143)."""
     if parameters.friction == "simple":
         return 0.5 * (parameters.friction_coefficient or 0.0) * load * (parameters.bore or 0.0)
     T, d_m = film_temperature(parameters.film_temperature, figures), parameters.mean_diameter or 0.0
@@ -94,7 +97,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     ratio = machine.settings.male_lobes / machine.settings.female_lobes
 
     def power(figures) -> float:
-        """Return the friction of all bearings [W] (M143)."""
+        """Return the friction power of all bearings [W] (M143)."""
         load, male, female = load_on_male(parameters, figures), figures.omega, ratio * figures.omega
         of_male = male * moment(parameters, male, load, figures)
         return of_male + female * moment(parameters, female, parameters.female_load * load, figures)
@@ -117,7 +120,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> Faults:
-    """Yield what a choice lacks, and what is given that belongs to the other word of it."""
+    """Yield parameters that a choice needs and lacks, and those given that belong to the other option."""
     for name in names:
         given, path = getattr(parameters, name) is not None, f"effects.bearings.{name}"
         if word == chosen and not given:

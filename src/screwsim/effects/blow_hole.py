@@ -1,15 +1,16 @@
 """Blow-hole: the opening at the housing cusp between a chamber and the one behind it.
 
 What: nozzle flow through a constant area while the separating lobe crosses the cusp, M21.
-Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
-383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
-`suction_area` adds the blow-hole at the suction cusp, which is still open when suction closes: the chamber that begins
-to compress leaks through it to the one behind, which fills (M263).
-With machine.volume.law: profile the area by angle is the profile's, on both sides (docs/reference/rotors.md); a given
-`area` scales the largest value at the high-pressure cusp to that.
+Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about 383°
+to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends. `suction_area` adds
+the blow-hole at the suction cusp, which is still open when suction closes: the chamber that begins to compress leaks
+through it into the chamber behind, which is still filling (M263). With machine.volume.law: profile the area by angle is
+computed from the profile, at both cusps (docs/reference/rotors.md); a given `area` rescales the curve at the
+high-pressure cusp to that largest value.
 Assumptions: quasi-steady nozzle; without a profile and without suction_area the compression-side blow-hole only.
 Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (angles of the leading chamber; the last
-four not with a profile), flow_coefficient; area_file (of the high-pressure cusp's, or of a profile's both).
+four not with a profile), flow_coefficient; area_file (in place of the high-pressure cusp's area, or of both curves of a
+profile).
 """
 
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ from screwsim.numerics.kernel import kernel
 DEGREE = pi / 180.0
 TURN = 2.0 * pi
 RAMP = 20.0 * DEGREE
-SHUTTING = 40.0 * DEGREE  # over which the lobe shuts the blow-hole at the suction cusp
+SHUTTING = 40.0 * DEGREE  # angle over which the lobe closes the blow-hole at the suction cusp
 
 
 @dataclass(frozen=True)

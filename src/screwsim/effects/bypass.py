@@ -1,8 +1,8 @@
-"""Bypass: gas goes back to suction, from the discharge line or from a chamber that has begun to compress.
+"""Bypass: gas returns to suction, from the discharge line or from a chamber that has begun to compress.
 
-What: `discharge`: gas of the discharge line expands to p_s and mixes with the suction gas, which warms it; it is a
-share y of what the machine sucks (M161); `chamber`: nozzle flow to the suction line through a valve's bore while the
-chamber passes it (M12, M13).
+What: `discharge`: gas of the discharge line expands to p_s and mixes with the suction gas, which warms it; it makes up
+the share y of the gas that the machine sucks (M161). `chamber`: nozzle flow to the suction line through a valve's bore
+while the chamber passes it (M12, M13).
 Source: isenthalpic mixing (textbook); one of the four ways of capacity control that Chernov et al. 2015 name.
 Assumptions: discharge: the returned gas is hot, as delivered, and free of oil; a steady mixture. Chamber: the suction
 line keeps its state, as with any gas that flows back into it.
@@ -21,7 +21,7 @@ from screwsim.machine.protocol import SHELL, WIDEST
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import CHANGED
 
-RAMP = 10.0 * pi / 180.0  # over which the bore opens and closes
+RAMP = 10.0 * pi / 180.0  # angle over which the bore opens, and over which it closes
 _OF_SOURCE = {"discharge": ("share",), "chamber": ("area", "opens", "passage")}
 _EXAMPLES = {"share": "0.3", "area": "5 cm^2", "opens": "400 deg", "passage": "90 deg"}
 
@@ -49,7 +49,7 @@ def area(phi, size, opens, full, falls, closes):
 
 
 def window(size: float, opens: float, closes: float, flow_coefficient: float) -> FlowPath:
-    """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
+    """Return a path to the suction line that is open between two angles [rad], with C1 ramps at both ends."""
     angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
     values, breakpoints = {"size": size, **angles}, tuple(angles.values())
     return FlowPath(SUCTION, area, values, breakpoints, flow_coefficient=flow_coefficient, beside=True)

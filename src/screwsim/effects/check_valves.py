@@ -1,11 +1,11 @@
-"""Check valves: massless plates between cylinder and lines, which open where the pressure difference opens them.
+"""Check valves: massless plates between cylinder and lines, opened by the pressure difference.
 
-What: nozzle flow (M12) through the port's area, open while the pressure difference is along the flow (S22). Steps of
-the integration end where a valve opens or shuts.
+What: nozzle flow (M12) through the port's area, open while the pressure difference is along the flow (S22). An
+integration step ends wherever a valve opens or shuts.
 Source: ours; the limit of a valve without mass or spring.
-Assumptions: no lift to be passed through, no leakage when shut. The flow near equal pressures is regularised as that of
-the openings of the line (docs/explanation/numerics.md), which counts in the estimated error of every figure. scipy's
-integrators know no such ends of steps: for them the opening rises by a C1 cubic over the width of the regularisation.
+Assumptions: the plate lifts at once; no leakage when shut. Flow near equal pressures is regularised as that of the
+line's openings is (docs/explanation/numerics.md), which counts in the estimated error of every figure. scipy's
+integrators cannot end a step at such an event: for them the opening rises by a C1 cubic over the regularisation width.
 Parameters: suction_area, discharge_area, flow_coefficient.
 """
 
@@ -21,8 +21,8 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER, PISTON
 from screwsim.numerics.kernel import kernel
 
-LOOSE = -2.0  # of `held`: a stored cycle is read, whose pressure errs
-NEARLY = 0.1  # widths of the regularisation against the flow at which a valve then still counts as open
+LOOSE = -2.0  # value of `held` when a stored cycle is read, whose pressures carry integration errors
+NEARLY = 0.1  # adverse pressure difference, in regularisation widths, up to which a valve then counts as open
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,10 @@ class Parameters:
 
 @kernel
 def opening(held, drop, width, sign):
-    """Return the open share of a check valve at a pressure difference into the cylinder (S22)."""
+    """Return the open share of a check valve for a pressure difference `drop` into the cylinder [Pa] (S22).
+
+    `held` ≥ 0 is a state fixed for the step (1 open, 0 shut); `LOOSE` and other negative values derive it from `drop`.
+    """
     if held >= 0.0:
         return held
     x = sign * drop / width

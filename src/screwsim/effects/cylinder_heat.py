@@ -1,10 +1,11 @@
 """Cylinder heat: between the gas and the walls of cylinder, head and piston, which have one temperature.
 
 What: Q = α A (T_w − T) (S29). Nu = α D/λ = a Re^b Pr^c with bore D, mean piston speed and the gas's density (S30), or
-with an equivalent diameter and a swirl that follow the crank (S34).
+with an equivalent diameter and a swirl velocity that follow the crank angle (S34).
 Source: W. J. D. Annand, Proc. Inst. Mech. Eng. 177 (1963) 973: b 0.7, c 0, a between 0.35 and 0.8, here 0.575; Destoop
 1986: a 0.6, b 0.8, c 0.6, for compressors; R. P. Adair, E. B. Qvale, J. T. Pearson, Proc. Int. Compressor Engineering
-Conf., Purdue, 1972, paper 86: a 0.053, b 0.8, c 0.6. None was at hand: all as the ThermoCycle library has them.
+Conf., Purdue, 1972, paper 86: a 0.053, b 0.8, c 0.6. None of the originals was available: all are quoted from the
+ThermoCycle library.
 Assumptions: quasi-steady, one wall temperature; λ, μ, Pr of the gas constant, from CoolProp at suction pressure and the
 warmer of suction gas and wall.
 Parameters: wall_temperature, correlation, factor.
@@ -25,7 +26,7 @@ from screwsim.outputs import WALLED
 
 ADAIR = "adair"
 COEFFICIENTS = {"annand": (0.575, 0.7, 0.0), "destoop": (0.6, 0.8, 0.6), ADAIR: (0.053, 0.8, 0.6)}  # a, b, c
-TURNING = math.radians(9.0)  # over which the swirl's two branches blend: it would jump
+TURNING = math.radians(9.0)  # angle over which the swirl's two branches are blended, which would otherwise jump
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def conductance(rho, V, bore, piston_area, mean_speed, a, b, c, gas_conductivity
 
 @kernel
 def swirl(phi):
-    """Return the gas's swirl over the crank's angular speed, at the angle phi from the top dead centre (S34)."""
+    """Return the gas's swirl over the crank's angular speed, at the angle phi [rad] from top dead centre (S34)."""
     from_top = abs(phi - 2.0 * math.pi * math.floor(phi / (2.0 * math.pi) + 0.5))
     x = min(1.0, max(0.0, (from_top - 0.5 * math.pi) / TURNING + 0.5))
     return (2.0 - x * x * (3.0 - 2.0 * x)) * (1.04 + math.cos(2.0 * phi))
@@ -57,7 +58,7 @@ def swirl(phi):
 
 @kernel
 def swirled_conductance(phi, rho, V, bore, piston_area, omega, a, b, c, gas_conductivity, gas_viscosity, prandtl):
-    """Return α A [W/K] between the walls and the gas that swirls (S29, S34)."""
+    """Return α A [W/K] between the walls and the swirling gas (S29, S34)."""
     area = 2.0 * piston_area + 4.0 * V / bore
     diameter = 6.0 * V / area
     reynolds = rho * 0.5 * diameter * swirl(phi) * omega * diameter / gas_viscosity
@@ -65,7 +66,7 @@ def swirled_conductance(phi, rho, V, bore, piston_area, omega, a, b, c, gas_cond
 
 
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
-    """Return the gas's λ, μ, Pr and the mean piston speed. Raises UsageError."""
+    """Return λ [W/(m K)], μ [Pa s] and Pr of the gas, and the mean piston speed [m/s]. Raises UsageError."""
     T = max(around.T_s, parameters.wall_temperature)
     gas = transport(around.fluid, around.p_s, T)
     found = dict(zip(("gas_conductivity", "gas_viscosity", "prandtl"), gas, strict=True))

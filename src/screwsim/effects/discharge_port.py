@@ -1,12 +1,13 @@
 """Discharge port: flow between the discharge plenum and the chamber.
 
-What: nozzle flow (M12) through the port area over the angle, law (18) or a table. Both directions. With an exponent of
-Chisholm's the gas has to take its oil along, which costs pressure: separated flow through an orifice (M430).
+What: nozzle flow (M12) through the port area over the angle, law (18) or a table, in both directions. With Chisholm's
+exponent the gas has to accelerate the oil that it carries, which costs pressure: separated flow through an orifice
+(M430).
 Source: Chernov et al. 2015, eqs. (3), (4), (18); the middle branch of (18) is corrected: its printed form is
 discontinuous (docs/model.md M18). With oil: Murdock 1962, Chisholm 1977.
-Assumptions: the discharge plenum keeps the pressure of the discharge line; what flows back has the given
-temperature, or else the flow-weighted mean of the outflow, found together with the cycle. With oil: it comes to the
-port at rest against it, as the gas does; oil that the rotors throw through it is not known.
+Assumptions: the discharge plenum keeps the pressure of the discharge line; gas that flows back has the given
+temperature, or else the flow-weighted mean of the outflow, found together with the cycle. With oil: it approaches the
+port at rest, as the gas does; oil that the rotors throw through the port is not modelled.
 Parameters: flow_coefficient, chisholm_exponent.
 """
 

@@ -1,8 +1,8 @@
-"""Drive: motor, coupling and rotors as two masses with a spring; the speed is no longer constant over a lobe pitch.
+"""Drive: motor, coupling and rotors as two masses joined by a spring; the speed varies over a lobe pitch.
 
 What: two inertias on a shaft (M210), the coupling between them (M211: a linear spring, or the rubber-cord coupling of
-docs/reference/coupling.md; viscous damping), the motor's line (M212), the gas torque M144 and the torque of the losses
-(M213) on the rotors; their periodic motion (M214), closed together with the chambers (M217), its energies (M215) and
+docs/reference/coupling.md; viscous damping), the motor's line (M212), and on the rotors the gas torque M144 and the
+torque of the losses (M213); their periodic motion (M214), found together with the cycle (M217), its energies (M215) and
 the torsional frequency (M216).
 Source: two-mass oscillator (textbook); V. A. Ilyichev, V. S. Korneev, S. A. Korneev 2015 for the rubber cords; M. Kloss
 1916 for the induction motor.
@@ -29,8 +29,8 @@ from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, chec
 from screwsim.machine.drive.train import LinearCoupling, Train
 from screwsim.outputs import Figure, Trace, names_of, power_figure
 
-KEPT = 3  # motions: before and after a turn, and of the turn that estimates the error
-SWING = "coupling_torque_amplitude", "twist_amplitude"  # the loss goes with their square
+KEPT = 3  # motions remembered: those before and after a turn, and that of the turn that estimates the error
+SWING = "coupling_torque_amplitude", "twist_amplitude"  # the coupling's loss is proportional to their square
 FIGURES = (
     Figure("mean_speed", "rad s-1", "mean over time of the rotors' speed"),
     Figure("no_load_speed", "rad s-1", "speed at which the motor's torque vanishes"),
@@ -58,7 +58,7 @@ class Coupling:
 
     @property
     def spring(self) -> LinearCoupling | RubberCordCoupling:
-        """The one that is given."""
+        """The spring that is given, of the two kinds."""
         given = self.linear or self.rubber_cord
         assert given is not None  # `check`
         return given
@@ -80,14 +80,17 @@ class Parameters:
 
 
 def energies(motion: Response) -> tuple[float, float, float]:
-    """Return the means over time of the motor's power, of the coupling's loss and of the load's power [W] (M215)."""
+    """Return the means over time of motor power, coupling loss and load power [W] (M215)."""
     slip = motion.motor_speed - motion.speed
     loss = motion.power(motion.train.damping * slip, slip)
     return motion.power(motion.motor_torque, motion.motor_speed), loss, motion.power(motion.load, motion.speed)
 
 
 def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
-    """Return what forbids a motion, or an empty text; warnings of it; the relative residual of its powers (M215)."""
+    """Return a text on what rules a motion out (empty: nothing), warnings, and the residual of its powers (M215).
+
+    The residual is relative to the largest of the three powers.
+    """
     train, torque = motion.train, motion.coupling_torque
     sound = train.coupling.state(float(motion.twist[np.argmax(np.abs(motion.twist))]))
     why = "" if sound == "sound" else f"under the steady ripple {sound}"
@@ -123,7 +126,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         inertias, held = (parameters.motor_inertia, parameters.rotor_inertia), parameters.speed == "mean"
         return Train(*inertias, coupling.spring, coupling.damping, parameters.motor, held, speed, lobes)
 
-    last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motions
+    last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing of the cycle need the same motions
 
     def motion(figures) -> Response:
         # torque of gas and losses on the rotors at the collocated angles of a pitch [N m] (M144, M213)
@@ -133,7 +136,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         if key not in last:
             if len(last) == KEPT:
                 del last[next(iter(last))]
-            try:  # from the load alone, not from a motion of before: whatever was solved earlier, the bits are the same
+            try:  # from the load alone, not from an earlier motion: the bits do not depend on what was solved before
                 last[key] = respond(train(figures.set_speed), load, figures.omega)
             except NoMotion as reason:
                 last[key] = reason
@@ -143,7 +146,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         return found
 
     def read(figures) -> Given:
-        """Return the figures of the drive (M214–M216), or why it has no steady motion."""
+        """Return the figures of the drive (M214–M216), or a text that says why it has no steady motion."""
         try:
             found = motion(figures)
         except NoMotion as reason:
@@ -169,7 +172,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:
-        """Return speeds, twist and torques over a pitch."""
+        """Return speeds, twist and torques over a pitch; empty where there is no steady motion."""
         try:
             found = motion(figures)
         except NoMotion:

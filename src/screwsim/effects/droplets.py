@@ -66,13 +66,13 @@ class Parameters:
 
     @property
     def jets(self) -> bool:
-        """Do droplets come from a jet, whose size depends on the oil's viscosity?"""
+        """Whether the droplets come from a jet, whose droplet size depends on the oil's viscosity."""
         return self.size != STATED
 
 
 @kernel
 def heat_transfer_coefficient(rho, speed, diameter, gas_conductivity, gas_viscosity, prandtl):
-    """Return α [W/(m² K)] of a sphere in a gas stream by Ranz and Marshall (M154); speed is the slip [m/s]."""
+    """Return α [W/(m² K)] of a sphere in a gas stream by Ranz and Marshall (M154); `speed` is the slip [m/s]."""
     reynolds = rho * speed * diameter / gas_viscosity
     return (2.0 + 0.6 * math.sqrt(reynolds) * prandtl ** (1.0 / 3.0)) * gas_conductivity / diameter
 
@@ -85,18 +85,18 @@ def heat(T, T_oil, m_oil, rho, slip, tip_speed, diameter, gas_conductivity, gas_
 
 
 def merrington_richardson(bore: float, kinematic_viscosity: float, speed: float) -> float:
-    """Return the Sauter diameter [m] of a jet: SI units (M155)."""
+    """Return the Sauter diameter [m] of a jet's droplets (M155); all arguments in SI units."""
     return 500.0 * bore**1.2 * kinematic_viscosity**0.2 / speed
 
 
 def varde(bore: float, density: float, viscosity: float, surface_tension: float, speed: float) -> float:
-    """Return the Sauter diameter [m] of a jet, Re and We of the liquid: SI units (M156)."""
+    """Return the Sauter diameter [m] of a jet's droplets from Re and We of the liquid (M156); arguments in SI units."""
     reynolds, weber = density * speed * bore / viscosity, density * speed**2 * bore / surface_tension
     return 8.7 * bore * (reynolds * weber) ** -0.28
 
 
 def sauter_diameter(parameters: Parameters, density: float, viscosity: float | None) -> float:
-    """Return d [m] for oil of a density [kg/m³] and a viscosity [Pa s]."""
+    """Return d [m] for oil of a density [kg/m³] and a viscosity [Pa s]; a stated diameter needs neither."""
     if not parameters.jets:
         return parameters.diameter or 0.0
     bore, mu = parameters.orifice_diameter or 0.0, viscosity or 0.0
@@ -107,7 +107,7 @@ def sauter_diameter(parameters: Parameters, density: float, viscosity: float | N
 
 
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
-    """Return what the kernel needs of the scene: diameter and the gas's λ, μ, Pr. Raises UsageError."""
+    """Return values that the kernel needs from the scene: diameter [m], and λ, μ, Pr of the gas. Raises UsageError."""
     assert around.oil is not None  # needs_oil
     diameter = sauter_diameter(parameters, around.oil.density, around.oil.viscosity)
     return {"diameter": diameter, **gas_numbers(parameters, around)}
@@ -151,7 +151,7 @@ EFFECT = Effect(
     needs=frozenset({OIL}),
     figures=(Figure("droplet_diameter", "m", "Sauter diameter of the droplets of oil"),),
     usual={ROTORS: OIL_HEAT},
-    sizes=(  # next to no heat is exchanged where they are large without end
+    sizes=(  # the bounds are wide: very large droplets are the limit of no heat exchange
         Sized("diameter", LOBE, 1e9, (0.0, 0.3)),
         Sized("orifice_diameter", DIAMETER, 1e9, (0.0, 0.2)),
     ),

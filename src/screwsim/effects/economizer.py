@@ -3,9 +3,10 @@
 What: nozzle flow (M12, M100) between the chamber and a plenum of vapour at the economizer's saturation temperature; the
 vapour comes from the liquid of the condenser, which it subcools in a heat exchanger, or from a flash tank (M102).
 Source: port: ours; cycle: textbook (two-stage expansion with one compressor).
-Assumptions: the plenum keeps its state, whatever the port draws; what the port draws and what the exchanger evaporates
-need not agree: economizer_draw_ratio tells, and it is 1 at the temperature to which the economizer settles. Gas that is
-pushed back into the plenum is cooled to its state, and the heat leaves the machine or evaporates liquid (M440).
+Assumptions: the plenum keeps its state, however much the port draws. The vapour that the port draws and the vapour that
+the liquid makes need not agree: economizer_draw_ratio is their ratio, and it is 1 at the temperature at which a real
+economizer settles. Gas that is pushed back into the plenum is cooled to the plenum's state; its heat leaves the machine
+or evaporates liquid (M440).
 Parameters: temperature (saturation) or pressure, superheat, opens, closes, area, flow_coefficient, kind, approach,
 backflow.
 """
@@ -35,13 +36,13 @@ GIVEN_AWAY, EVAPORATES = "given_away", "evaporates"
 GAIN = "economizer_capacity_gain"
 DRAW = "economizer_draw_ratio"
 HEAT_LOSS = "economizer_heat_loss"
-DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
-GIVEN_TOO_MUCH = 0.005  # share of the shaft power
-PER_FOLD = 8.0  # [K] by which the temperature is about wrong where the port draws e times what there is
-APART = 0.5  # [K] at least, from both lines and from the liquid that is cooled
-# a draw errs over the vapour that the liquid makes, at least
+DRAWN_TOO_MUCH = 0.02  # relative excess of the drawn vapour over that which the liquid makes, above which is warned
+GIVEN_TOO_MUCH = 0.005  # heat loss over shaft power above which is warned
+PER_FOLD = 8.0  # [K] approximate error of the temperature when the port draws e times the vapour there is
+APART = 0.5  # [K] least distance of a temperature that is found from both lines' and from the liquid's
+# the error of a draw ratio is relative to 1 (all vapour that the liquid makes) at least
 OF_VAPOUR = Scale(1.0, times="filling")
-_over_each_other = partial(Figure, by_flow=True, by_port=True)  # flows, which err as both do
+_over_each_other = partial(Figure, by_flow=True, by_port=True)  # ratio of two flows: its error follows both
 FIGURES = (
     Figure("economizer_temperature", "K", "saturation temperature in the economizer"),
     Figure("economizer_pressure", "Pa", "pressure in the economizer"),
@@ -89,36 +90,36 @@ class Parameters(WindowParameters, Sought):
     )
 
     def __post_init__(self):
-        """Leave the temperature open where the pressure is: they are one state, that of saturation."""
+        """Where the pressure is to be found (`auto`), find the temperature in its place: they are one state."""
         if isinstance(self.pressure, Found) and self.temperature is None:
             object.__setattr__(self, "temperature", Found(self.pressure))
             object.__setattr__(self, "pressure", None)
 
     @property
     def boils(self) -> bool:
-        """Does the liquid boil down to the economizer's pressure?"""
+        """Whether the liquid boils down to the economizer's pressure (flash tank)."""
         return self.kind == FLASH_TANK
 
     @property
     def nearest(self) -> float:
-        """How near to the saturation temperature the liquid can be cooled [K]."""
+        """Least difference [K] between the cooled liquid and the saturation temperature."""
         return 0.0 if self.boils else self.approach
 
     # ---- a temperature that is found (M371) ----------------------------------------------------------------------
 
     @property
     def is_open(self) -> bool:
-        """Is the temperature found?"""
+        """Whether the temperature is to be found with the cycle."""
         return isinstance(self.temperature, Found)
 
     @property
     def stands(self) -> float | None:
-        """The temperature [K]; None where it has no value yet."""
+        """Current value of the temperature [K]; None where it has none yet."""
         T = self.temperature
         return float(T) if T is not None and T > 0.0 else None
 
     def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
-        """Return the temperatures between evaporation and the liquid that an economizer can cool."""
+        """Return the range of temperatures between evaporation and the liquid that an economizer can cool."""
         operation, fluid = facts.operation, facts.gas.name
         low = operation.evaporating_temperature or constants.saturation_temperature(fluid, suction_pressure())
         cooler, T_c = operation.gas_cooler, operation.condensing_temperature
@@ -136,16 +137,20 @@ class Parameters(WindowParameters, Sought):
         return span.low + 0.4 * (span.high - span.low)
 
     def placed(self, x: float) -> dict[str, Any]:
-        """Return the temperature."""
+        """Return the parameter that a coordinate stands for: the temperature."""
         return {"temperature": Found(x)}
 
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
-        """Return by how much the temperature is about wrong [K]: the port draws less of a warmer economizer's."""
+        """Return the approximate error of the temperature [K] and its scale `PER_FOLD`; None without a draw ratio.
+
+        The port draws less from a warmer economizer, so the error is about proportional to the logarithm of the draw
+        ratio.
+        """
         ratio = figures.get(DRAW)
         return None if ratio is None else (-PER_FOLD * math.log(max(ratio, 1e-2)), PER_FOLD)
 
     def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
-        """Return that at no temperature the port draws what the liquid gives off."""
+        """Return a text that says that at no temperature the port draws as much vapour as the liquid gives off."""
         ratio = figures.get(DRAW)
         if ratio is None:
             return ""
@@ -158,7 +163,7 @@ class Parameters(WindowParameters, Sought):
 
 
 def saturation(parameters: Parameters, fluid: str) -> float:
-    """Return the saturation temperature [K] in the economizer: the stated one, or that of the stated pressure."""
+    """Return the saturation temperature [K] in the economizer: as stated, or that of the stated pressure."""
     if parameters.temperature is not None:
         return parameters.temperature
     return constants.saturation_temperature(fluid, parameters.pressure or 0.0)
@@ -166,7 +171,7 @@ def saturation(parameters: Parameters, fluid: str) -> float:
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
     def state(site: Site) -> Reservoir:
-        """Return the vapour in the economizer; of the ideal gas, at the real fluid's saturation pressure."""
+        """Return the vapour in the economizer; for an ideal gas it is at the real fluid's saturation pressure."""
         T = saturation(parameters, site.fluid)
         p = parameters.pressure or constants.dew_pressure(site.fluid, T)
         return site.gas.vapour(p, T + parameters.superheat)
@@ -178,7 +183,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 
 
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
-    """Return the vapour drawn, and what it does for the cooling capacity (M102, M440)."""
+    """Return the vapour drawn and its gain in cooling capacity (M102, M440)."""
     site, ratio = drawn.site, drawn.ratio
     found: dict[str, float | str | None] = {
         "economizer_temperature": saturation(parameters, site.fluid),
@@ -195,7 +200,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
     if parameters.backflow == EVAPORATES:
         evaporating = evaporating - drawn.brought / drawn.suction_flow
-        found[HEAT_LOSS] = max(-evaporating, 0.0) * drawn.suction_flow  # more than what is drawn takes to evaporate
+        found[HEAT_LOSS] = max(-evaporating, 0.0) * drawn.suction_flow  # beyond what evaporates the drawn gas
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
     found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
@@ -203,7 +208,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
 
 
 def warnings(found: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a warning where the port draws more vapour than the liquid makes, or none but what the chamber gives it."""
+    """Yield a warning where the net flow is from the chambers back, or the port draws more vapour than there is."""
     flow = found.get("economizer_mass_flow") or 0.0
     if flow < 0.0:
         what = f"{-flow:.3g} kg/s flow from the chambers back into the economizer, whose vapour is held at its pressure"
@@ -216,7 +221,7 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _of_heat(found: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a warning where gas that is pushed back takes heat out of the machine."""
+    """Yield a warning where gas that is pushed back carries much heat out of the machine."""
     loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
     if loss > GIVEN_TOO_MUCH * power > 0.0:
         what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
@@ -260,13 +265,13 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def _of_blend(fluid: str) -> Fault:
-    """Return that a blend cannot boil in a flash tank."""
+    """Return the fault of a blend in a flash tank."""
     what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
     return Fault(f"effects.{NAME}.kind", f"{what} (write kind: {HEAT_EXCHANGER}, or name a pure fluid)")
 
 
 def _found(parameters: Parameters, facts) -> Faults:
-    """Yield what forbids a temperature that is found: no liquid is known, or it is too cold for any."""
+    """Yield the faults of a temperature that is to be found: no liquid is known, or it is too cold to be cooled."""
     path, operation, fluid = f"effects.{NAME}.temperature", facts.operation, facts.gas.name
     low, high = operation.evaporating_temperature, operation.condensing_temperature
     if parameters.pressure is not None:
@@ -285,7 +290,7 @@ def _found(parameters: Parameters, facts) -> Faults:
 
 
 def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults:
-    """Yield a fault where the liquid behind the condenser is colder than the economizer can make it."""
+    """Yield a fault where the liquid behind the condenser is already colder than the economizer can make it."""
     T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
     T_c = None if T_c is None else constants.condensed(facts.gas.name, T_c)
     if facts.operation.gas_cooler is not None:

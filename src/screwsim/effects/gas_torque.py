@@ -1,11 +1,11 @@
-"""Gas torque: what the gas in all chambers asks of the male rotor's shaft, and its forces on the rotors, by angle.
+"""Gas torque: the torque of the gas in all chambers on the male rotor's shaft, and its forces on the rotors, by angle.
 
 What: M(φ) = −Σ (p − p_s) dV/dφ over the chambers alive (virtual work, M144), its share on each rotor (M145), its
 harmonics of the lobe frequency (M147); forces F = A Σ (p − p_s) on stated projected areas (M146).
-Source: virtual work (textbook); of rotors with a profile each rotor's part of dV/dφ is known
-(docs/reference/rotors.md).
-Assumptions: quasi-steady, rigid rotors in phase; the lower line's pressure around the rotors; forces of all chambers in
-one direction, which makes them upper limits. It acts on nothing; with `drive` the torque moves the shaft.
+Source: virtual work (textbook); with a rotor profile each rotor's part of dV/dφ is known (docs/reference/rotors.md).
+Assumptions: quasi-steady, rigid rotors in phase; the lower line's pressure around the rotors; the forces of all
+chambers point in one direction, so they are upper limits. The torque does not act back on the cycle; with `drive` it
+moves the shaft.
 Parameters: male_share, axial_area, radial_area.
 """
 
@@ -21,7 +21,7 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import Figure, Trace, names_of, over
 
 FORCES = ("axial", "radial")
-SWING = over("gas_torque_peak_to_peak")  # what means that pass through zero err over
+SWING = over("gas_torque_peak_to_peak")  # scale of the errors of means that may pass through zero
 SHARED = (".male_share", "machine.profile")
 WHICH = ("the", "twice the", "three times the", "four times the")
 HARMONICS = tuple(f"gas_torque_harmonic_{k}" for k in range(1, len(WHICH) + 1))
@@ -62,23 +62,23 @@ class Parameters:
 
 
 def torque(pitch) -> np.ndarray:
-    """Return the torque at the points of a pitch [N m] (M144); its mean is the indicated power over ω.
+    """Return the gas torque at the points of a pitch [N m] (M144); its mean is the indicated power over ω.
 
-    What the sum over the points lacks of that mean, an error of the trace, is spread evenly.
+    The sum over the points misses that mean by an error of the trace, which is spread evenly over the points.
     """
     raw = raw_torque(pitch)
     return raw + (pitch.torque_mean - raw.mean())
 
 
 def raw_torque(pitch) -> np.ndarray:
-    """Return the torque at the points of a pitch [N m] as the trace gives it."""
+    """Return the gas torque at the points of a pitch [N m] as the trace gives it, without that correction."""
     return _work(pitch.pressure - pitch.low_pressure, pitch.slope)
 
 
 def smooth_torque(pitch, points: int) -> np.ndarray:
-    """Return the torque [N m] at so many (odd) even angles of a pitch, of harmonics that are integrals (M144, M147).
+    """Return the torque [N m] at `points` (odd) even angles of a pitch, from its Fourier integrals (M144, M147).
 
-    No part of the quadrature holds more than half a wave of the highest.
+    The quadrature intervals are at most half a wave of the highest harmonic long.
     """
     within = pitch.within(points)
     return within.smooth(_work(within.pressure - pitch.low_pressure, within.slope), pitch.torque_mean, points)
@@ -93,7 +93,10 @@ def _pressing(excess: np.ndarray) -> np.ndarray:
 
 
 def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None, float | None]:
-    """Return the mean torques on male and female shaft [N m]; `ratio`: female over male lobes (M145)."""
+    """Return the mean torques on male and female shaft [N m]; `ratio`: female over male lobes (M145).
+
+    Both are None where no share of the rotors is known.
+    """
     share = parameters.male_share
     if pitch.male_slope is not None:
         within = pitch.within()
@@ -108,7 +111,7 @@ def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None
 def rotor_torques(parameters: Parameters, pitch, ratio: float) -> tuple[np.ndarray, np.ndarray] | None:
     """Return the torques on male and female shaft at the points of a pitch [N m]; None where no share is known (M145).
 
-    Each about its own axis; their means are those of `on_rotors`.
+    Each is about the rotor's own axis; their means are those of `on_rotors`.
     """
     means, curve = on_rotors(parameters, pitch, ratio), torque(pitch)
     if means[0] is None or means[1] is None:
@@ -122,7 +125,10 @@ def rotor_torques(parameters: Parameters, pitch, ratio: float) -> tuple[np.ndarr
 
 
 def force(area: float | None, pitch) -> np.ndarray | None:
-    """Return the gas force on a projected area of each chamber, at the points of a pitch [N] (M146)."""
+    """Return the gas force [N] on a projected area [m²] of each chamber at the points of a pitch (M146).
+
+    None without one.
+    """
     return None if area is None else area * _pressing(pitch.pressure - pitch.low_pressure)
 
 

@@ -1,11 +1,11 @@
 """Hydromechanical loss: oil is accelerated to the rotor's tip speed and sheared in the gaps.
 
-What: P = f ṁ_oil u_tip² + C V_sw ω² μ (M32): what the rotor gives to oil that it brings to its tip's speed, times a
-factor, and the viscous term of Giuffrida with V_sw = z1 V_max.
+What: P = f ṁ_oil u_tip² + C V_sw ω² μ (M32): the power that the rotor transfers to oil which it accelerates to its tip
+speed, times a factor f, and Giuffrida's viscous term with V_sw = z1 V_max.
 Source: acceleration: Euler's turbine equation, the factor f is fitted; viscous: Giuffrida, Appl. Therm. Eng. 93 (2016)
 813, C = 134.5. Chernov et al. 2015 name the loss without a formula.
-Assumptions: all oil comes without swirl and reaches the male tip speed, once; the loss heats nothing that the chamber
-model sees, neither its half that is dissipated on the way to that speed nor the kinetic energy, lost behind the port.
+Assumptions: all oil comes without swirl and reaches the male tip speed, once. The loss heats nothing that the chamber
+model sees: neither the half dissipated on the way to tip speed, nor the kinetic energy, which is lost behind the port.
 Parameters: acceleration_factor, viscous_coefficient.
 """
 

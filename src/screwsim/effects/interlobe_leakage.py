@@ -1,15 +1,14 @@
 """Interlobe leakage: the gap along the contact (sealing) line of the rotors, from compression to suction.
 
-What: nozzle flow through gap × sealing-line length, M20. Across the sealing line of a compressing groove pair lies
-the chamber that is filling in the same grooves, one revolution (z1 lobe pitches) behind it. Of rotors a part of the
-line lies over the male tip and leads to the chamber z1 + 1 pitches behind: `tip_length` states it, and both parts then
-have windows of their own (M261, M262).
-With machine.volume.law: profile the length is that of the contact line by angle, and its part over the male tip leads
-to the chamber z1 + 1 pitches behind (docs/reference/rotors.md).
+What: nozzle flow through gap × sealing-line length, M20. Across the sealing line of a compressing groove pair lies the
+chamber that is filling in the same grooves, one revolution (z1 lobe pitches) behind it. On real rotors part of the line
+runs over the male tip and leads to the chamber z1 + 1 pitches behind: `tip_length` states the length of that part, and
+both parts then have angular windows of their own (M261, M262). With machine.volume.law: profile both lengths are
+computed from the contact line by angle (docs/reference/rotors.md).
 Source: ours. The length over the angle is a trapezium, full from 420° to 590° as is the sealing line computed from a
-4/6 asymmetric profile with 300° wrap; that line is already 0.18 of its length at 330° and still 0.24 at 710°, where
-the trapezium has 0 and 0.08. M261 and M262 are fitted to both parts of the lines of configs/rotors. The paper cites
-Amosov et al. 1977.
+4/6 asymmetric profile with 300° wrap; that line is already 0.18 of its length at 330° and still 0.24 at 710°, where the
+trapezium has 0 and 0.08. M261 and M262 are fitted to both parts of the lines of configs/rotors. The paper cites Amosov
+et al. 1977.
 Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
 Parameters: gap, length (of the full sealing line) and tip_length (its part over the male tip; none with a profile),
 flow_coefficient; area_file (of the path to the chamber z1 pitches behind).
@@ -36,11 +35,11 @@ from screwsim.machine.protocol import CONTACT_GAP, LOBE, ROTORS, SPAN
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
-FULL = 60.0 / 360.0 * TURN  # the trailing (filling) chamber's angle at which the line is whole
-FALL = 230.0 / 360.0 * TURN  # … from which on it gets shorter, down to nothing at 360°
-BEGIN = -40.0 / 360.0 * TURN  # the same angle at which the line on the flanks would begin: before the chamber's birth
-FLANK_FALL = 255.0 / 360.0 * TURN  # … from which on that gets shorter, down to nothing at 360°
-TIP_FALL = 690.0 / 360.0 * TURN  # the leading chamber's angle from which on the line over the tip gets shorter
+FULL = 60.0 / 360.0 * TURN  # the trailing (filling) chamber's angle at which the line reaches its full length
+FALL = 230.0 / 360.0 * TURN  # … beyond which it shortens, to zero at 360°
+BEGIN = -40.0 / 360.0 * TURN  # … at which the line on the flanks would begin, before the chamber exists
+FLANK_FALL = 255.0 / 360.0 * TURN  # … beyond which the line on the flanks shortens, to zero at 360°
+TIP_FALL = 690.0 / 360.0 * TURN  # the leading chamber's angle beyond which the line over the tip shortens
 
 
 @dataclass(frozen=True)

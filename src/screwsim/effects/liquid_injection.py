@@ -1,13 +1,13 @@
 """Liquid injection: condensate enters the closed chamber through a bore and cools the gas by evaporating.
 
 What: flow of liquid (M12 with the liquid's stiffness, which is √(2 ρ Δp); M100) from the condenser's liquid line into
-the chamber; its enthalpy mixes with the chamber's gas in equilibrium at once (M103). The liquid has the condenser's
-enthalpy, and its pressure less the loss of the line. With `discharge_temperature` a thermostatic valve opens so far
-that the discharge comes to that temperature (M391).
+the chamber; it mixes with the chamber's gas into equilibrium at once (M103). The liquid has the condenser's enthalpy,
+and the condenser's pressure less the loss of the line. With `discharge_temperature` a thermostatic valve opens just so
+far that the discharge has that temperature (M391).
 Source: ours; orifice coefficient 0.61 of a sharp edge: textbook.
 Assumptions: the liquid does not flash inside the bore; in the chamber it evaporates without delay. With gas.two_phase:
-refuse the chamber has to stay dry, else the result is `failed` with the angle; equilibrium follows it wet. Valve and
-bore are one orifice, steady over a turn.
+refuse the chamber has to stay dry, else the result is `failed` and names the angle; with equilibrium a wet chamber is
+simulated. Valve and bore act as one orifice, steady over a turn.
 Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temperature or opening.
 """
 
@@ -34,10 +34,10 @@ from screwsim.outputs.customary import celsius, in_bar, in_celsius
 NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
 DISCHARGE, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
 SHARP_EDGE = 0.61
-VALVE = 10.0  # [K] of a coordinate for a factor e of the valve's opening
-SHUT, FIRST_OPENING = 1e-4, 0.2  # of the valve
-LATENT = 200.0  # [K] by which as much liquid as gas would about cool the gas
-WARMS = 2.0  # heat capacity of oil over that of gas, about
+VALVE = 10.0  # [K] of the search coordinate for a factor e of the valve's opening
+SHUT, FIRST_OPENING = 1e-4, 0.2  # least opening of the valve, and first guess of it
+LATENT = 200.0  # [K] by which liquid of the same mass as the gas would roughly cool it
+WARMS = 2.0  # approximate heat capacity of oil over that of gas
 FIGURES = (
     Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid", BESIDE, by_port=True),
     Figure(RATIO, "1", "injected liquid over net suction flow", BESIDE_RATIO, by_flow=True, by_port=True),
@@ -72,16 +72,19 @@ class Parameters(WindowParameters, Sought):
 
     @property
     def is_open(self) -> bool:
-        """Is the valve's opening found?"""
+        """Whether the valve's opening is to be found with the cycle."""
         return self.discharge_temperature is not None
 
     @property
     def stands(self) -> float | None:
-        """The logarithm of the opening times `VALVE`; None where it has no value yet."""
+        """Current value of the search coordinate, `VALVE` times the logarithm of the opening [K].
+
+        None where it has none yet.
+        """
         return VALVE * math.log(self.opening) if self.opening else None
 
     def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
-        """Return the ends of the coordinate: all but shut, and wide open."""
+        """Return the range of the coordinate: from all but shut to wide open."""
         return Span(VALVE * math.log(SHUT), 0.0)
 
     def first(self, span: Span) -> float:
@@ -89,11 +92,14 @@ class Parameters(WindowParameters, Sought):
         return VALVE * math.log(FIRST_OPENING)
 
     def placed(self, x: float) -> dict[str, Any]:
-        """Return the opening."""
+        """Return the parameter that a coordinate stands for: the opening."""
         return {"opening": Found(math.exp(x / VALVE))}
 
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
-        """Return by how much the coordinate is about wrong [K], of what the liquid cools."""
+        """Return the approximate error of the coordinate [K], by how much the liquid cools, and its scale `VALVE`.
+
+        None where a figure that it needs has no value.
+        """
         wanted, T, ratio = self.discharge_temperature or 0.0, _at_discharge(figures), figures.get(RATIO)
         if T is None or ratio is None:
             return None
@@ -102,7 +108,7 @@ class Parameters(WindowParameters, Sought):
         return VALVE * math.log(max(1.0 + (T - wanted) / cools, 1e-3)), VALVE
 
     def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
-        """Return that the valve stays shut, or stands wide open, with the temperatures there and wanted."""
+        """Return a text that says that the valve stays shut, or is wide open, with actual and wanted temperature."""
         T = _at_discharge(figures)
         if T is None:
             return ""
@@ -115,7 +121,7 @@ class Parameters(WindowParameters, Sought):
 
 
 def _at_discharge(figures: Mapping[str, Any]) -> float | None:
-    """Return the temperature [K] that a sensor at discharge has: of gas and oil, where they come to one."""
+    """Return the temperature [K] of a sensor at discharge: of gas and oil mixed where that is known, else the gas's."""
     T = figures.get(MIXTURE)
     return figures.get(DISCHARGE) if T is None else T
 
@@ -147,7 +153,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def _loss(loss: float, facts) -> Faults:
-    """Yield a fault where the liquid would boil in its line: it is no liquid any more before the bore."""
+    """Yield a fault where the liquid would boil in its line, and so reach the bore as a mixture."""
     operation, fluid, p_d = facts.operation, facts.gas.name, discharge_pressure(facts)
     T_c, limits = operation.condensing_temperature, constants.limits(fluid)
     if not loss > 0.0 or p_d is None or limits is None or not limits.T_triple < T_c < limits.T_critical:
@@ -161,7 +167,7 @@ def _loss(loss: float, facts) -> Faults:
 
 
 def _thermostat(parameters: Parameters, facts) -> Faults:
-    """Yield what does not go together with an opening that is found for a temperature at discharge."""
+    """Yield what contradicts an opening that is found for a discharge temperature."""
     wanted, path = parameters.discharge_temperature, f"effects.{NAME}.discharge_temperature"
     if wanted is None:
         return

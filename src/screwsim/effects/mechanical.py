@@ -1,11 +1,11 @@
 """Mechanical loss: bearings, seals and gears as a share of the indicated or of the theoretical power.
 
-What: P = f |P_ind| (M33), or P = f |M_th| ω (M460): M_th is the torque of compressing what the whole displacement takes
-in from p_s to p_d without loss.
+What: P = f |P_ind| (M33), or P = f |M_th| ω (M460), where M_th is the torque of compressing the whole displacement from
+p_s to p_d without loss.
 Source: Giuffrida, Appl. Therm. Eng. 93 (2016) 813: 26.5 % of the theoretical power for a small machine (f = 0.265).
-Assumptions: proportional to the speed, and to the indicated power or to that of the displacement between the lines'
-pressures. The first falls with a slide or a throttle as the gas flow does, though the pressures on bearings and shaft
-seals stay; with the second the friction torque stays.
+Assumptions: the loss is proportional to the speed, and to the indicated power or to that of the displacement between
+the lines' pressures. With a slide or a throttle the indicated power falls with the gas flow, although the pressures on
+bearings and shaft seals stay; with the theoretical power the friction torque stays.
 Parameters: fraction, of.
 """
 

@@ -1,15 +1,15 @@
 """Motor: the electrical power behind the shaft power, from a curve of losses over the load.
 
 What: P_el = (P_shaft + P_loss)/η_d, P_loss = ℓ P_r [c + (1 − c) x²], x = P_shaft/P_r, ℓ = 1/η_r − 1 (M148): of the loss
-at rated load the share c does not depend on the load, the rest goes with its square. Efficiencies and COP on P_el
-follow (M149). Or η over the load x from a table: the loss of the motor is interpolated (M204). With `inverter` motor
-and inverter lose by speed and torque (M431–M433).
+at rated load the share c does not depend on the load, the rest is proportional to its square. Efficiencies and COP of
+P_el follow (M149). Alternatively a table gives η over the load x, and the loss of the motor is interpolated (M204).
+With `inverter` the losses of motor and inverter depend on speed and torque (M431–M433).
 Source: separation of losses of induction machines (textbook; IEC 60034-2-1); IEC 60034-30-1 states η_r by class and
 size (M450): a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
-Assumptions: without `inverter` the loss does not depend on the speed but through the power; it heats neither gas nor
-oil, or with `cooling: suction_gas` (semi-hermetic machines) what is sucked in, on its way to the suction line (M275).
-An expander's generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it.
-Above OVERLOAD times the rated power a warning says so; above BREAKDOWN times no motor turns (IEC 60034-12 asks for 1.6
+Assumptions: without `inverter` the loss depends on the speed only through the power; it heats neither gas nor oil, or
+with `cooling: suction_gas` (semi-hermetic machines) it heats the gas on its way to the suction line (M275). An
+expander's generator loses the same at the same load. The ledger divides the shaft power, so it does not hold this loss.
+Above OVERLOAD times the rated power there is a warning; above BREAKDOWN times a motor stalls (IEC 60034-12 asks for 1.6
 to 2 times the rated torque, catalogues state up to 3.5), and the point has failed.
 Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
 drive_efficiency or inverter.
@@ -49,13 +49,13 @@ NEITHER = "shaft and electrical power are not of one sign: the motor's loss take
 BESIDE_CLASS = (
     "is given beside efficiency_class (remove one of the two; over a base write {1}: null, with --set {0}.{1}=null)"
 )
-OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
+OVERLOAD, BREAKDOWN = 1.25, 3.5  # times the rated power
 SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
 
 
 class _Usual(float):
-    """The efficiency of a motor for which none is stated."""
+    """The default efficiency, for a motor whose scene states none."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Parameters:
     inverter: inverter.Inverter | None = None
 
     def __post_init__(self) -> None:
-        """Let the efficiency be that of the class, where one is stated and no efficiency is."""
+        """Set the efficiency to that of the class, where a class is stated and no efficiency."""
         poles = self.poles or 4
         if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, _Usual | Derived):
             efficiency = motor_classes.class_efficiency(self.efficiency_class, poles, self.rated_power)
@@ -99,27 +99,27 @@ class Parameters:
 
     @property
     def is_of_class(self) -> bool:
-        """Does the efficiency follow from a class?"""
+        """Whether the efficiency follows from an efficiency class."""
         return self.efficiency_class in motor_classes.CLASSES
 
     @property
     def inverts(self) -> bool:
-        """Are losses of an inverter in the electrical power?"""
+        """Whether the electrical power includes losses of an inverter."""
         return self.inverter is not None or self.drive_efficiency < 1.0
 
 
 Loss = Callable[[float], float]
-Losses = Callable[[float, float], tuple[float, float]]  # of the motor, with its inverter [W], by load [W] and [rad/s]
+Losses = Callable[[float, float], tuple[float, float]]  # motor, with inverter [W]; by load [W], [rad/s]
 
 
 def loss_of_shares(parameters: Parameters) -> Loss:
-    """Return the motor's loss over its rated power by the load, from its two shares (M148)."""
+    """Return the motor's loss over its rated power as a function of the load, from its two shares (M148)."""
     rated, share = 1.0 / parameters.efficiency - 1.0, parameters.constant_share
     return lambda load: rated * (share + (1.0 - share) * load * load)
 
 
 def read_table(path: str) -> list[tuple[float, float]]:
-    """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where it is none."""
+    """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where there are none."""
     with usable("name a CSV file with the columns load, efficiency"):
         cells = read_sheet(path).columns("load", "efficiency")
     try:
@@ -135,7 +135,7 @@ def read_table(path: str) -> list[tuple[float, float]]:
 
 
 def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
-    """Return the motor's loss over its rated power by the load, from a table of efficiencies (M204)."""
+    """Return the motor's loss over its rated power as a function of the load, from a table of efficiencies (M204)."""
     load, efficiency = np.array(rows).T
     loss, last = load * (1.0 / efficiency - 1.0), float(load[-1])
     curve = Pchip(load, loss)
@@ -148,7 +148,10 @@ def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
 
 
 def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, float]:
-    """Return the loss of a motor, and with its inverter [W], at a load [W], negative for a generator's (M148, M204)."""
+    """Return the losses [W] of a motor, alone and with its inverter, at a load [W] (M148, M204).
+
+    The load of a generator is negative.
+    """
     own = parameters.rated_power * loss(load / parameters.rated_power)
     inner = load + own
     driven = inner / parameters.drive_efficiency if inner >= 0.0 else inner * parameters.drive_efficiency
@@ -156,7 +159,10 @@ def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, 
 
 
 def losses_of(parameters: Parameters) -> Losses:
-    """Return what a motor loses, and with its inverter [W], by load [W] and speed of the male rotor [rad/s]."""
+    """Return the losses [W] of a motor, alone and with its inverter, as a function of its load [W] and speed [rad/s].
+
+    The speed is that of the male rotor.
+    """
     stated, drive, rated = parameters.efficiency_file, parameters.inverter, parameters.rated_power
     loss = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
     if drive is None:
@@ -173,7 +179,7 @@ def losses_of(parameters: Parameters) -> Losses:
 
 
 def heat_of(losses: Losses) -> Callable[[float, float], float]:
-    """Return the heat [W] that suction gas takes up by shaft power and speed (M275): of the motor, not its inverter."""
+    """Return the heat [W] into the suction gas as a function of shaft power and speed: the motor's loss (M275)."""
     return lambda power, omega: losses(power, omega)[0]
 
 
@@ -184,7 +190,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         return figures.shaft_power if figures.motor_power is None else figures.motor_power
 
     def judge(figures) -> tuple[str, tuple[str, ...]]:
-        """Return that the motor cannot give its load, or a warning that it gives it not for long."""
+        """Return a text where the motor cannot give its load (empty: it can), and warnings of an overload."""
         load, rated = abs(load_of(figures)), parameters.rated_power
         share = load / rated
         drive = parameters.inverter
@@ -198,7 +204,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         return "", (why, *beyond)
 
     def read(figures) -> Given:
-        """Return loss, electrical power and what is referred to it (M148, M149)."""
+        """Return loss, electrical power and the figures that refer to it (M148, M149)."""
         shaft, load = figures.shaft_power, load_of(figures)
         _, loss = losses(load, figures.omega)
         electrical = load + loss
@@ -241,7 +247,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def _of_class(parameters: Parameters) -> Faults:
-    """Yield what a class of efficiency does not know, and what is stated beside it."""
+    """Yield what an efficiency class does not cover, and what is stated beside it."""
     path, known = "effects.motor", motor_classes
     if not parameters.is_of_class:
         if parameters.poles is not None:

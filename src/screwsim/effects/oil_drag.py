@@ -1,11 +1,11 @@
-"""Oil drag: the films of oil in the tip and end gaps are sheared by the rotors.
+"""Oil drag: oil films in the tip and end gaps are sheared by the rotors.
 
 What: Couette flow, P = μ(T_f) φ_o [Σ u² w z L/h + Σ ω² J/h_e], over the tip lands of both rotors (M141) and over their
 discharge end faces (M142). T_f: stated, or the mean of injected and discharged oil. Where a leak through the same gap
-has a warm clearance (M180), h is as much wider or narrower.
-Source: Newton's law of viscosity between parallel walls (textbook); widths and solidity are the rotors', stated.
-Assumptions: laminar, films without pressure gradient, one temperature; the suction end face runs with so wide a gap
-that its share is left out. The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
+has a warm clearance (M180), h changes by the same factor.
+Source: Newton's law of viscosity between parallel walls (textbook); widths and solidity of the rotors are stated.
+Assumptions: laminar, films without pressure gradient, one temperature; the gap at the suction end face is so wide that
+its share is left out. The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
 Parameters: tip_gap, tip_land, end_gap, end_solidity, female_diameter, film_temperature, film_share.
 """
 
@@ -47,17 +47,17 @@ class Parameters:
 
 
 def tip_drag(speed: float, diameter: float, lobes: int, length: float, land: float, gap: float) -> float:
-    """Return the drag of a rotor's tip lands over the viscosity [W/(Pa s)]: speed [rad/s], lengths [m] (M141)."""
+    """Return the drag power of a rotor's tip lands per viscosity [W/(Pa s)]: speed [rad/s], lengths [m] (M141)."""
     return (0.5 * diameter * speed) ** 2 * lobes * land * length / gap
 
 
 def end_drag(speed: float, diameter: float, solidity: float, gap: float) -> float:
-    """Return the drag of a rotor's end face over the viscosity [W/(Pa s)] (M142)."""
+    """Return the drag power of a rotor's end face per viscosity [W/(Pa s)]: speed [rad/s], lengths [m] (M142)."""
     return speed**2 * solidity * pi * diameter**4 / (32.0 * gap)
 
 
 def film_temperature(stated: float | None, figures) -> float:
-    """Return the temperature of a film of oil [K]: the stated one, or the mean of injected and discharged oil."""
+    """Return the temperature of an oil film [K]: as stated, or the mean of injected and discharged oil."""
     if stated is not None:
         return stated
     out = figures.oil_discharge_temperature
@@ -65,7 +65,7 @@ def film_temperature(stated: float | None, figures) -> float:
 
 
 def warm(gap: float, leak: str, figures) -> float:
-    """Return a stated clearance [m] as warm as that of the leak through it is found; as stated where it is not."""
+    """Return a stated clearance [m] scaled as the warm one of the leak through it; unchanged where none is computed."""
     made = figures.turn.made if figures.turn is not None else {}
     return gap * made.get(f"{leak}_widening", 1.0)
 

@@ -1,8 +1,8 @@
 """Oil heat: droplets exchange heat with the gas by convection.
 
 What: Q = 3 α/(r ρ_o) m_oil (T_oil − T) into the gas (M3), and the same heat out of the oil (M4).
-Source: Chernov et al. 2015, eqs. (1), (2). Its eq. (12) prints an extra factor d in the oil's equation, with which
-the oil does not lose what the gas gains: `equation_12: printed` keeps that, to show what it does.
+Source: Chernov et al. 2015, eqs. (1), (2). Its eq. (12) prints an extra factor d in the oil's equation, with which the
+oil does not lose what the gas gains: `equation_12: printed` keeps that factor, to show its consequences.
 Assumptions: equal spheres of radius r, uniform temperature inside, no heat to the walls. α and r enter only as α/r.
 Parameters: droplet_radius, heat_transfer_coefficient, equation_12.
 """
@@ -64,6 +64,6 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({OIL}),
     usual={ROTORS: OIL_HEAT},
-    sizes=(Sized("droplet_radius", LOBE, 1e9, (0.0, 0.2)),),  # the limit of no heat is one of large droplets
+    sizes=(Sized("droplet_radius", LOBE, 1e9, (0.0, 0.2)),),  # large droplets: the limit of no heat
     roles={HEATED[0]: ""},
 )

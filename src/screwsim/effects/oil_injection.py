@@ -1,13 +1,14 @@
-"""Oil injection: the oil enters through a bore while the chamber faces it, not all at 360°.
+"""Oil injection: the oil enters through a bore while the chamber faces it, instead of all at 360°.
 
-What: of displaced oil, orifice flow (M30) of the oil supply's bore under the pressure difference between the separator,
-less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); with `line` pipe,
-filter and cooler lose a pressure that goes with the square of the flow (M392); of pumped oil, what the pump displaces,
-whatever the chamber's pressure (M194), which it meets (M255). The oil mixes into the chamber continuously (M105).
+What: displaced oil: orifice flow (M30) through the oil supply's bore, driven by the pressure of the separator less the
+loss of the line, or by a stated pressure before the bore, against that of the chamber at that angle (M104); with `line`
+the loss of pipe, filter and cooler is proportional to the square of the flow (M392). Pumped oil: the flow that the pump
+displaces, whatever the chamber's pressure (M194), against which it works (M255). The oil mixes into the chamber
+continuously (M105).
 Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
-while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies. The bore has the C_d
-that it has without a line; what the line loses stays in the oil as heat.
+while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies. The bore's C_d is not
+changed by a line; the energy that the line dissipates stays in the oil as heat.
 Parameters: opens, closes, pressure_loss, line or pressure (displaced oil); bores or the pump's ratio, temperature of
 the oil: oil_supply.
 """
@@ -62,7 +63,7 @@ def flow(
     bore_length,
     bore_count,
 ):
-    """Return the oil [kg/s] into a chamber at phi [rad] and pressure p [Pa] (M104)."""
+    """Return the oil flow [kg/s] into a chamber at phi [rad] and pressure p [Pa] (M104)."""
     share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
     if share == 0.0:
         return 0.0
@@ -87,7 +88,7 @@ def flow_behind_line(
     bore_length,
     bore_count,
 ):
-    """Return what `flow` does, with a line in series that loses line_loss [Pa] at line_flow [m³/s] (M392)."""
+    """Return the same as `flow`, with a line in series that loses line_loss [Pa] at line_flow [m³/s] (M392)."""
     free = flow(
         phi,
         p,
@@ -114,7 +115,7 @@ def flow_behind_line(
 def flow_from(
     phi, p, width, opens, closes, upstream_pressure, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count
 ):
-    """Return what `flow` does, of oil at a stated pressure before the bore (M104)."""
+    """Return the same as `flow`, for oil at a stated pressure before the bore (M104)."""
     share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
     if share == 0.0:
         return 0.0
@@ -124,7 +125,7 @@ def flow_from(
 
 @kernel
 def pumped(phi, opens, closes, omega):
-    """Return the oil [kg/s] of a pump at phi [rad], per gas trapped [kg], for a ratio of one (M194)."""
+    """Return the pumped oil flow [kg/s] at phi [rad] per kilogram of trapped gas, for an oil ratio of one (M194)."""
     return omega * ramp(phi, opens, opens + RAMP, closes - RAMP, closes) / (closes - opens - RAMP)
 
 
@@ -160,7 +161,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def _stated(p: float, loss: float, facts) -> Faults:
-    """Yield what is wrong with a stated pressure [Pa] before the bore, beside a loss [Pa]."""
+    """Yield the faults of a stated pressure p [Pa] before the bore, beside a pressure loss [Pa]."""
     path = f"effects.{NAME}.pressure"
     if facts.oil_supply.pumped:
         what = "is that of displaced oil; with oil_supply.kind: pump the ratio is stated"
@@ -173,7 +174,7 @@ def _stated(p: float, loss: float, facts) -> Faults:
 
 
 def discharge_pressure(facts) -> float | None:
-    """Return the pressure [Pa] of the discharge line, stated or of saturation; None where it is not."""
+    """Return the pressure [Pa] of the discharge line, stated or of saturation; None where the scene gives neither."""
     p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
     p_d = p_d if facts.operation.gas_cooler is None else facts.operation.gas_cooler.pressure
     return constants.condensing_pressure(facts.gas.name, T_c) if p_d is None and T_c is not None else p_d

@@ -1,8 +1,9 @@
 """Oil pump: the shaft power of an independent oil pump.
 
-What: P = V̇_oil max(0, p_delivery − p_source)/η, with p_delivery = max(p_injection, p_source) + Δp (M31): from the
-separator the pump pays only the line and nozzle loss Δp, from a sump at suction pressure also the rise to the chamber.
-With `line` Δp is the stated loss of nozzles and filter and that of a pipe by its length and diameter (M390).
+What: P = V̇_oil max(0, p_delivery − p_source)/η, with p_delivery = max(p_injection, p_source) + Δp (M31): with oil from
+the separator the pump only overcomes the loss Δp of line and nozzles, from a sump at suction pressure also the rise to
+the chamber. With `line` Δp is the stated loss of nozzles and filter and that of a pipe by its length and diameter
+(M390).
 Source: Chernov et al. 2015 name the pump's power without a formula; this form is ours; pipe: Darcy–Weisbach.
 Assumptions: incompressible oil; injection pressure is the chamber's at 360°, or while it faces a port (M255); the oil
 in the line has the temperature at which it is injected; a smooth pipe.
@@ -63,7 +64,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
         return figures.oil_volume_flow * max(0.0, delivery - figures.oil_source_pressure) / parameters.efficiency
 
     def kept(figures) -> float:
-        """Return the power [W] that lifts the oil from its source to the chamber (M58)."""
+        """Return the power [W] that raises the oil from its source's pressure to the chamber's (M58)."""
         return figures.oil_volume_flow * max(0.0, figures.delivery_pressure - figures.oil_source_pressure)
 
     lost = PowerLoss("oil_pump_power", power, kept)

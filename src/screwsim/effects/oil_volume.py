@@ -1,9 +1,9 @@
-"""Oil volume: the oil takes room in the chambers, V_gas = V − m_oil/ρ_oil.
+"""Oil volume: the oil takes up space in the chambers, V_gas = V − m_oil/ρ_oil.
 
-What: the gas has the room that the oil leaves (M106); the oil's flow work stands in its enthalpy (M108), so that the
-indicated work lifts the oil to discharge and P_lift is zero; gas flows through its share of an opening, oil with it
-(M107); oil that is injected at one angle displaces gas (M110). A chamber that the oil fills is locked: `failed`, with
-the angle (M111).
+What: the gas has the volume that the oil leaves (M106). The oil's flow work is part of its enthalpy (M108), so that the
+indicated work includes lifting the oil to discharge and P_lift is zero. Gas flows through its share of an opening, and
+oil with it (M107); oil that is injected at one angle displaces gas (M110). A chamber that fills with oil is locked: the
+result is `failed` and names the angle (M111).
 Source: ours, from the first law; Chernov et al. 2015 leave the oil's volume out.
 Assumptions: incompressible oil; no slip: oil leaves a chamber in the ratio in which it lies there, at the gas's speed.
 Parameters: none.

@@ -1,15 +1,16 @@
 """Plenums: the volumes behind both ports are finite, so that their pressure pulsates with the lobes.
 
-What: a plenum's gas is compressed by what the chambers give it and the line does not take (M184), harmonic by harmonic
-of the lobe frequency; the chambers meet that pressure (M185, M186), which is found together with the cycle. The line is
-endless (no reflection) or lets a steady flow through; port and line take a drop from the mean (M184). A check valve
-between plenum and line lets nothing back, and shuts for good where the machine would deliver nothing (M220–M222);
-two valves that stay shut lock in what the scene does not tell (M240).
+What: a plenum's gas is compressed by the difference between the flow from the chambers and that into the line (M184),
+harmonic by harmonic of the lobe frequency; the chambers see that pressure (M185, M186), which is found together with
+the cycle. The line is infinitely long (no reflection) or passes a steady flow; port and line take a pressure drop from
+the mean (M184). A check valve between plenum and line lets nothing back, and stays shut where the machine would deliver
+nothing (M220–M222); between two valves that stay shut is an amount of gas that the scene does not determine (M240).
 Source: filling of a volume, plane waves in an endless pipe (textbook acoustics); that pulsations of screw compressors
 come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
 gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
 Assumptions: one pressure in a plenum (shorter than a quarter of a wave), isentropic pulsation around the mean, constant
-sound speed, so many harmonics as stated; a check valve is tight and has no mass (a warning tells where one would shut).
+sound speed, a stated number of harmonics; a check valve is tight and has no mass (a warning says where a line without
+one would need it).
 Parameters: volume, line area, loss coefficient and check valve of suction and discharge, harmonics.
 """
 
@@ -32,9 +33,9 @@ from screwsim.outputs import Figure, Trace, names_of, over
 
 Array = np.ndarray
 NAME = "plenums"
-TRACE = 360  # points of a pitch
-LOWEST = -0.9  # offset of the mean at which nothing passes any more
-EMPTY = -0.999  # the same behind a check valve, which may hold the line's pressure off a plenum near that of suction
+TRACE = 360  # points per pitch of a trace
+LOWEST = -0.9  # lower bound of the mean's relative offset: there the line takes all of the pressure
+EMPTY = -0.999  # the same with a check valve, behind which a plenum may stay near suction pressure
 LOCKED = (
     "both check valves of effects.plenums stay shut: the machine delivers nothing, since its leaks take all that it "
     "moves before the discharge plenum reaches its line's pressure; nothing passes between the lines, and how much gas "
@@ -55,7 +56,7 @@ WHICH = ("the", "twice the", "three times the", "four times the")  # of the harm
 
 
 def _declared(to: str) -> Iterator[Figure]:
-    """Yield the figures of a plenum; what pulsates errs over the line's pressure."""
+    """Yield the figures of a plenum; errors of pulsating ones are relative to the line's pressure."""
     line, needs, what = over(f"{to}_pressure", alone=True), (f".{to}_volume",), f"in the {to} plenum"
     yield Figure(f"{to}_plenum_pressure", "Pa", f"mean pressure {what}", needs=needs)
     swing = f"pressure {what}, from its lowest to its highest value"
@@ -99,10 +100,11 @@ class Parameters:
 
 
 def pulsation(line: LineFlow, before: Array, volume: float, area: float | None, frequency: float) -> Array:
-    """Return the amplitudes over the line's pressure, a_k − i b_k of each harmonic (M184); frequency [rad/s].
+    """Return the amplitudes a_k − i b_k of each harmonic over the line's pressure (M184); frequency [rad/s].
 
-    `before` are those with which the turn was integrated. What is open to the plenum answers a change of its pressure
-    as if it were part of the plenum; taking it as that makes the next guess a better one, and the same answer.
+    `before` are the amplitudes with which the turn was integrated. Chambers open to the plenum respond to a change of
+    its pressure as if they were part of its volume; including that response improves the next guess and leaves the
+    fixed point unchanged.
     """
     k = np.arange(1, len(before) + 1)
     flow = np.fft.rfft(line.flow)[1 : len(before) + 1] * (2.0 / len(line.flow))
@@ -113,15 +115,15 @@ def pulsation(line: LineFlow, before: Array, volume: float, area: float | None, 
 
 
 def offset(line: LineFlow, area: float | None, loss: float) -> float:
-    """Return by how much the mean pressure exceeds the line's, over that (M184)."""
+    """Return the relative offset of the mean pressure from the line's (M184)."""
     mean = float(np.mean(line.flow))
     return 0.0 if area is None else 0.5 * loss * mean * abs(mean) / (line.rho * area**2) / line.p
 
 
 class Mean(NamedTuple):
-    """What a turn makes of a plenum with a check valve: offset, amplitudes, whether it stays shut, its least flow.
+    """State of a plenum with a check valve after a turn: offset, amplitudes, whether it stays shut, its least flow.
 
-    The amplitudes a_k − i b_k are over the line's pressure, as the offset is; the flow counts along the valve.
+    Offset and amplitudes a_k − i b_k are over the line's pressure; the least flow [kg/s] counts along the valve.
     """
 
     offset: float
@@ -131,19 +133,19 @@ class Mean(NamedTuple):
 
 
 def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
-    """Return the flow [kg/s] into the line and what is open to the plenum, taken as part of it (see `pulsation`)."""
+    """Return the flow [kg/s] into the line with the response of chambers open to the plenum added (see `pulsation`)."""
     k = np.arange(1, len(before) + 1)
     return line.flow + line.p * capacity * _wave(1j * k * frequency * before, len(line.flow))
 
 
 def _wave(amplitudes: Array, count: int) -> Array:
-    """Return what amplitudes a_k − i b_k make at so many even angles of a pitch."""
+    """Return the sum of harmonics with amplitudes a_k − i b_k at `count` evenly spaced angles of a pitch."""
     phases = np.outer(np.arange(count), np.arange(1, len(amplitudes) + 1))
     return np.real(np.exp(2j * pi * phases / count) @ amplitudes)
 
 
 def series(made: Mapping[str, float], to: str, count: int) -> Array:
-    """Return the pressure of a plenum over the line's, at even angles of a pitch (M185)."""
+    """Return the pressure of a plenum over the line's, at evenly spaced angles of a pitch (M185)."""
     amplitudes = [made[f"{to}_{part}_{k}"] for k in range(1, count + 1) for part in ("cos", "sin")]
     return 1.0 + made[f"{to}_offset"] + _waves(count) @ np.array(amplitudes)
 
@@ -169,8 +171,11 @@ class Behind:
         self._last: tuple[Any, Mean | None, list[float]] = None, None, []
 
     def _found(self, turn: Turn) -> tuple[Mean | None, list[float]]:
-        """Return what a turn makes of a plenum with a valve (without: None), and its coefficients; once a turn."""
-        of, mean, coefficients = self._last  # at once: threads that read other turns share it
+        """Return the state of a plenum with a valve (else None) and its coefficients after a turn.
+
+        Computed once a turn.
+        """
+        of, mean, coefficients = self._last  # one read of the tuple: threads that read other turns share it
         if of is not turn.line:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
             before, frequency = held[:, 0] - 1j * held[:, 1], 2.0 * pi * turn.omega / turn.pitch
@@ -185,7 +190,7 @@ class Behind:
         return mean, coefficients
 
     def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> Mean:
-        """Return what a turn makes of a plenum with a check valve (M220–M222), met at an offset that was held."""
+        """Return the state of a plenum with a check valve after a turn, integrated with a held offset (M220–M222)."""
         flow, p, held = self.along * line.flow, line.p, turn.held[f"{self.to}_offset"]
         given = self.along * answer(line, before, line.open_volume / line.sound**2, frequency)
         impedance = 0.0 if self.area is None else line.sound / self.area
@@ -202,10 +207,10 @@ class Behind:
             pressure, least = passed.pressure, partial(line_valve.least_flow, valve, given, behind, passed)
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
-        across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # where a turn may open the valve it is let
+        across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # a turn that may open the valve is allowed to
         stands = self.along * line_valve.standing(held, line.flow, answering, across)
         shut = stands < level / p
-        if shut:  # its leaks answer a change of its pressure as what is open to it does, taken as that likewise
+        if shut:  # leaks respond to a change of its pressure as open chambers do, and are included likewise
             leaking = (float(np.mean(np.abs(flow))) + answering) / (line_valve.driving(held, across) * p)
             pressure = line_valve.closed(given + self.along * leaking * p * _wave(before, len(given)), behind, leaking)
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
@@ -218,11 +223,11 @@ class Behind:
         return turn.line(to).p * (1.0 + turn.held.get(f"{to}_offset", 0.0))
 
     def coefficient(self, i: int, turn: Turn) -> float:
-        """Return one of a_1, b_1, a_2 … that a turn makes."""
+        """Return the i-th of the coefficients a_1, b_1, a_2 … after a turn."""
         return self._found(turn)[1][i]
 
     def offset(self, turn: Turn) -> float:
-        """Return the offset of the mean that a turn makes."""
+        """Return the relative offset of the mean pressure after a turn."""
         mean = self._found(turn)[0]
         return offset(turn.line(self.to), self.area, self.loss) if mean is None else mean.offset
 
@@ -232,20 +237,20 @@ class Behind:
         return mean is not None and mean.shut
 
     def locks_in(self, turn: Turn) -> bool:
-        """Tell whether nothing leaves the chambers but to the suction line: its valve, too, would stay shut (M240)."""
+        """Tell whether gas leaves the chambers only to the suction line, whose valve would stay shut, too (M240)."""
         return turn.two_lines and self.shut(turn)
 
     def unknown(self, turn: Turn, closed: bool) -> str:
-        """Return that the gas between two shut valves is not known, and what to do; empty where it is.
+        """Return a text that says that the gas between two shut valves is undetermined; empty where it is not so.
 
-        Of a cycle that did not close it is said where the plenum fell below the middle of both pressures, far from
-        where its valve opens.
+        For a cycle that did not close the text is returned only where the plenum's pressure fell below the middle of
+        both pressures, far from where its valve opens.
         """
         held, far = 1.0 + turn.held[f"{self.to}_offset"], self._far(turn) / turn.line(self.to).p
         return LOCKED if self.locks_in(turn) and (closed or held < 0.5 * (1.0 + far)) else ""
 
     def parts(self) -> list[Made | Pulsation]:
-        """Return what declares it: offset and coefficients, one after the other, and the pressure that they make."""
+        """Return the declared parts: offset, coefficients one after the other, and the pressure that they describe."""
         first = f"{self.to}_offset"
         least = LOWEST if self.valve is None else EMPTY
         entry = Entry(first, scale=1.0) if self.valve is None else Entry(first, shift=1.0)
@@ -259,7 +264,7 @@ class Behind:
         return [*made, Pulsation(self.to, first, tuple(self.names), shut, unknown, STUCK, IDLE, swings)]
 
     def figures(self, turn: Turn) -> dict[str, float | None]:
-        """Return mean, swing and harmonics of the pressure [Pa]."""
+        """Return mean, peak-to-peak value and harmonics of the pressure [Pa]."""
         p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
         lowest, highest = line_valve.lowest(pressure), -line_valve.lowest(-pressure)
         pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, len(WHICH) + 1)]
@@ -296,7 +301,7 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
 
 
 def warnings(found: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a warning where the pulsation turns the flow in the discharge line round."""
+    """Yield a warning where the pulsation reverses the flow in the discharge line."""
     if (found.get("discharge_line_least_flow") or 0.0) < 0.0 < (found.get("gas_mass_flow") or 0.0):
         yield (
             "the pulsation turns the flow in the discharge line round: a check valve would shut (name "

@@ -1,12 +1,12 @@
-"""Reed valves: plates with mass and spring between cylinder and lines, with lift and speed as states of their own.
+"""Reed valves: plates with mass and spring between cylinder and lines, whose lift and speed are states of their own.
 
 What: m ẍ = c_F A Δp − F_0 − k x − 2 ζ √(k m) ẋ (S25) between seat and stop, at which the speed jumps, v' = −e v (S26);
-flow through port and curtain in series (S27). Lift over that of the stop, speed over a scale.
+flow through port and curtain in series (S27). The lift is stored over that of the stop, the speed over a scale.
 Source: one degree of freedom: M. Costagliola, J. Appl. Mech. 17 (1950) 415; impact: Newton's law of restitution.
 Assumptions: one degree of freedom; the port's pressure difference acts on the port's area at every lift; quasi-steady
 flow; no sticking, no gas spring, no flow when shut; seat and stop are rigid. The restitution of a reed is seldom known:
-0.3 is assumed of both. What the gas does on the reed is not taken from the gas: damping and impacts turn it into heat
-within the turn, which the gas would get back (docs/reference/slider-crank.md says how much it is).
+0.3 is assumed at both. The work that the gas does on the reed is not taken from the gas: damping and impacts turn it
+into heat within the turn, which the gas would get back (docs/reference/slider-crank.md says how much it is).
 Parameters: of each valve port_area, perimeter, stop, mass, stiffness, preload; damping_ratio, seat_restitution,
 stop_restitution, force_coefficient, flow_coefficient.
 """
@@ -53,19 +53,19 @@ class Parameters:
 
 @kernel
 def speed_scale(load, stiffness, mass, stop):
-    """Return the frequency Ω [1/s] to whose product with the stop's lift the speed is related (S25)."""
+    """Return the frequency Ω [1/s] by which speeds are scaled: η = dx/dt over Ω times the stop's lift (S25)."""
     return math.sqrt((load / stop + stiffness) / mass)
 
 
 @kernel
 def reed_acceleration(speed, push, load, stiffness, mass, stop, damping_ratio):
-    """Return dη/dt [1/s] of a reed at speed η under a push (S25)."""
+    """Return dη/dt [1/s] of a reed at scaled speed η under a push (S25)."""
     return speed_scale(load, stiffness, mass, stop) * push - 2.0 * damping_ratio * math.sqrt(stiffness / mass) * speed
 
 
 @kernel
 def push_of(lift, force, load, stiffness, stop, preload):
-    """Return the force on a reed at rest at lift ξ under a gas force [N], over that which Ω is made of (S25)."""
+    """Return the net force on a reed at rest at lift ξ under a gas force [N], over the force that defines Ω (S25)."""
     return (force - preload - stiffness * stop * lift) / (load + stiffness * stop)
 
 
@@ -137,8 +137,8 @@ def discharge_speed_rate(
 
 @kernel
 def opened(lift, curtain):
-    """Return the open share of a port under a reed at lift ξ; `curtain`: full curtain's area over the port's (S27)."""
-    if lift < 0.0:  # at none, its slope is that of a reed that opens
+    """Return the open share of a port under a reed at lift ξ; `curtain`: full curtain area over the port's (S27)."""
+    if lift < 0.0:  # at zero lift the slope is that of an opening reed
         return 0.0
     a = curtain * lift
     return a / math.sqrt(1.0 + a * a)
@@ -164,7 +164,7 @@ KERNELS = {
 
 
 def reed(parameters: Parameters, side: str) -> dict[str, float]:
-    """Return the numbers of one reed behind its kernels' arguments [SI]."""
+    """Return the values [SI] of one reed's kernel arguments."""
     own = {name: getattr(parameters, f"{side}_{name}") for name in ("stop", "mass", "stiffness", "preload")}
     area = getattr(parameters, f"{side}_port_area")
     return own | {

@@ -1,20 +1,20 @@
 """Refrigerant solubility: R134a that the injected POE oil brings dissolved flashes where it enters the chamber.
 
-What: oil leaves the separator with what it holds in equilibrium at discharge pressure and the separator's temperature
-(M195) and is cooled. Without `flash_time` it flashes adiabatically to equilibrium at the chamber's pressure while it
-enters (M196): a further stream of gas, whose heat of evaporation the oil pays. With it, what the oil holds is a state
-of the chamber that goes with the oil through leaks and ports (M230); oil that holds more than in equilibrium gives it
-off with that time constant (M231), and takes gas up with `absorption_time` where it holds less, if that is stated. In
-the separator the oil takes that gas up again, so that what is delivered is what is sucked in; the machine compresses
-it for nothing.
+What: oil leaves the separator saturated with gas at discharge pressure and the separator's temperature (M195) and is
+cooled. Without `flash_time` it flashes adiabatically to equilibrium at the chamber's pressure as it enters (M196): a
+further stream of gas, whose heat of evaporation the oil supplies. With `flash_time` the dissolved gas is a state of the
+chamber that travels with the oil through leaks and ports (M230); oil that holds more than in equilibrium releases it
+with that time constant (M231), and oil that holds less absorbs gas with `absorption_time`, if that is stated. In the
+separator the oil absorbs that gas again, so that delivery equals suction; the machine compresses the flashed gas for
+nothing.
 Source: Heil's model with the constants of B. Grebner, 1992; flash, rate and balances ours. No source gives the time
 constants of oil in a screw compressor's chamber: they are assumptions.
 Assumptions: the oil's viscosity, density and heat capacity are those of pure oil; no gas is taken up between separator
-and port. Flash in the port: it is complete there; what stays dissolved goes with the oil to discharge and neither
-flashes again in leaks to lower pressure nor is gas taken up during compression; heat of solution is that of
+and port. Flash in the port: it is complete there; gas that stays dissolved goes with the oil to discharge, it does not
+flash again in leaks to lower pressure, and no gas is taken up during compression; heat of solution is that of
 evaporation, excess enthalpy neglected. Over time: all oil of a chamber holds the same; dissolved gas has one enthalpy,
-that which M195 gives between separator and supply, and with it the equilibrium at other temperatures (M232).
-Needs effects.oil_injection.
+that which M195 gives between separator and supply, and with it the equilibrium at other temperatures (M232). Needs
+effects.oil_injection.
 Parameters: separator_temperature, flash_time, absorption_time.
 """
 
@@ -42,8 +42,8 @@ Array = np.ndarray
 
 NAME = "refrigerant_solubility"
 PLENUM, SEPARATOR = "oil_gas", "separator"
-BROUGHT = 0.1  # of the gas that the oil brings dissolved: errors of what flashes over time count at least over that
-OVER_TIME = "discharge_dissolved_gas_ratio"  # oil that takes gas up, too, lets what flashes pass through zero
+BROUGHT = 0.1  # share of the dissolved gas to which errors of the flash over time are relative, at least
+OVER_TIME = "discharge_dissolved_gas_ratio"  # with it the net flash may pass through zero: oil absorbs gas, too
 FIGURES = (
     Figure("dissolved_gas_ratio", "1", "refrigerant dissolved in the injected oil, per oil"),
     Figure(
@@ -61,14 +61,14 @@ FIGURES = (
         by_held=True,
     ),
 )
-POINTS = 81  # of the table over pressure
-LOWEST = 0.02  # of the separator's pressure: below it, what flashes is held
-RISE = 1e-6  # of a pressure to the next row, at the least: next to no gas, two contents have one pressure (M195)
-HIGHEST = 370.0  # [K], below the critical temperature
-STEP = 1.0  # [K] between the temperatures at which CoolProp is asked
-LEAST, MOST = 1e-6, 20.0  # [kg/kg] of the tables of a solution: beyond them, equilibrium is held
-ROWS = 401  # of those tables
-APART = 5.0  # [K] at the least between the temperatures that tell the heat of solution
+POINTS = 81  # rows of the table over pressure
+LOWEST = 0.02  # share of the separator's pressure below which the flashed amount is held constant
+RISE = 1e-6  # least relative rise of pressure from row to row: near zero, two contents have one pressure (M195)
+HIGHEST = 370.0  # [K] highest temperature, below the critical one
+STEP = 1.0  # [K] between the temperatures at which CoolProp is evaluated
+LEAST, MOST = 1e-6, 20.0  # [kg/kg] range of a solution's tables; beyond them the equilibrium is held constant
+ROWS = 401  # rows of those tables
+APART = 5.0  # [K] least distance of the two temperatures that the heat of solution is derived from
 
 
 @dataclass(frozen=True)
@@ -94,18 +94,22 @@ def _saturation() -> tuple[Pchip, Pchip]:
 
 @lru_cache(maxsize=256)
 def pair(T: float) -> solubility.Pair:
-    """Return R134a and oil at T [K]."""
+    """Return the constants of the pair R134a and oil at T [K]."""
     log_pressure, density = _saturation()
     return solubility.pair(T, math.exp(log_pressure(1.0 / T)), density(T))
 
 
 def content(p: float, T: float) -> float:
-    """Return R134a dissolved in equilibrium [kg per kg of oil] at p [Pa] and T [K] (M195)."""
+    """Return the R134a dissolved in equilibrium [kg per kg of oil] at p [Pa] and T [K] (M195)."""
     return solubility.dissolved(p, *pair(T))
 
 
 def flashed(p: float, T: float, supply: float, latent: float, c_oil: float) -> float:
-    """Return what flashes of oil at T [K] that holds `supply` [kg/kg] when it comes to p [Pa], adiabatically (M196)."""
+    """Return the gas that flashes adiabatically [kg per kg of oil] when oil at T [K] comes to p [Pa] (M196).
+
+    `supply` is its content before [kg/kg], `latent` [J/kg] the heat of evaporation, `c_oil` [J/(kg K)] its heat
+    capacity.
+    """
 
     def excess(flash: float) -> float:
         return supply - flash - content(p, max(T - flash * latent / c_oil, solubility.LOW))
@@ -124,10 +128,10 @@ def _content(T_separator: float, T: float, p_d: float, c_oil: float) -> OilConte
 
 
 def _flashes(T: float, p_d: float, supply: float, latent: float, c_oil: float) -> tuple[Array, Array]:
-    """Return pressures [Pa] up to p_d and what flashes at each (M196), in `POINTS` rows.
+    """Return pressures [Pa] up to p_d and the gas that flashes at each [kg/kg] (M196), in `POINTS` rows.
 
-    Rows are dense in what flashes where it begins and where it ends, and their pressures follow from it without a
-    search. One stands where the oil comes to the coldest temperature of the solubility.
+    Rows are dense in the flashed amount where it begins and where it ends; their pressures follow from it without a
+    search. One row lies where the oil reaches the coldest temperature of the solubility data.
     """
     least, most = (flashed(p, T, supply, latent, c_oil) for p in (p_d, LOWEST * p_d))
     if most <= 0.0:
@@ -155,14 +159,15 @@ def equilibrium_pressure(ratio: float, T: float) -> float:
 
 @lru_cache(maxsize=8)
 def _vapour(gas: Any, T_separator: float, T: float, p_d: float) -> Reservoir:
-    """Return the vapour in equilibrium with the oil that is supplied at T [K] (M197)."""
+    """Return the vapour in equilibrium with oil that is supplied at T [K] (M197)."""
     return gas.vapour(equilibrium_pressure(content(p_d, T_separator), T), T)
 
 
 def heat_enthalpy(gas: Any, T_separator: float, T: float, p_d: float) -> float:
-    """Return the enthalpy [J/kg] of dissolved gas, by van 't Hoff between separator and the oil's supply at T (M232).
+    """Return the enthalpy [J/kg] of dissolved gas by van 't Hoff's law between separator and oil supply at T (M232).
 
-    Where both are as good as equally warm, between the supply and a temperature `APART` from it.
+    Where the two temperatures are closer than `APART`, one at that distance from the supply takes the separator's
+    place.
     """
     supply, other = content(p_d, T_separator), T_separator
     if abs(other - T) < APART:
@@ -176,7 +181,7 @@ def heat_enthalpy(gas: Any, T_separator: float, T: float, p_d: float) -> float:
 
 @lru_cache(maxsize=32)
 def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float, uptake: float) -> OilSolution:
-    """Return what oil supplied at T [K] holds, and its entropy as it gives gas off (M231–M233); rates in 1/s."""
+    """Return content and entropy of oil supplied at T [K] as it releases gas (M231–M233); rates in 1/s."""
     enthalpy = heat_enthalpy(gas, T_separator, T, p_d)
     z = np.linspace(math.log(LEAST), math.log(MOST), ROWS)
     vapours = [gas.vapour(equilibrium_pressure(math.exp(each), T), T) for each in z]
@@ -189,7 +194,7 @@ def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float,
 
 
 def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
-    T_separator = parameters.separator_temperature or 0.0  # stated, or where the search for it stands
+    T_separator = parameters.separator_temperature or 0.0  # stated, or the current value of the search
     flash_time, absorption_time = parameters.flash_time, parameters.absorption_time
 
     def content_of(site: Site) -> OilContent | OilSolution:

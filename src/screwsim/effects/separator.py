@@ -1,15 +1,16 @@
 """Separator: gas and oil meet behind the discharge port, part at one temperature, and a cooler sends the oil back.
 
-What: gas, oil and what the oil holds dissolved come from the chambers at temperatures of their own and mix
-adiabatically at discharge pressure (M280, M281); what the losses leave in them heats the mixture (M282). The oil goes
-back through a cooler, by its outlet's temperature, its duty, or a thermostat that keeps the mixture's temperature, or
-without one (M283): so the temperatures of the oil's supply and of the separator follow, and are found together with the
-cycle (M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature in its place, the duty follows.
-Source: ours, from the first law; that hydromechanical losses, drag and the pump heat the oil on which they act is where
-they arise, that bearings give their heat to the oil that lubricates them is the usual layout of flooded screws.
-Assumptions: gas and oil come to equilibrium before they part, dissolved gas too; none of one goes with the other; the
-cooler takes heat from the oil alone; nothing is lost to the surroundings but `ambient_loss`, between discharge flange
-and cooler. What flows back into the chambers is not mixed yet (M27), nor is what a bypass returns.
+What: gas, oil and the gas dissolved in the oil come from the chambers at temperatures of their own and mix
+adiabatically at discharge pressure (M280, M281); the share of the losses that stays in them heats the mixture (M282).
+The oil returns through a cooler, which is given by its outlet temperature, its duty, or a thermostat that keeps the
+mixture's temperature, or without one (M283). The temperatures of the oil supply and of the separator follow, and are
+found together with the cycle (M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature in its place,
+the duty follows.
+Source: ours, from the first law; hydromechanical losses, drag and the pump heat the oil on which they act, where they
+arise; that bearings give their heat to the oil that lubricates them is the usual layout of flooded screws.
+Assumptions: gas and oil come to equilibrium before they part, dissolved gas too; neither carries any of the other
+along; the cooler takes heat from the oil alone; nothing is lost to the surroundings but `ambient_loss`, between
+discharge flange and cooler. Gas that flows back into the chambers has not mixed yet (M27), nor has that of a bypass.
 Parameters: cooler (outlet_temperature, duty, discharge_temperature), friction_share, ambient_loss.
 """
 
@@ -28,9 +29,9 @@ from screwsim.outputs.customary import in_celsius
 
 NAME = "separator"
 SUPPLY = "oil_supply.temperature"
-HEATS = 1e-3  # of the shaft's power: heat below which a cooler counts as one that only cools
+HEATS = 1e-3  # heat from the cooler into the oil, over shaft power, above which is warned
 MEASURED, DUTY = "mixture_discharge_temperature", "oil_cooler_duty"
-LEAST = 1e-6  # heat capacity of oil over that of gas, below which it cools nothing
+LEAST = 1e-6  # heat capacity of oil over that of gas below which the oil cannot cool
 NO_OIL = "next to no oil flows, and its cooler can keep neither a duty nor a temperature (more oil, or no cooler)"
 FIGURES = (
     Figure(MEASURED, "K", "temperature of gas and oil behind the discharge port, mixed"),
@@ -68,7 +69,7 @@ class Cooler:
 
     @property
     def stated(self) -> list[str]:
-        """The names of what is stated."""
+        """Names of the keys that are stated."""
         return [each.name for each in fields(self) if getattr(self, each.name) is not None]
 
 
@@ -85,12 +86,12 @@ class Parameters(CoolsOil):
 
     @property
     def outlet(self) -> float | None:
-        """Temperature [K] of the oil behind the cooler; None where it is not kept."""
+        """Temperature [K] of the oil behind the cooler; None where it is not prescribed."""
         return None if self.cooler is None else self.cooler.outlet_temperature
 
     @property
     def discharge(self) -> float | None:
-        """Temperature [K] of gas and oil at discharge; None where it is not kept."""
+        """Temperature [K] of gas and oil at discharge; None where it is not prescribed."""
         return None if self.cooler is None else self.cooler.discharge_temperature
 
 
@@ -99,7 +100,7 @@ def build(parameters: Parameters, machine) -> list[Separator]:
     losses = parameters.friction_share, parameters.ambient_loss
 
     def balance(outflow: Outflow, supply_open: bool) -> Separated:
-        """Return where gas and oil part; where the supply is open, how it has to change (M283, M284)."""
+        """Return the state in which gas and oil part and, for an open supply, how it has to change (M283, M284)."""
         found = separated(outflow, *losses)
         if not supply_open:
             return found
@@ -150,7 +151,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def warnings(found) -> Iterator[str]:
-    """Yield that a stated temperature of the supply asks the cooler to heat."""
+    """Yield a warning where a stated supply temperature requires the cooler to heat."""
     duty, power = found.get(DUTY), found.get("shaft_power")
     if duty is not None and duty < -HEATS * abs(power or 0.0):
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]

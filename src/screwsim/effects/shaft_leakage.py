@@ -1,13 +1,14 @@
 """Shaft leakage: gas and oil from the discharge end to suction, around the shafts and through drains and pistons.
 
-What: nozzle flow (M12, M13), or the share of it that passes with the oil in the way (M192, M300), from the discharge
-line to the suction line beside the chambers, with the line's oil ratio and what the oil holds dissolved (M274). It
-follows the discharge pressure all the time, where the leaks of chambers follow the course of theirs: what a volumetric
-efficiency that falls in proportion to the pressure ratio asks for. The area is stated, or an annulus around each shaft.
+What: nozzle flow (M12, M13), or the share of it that passes beside the oil (M192, M300), from the discharge line to the
+suction line outside the chambers, with the line's oil ratio and the gas dissolved in that oil (M274). It is driven by
+the discharge pressure all the time, where the leaks of chambers follow the chamber pressure: a volumetric efficiency
+that falls in proportion to the pressure ratio calls for such a leak. The area is stated, or an annulus around each
+shaft.
 Source: annular clearances (textbook); M12.
 Assumptions: fed from the mean state of the discharge line; oil in the ratio there, at the gas's speed. The power of
-pumping the leaked oil up again counts (M28). Labyrinths, bushings and bearings hold more back than a nozzle does: take
-a smaller flow coefficient, or `model: oil_sealed`, the rule of gaps in flooded machines (M192); no wall moves in it.
+pumping the leaked oil up again counts (M28). Labyrinths, bushings and bearings resist more than a nozzle does: take a
+smaller flow coefficient, or `model: oil_sealed`, the rule of gaps in flooded machines (M192); no wall moves in it.
 Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient; model, mixture_viscosity, passage and
 gas_viscosity.
 """
@@ -52,7 +53,7 @@ class Parameters:
 
 
 def area_of(parameters: Parameters) -> float:
-    """Return the area [m²] of the leak: that which is stated, or of annuli of a clearance c around d, π (d + c) c."""
+    """Return the area [m²] of the leak: as stated, or of annuli of a clearance c around a diameter d, π (d + c) c."""
     if parameters.area is not None:
         return parameters.area
     d, c = parameters.shaft_diameter or 0.0, parameters.clearance or 0.0
@@ -91,7 +92,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 
 def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
-    """Yield what the flow model lacks, or is given without a meaning."""
+    """Yield keys that the flow model needs and lacks, and those that have no meaning with it."""
     if gap_flow.MODELS[parameters.model].held is None:
         for extra in (*_SEALED, "gas_viscosity"):
             if getattr(parameters, extra) is not None:

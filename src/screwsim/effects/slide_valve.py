@@ -23,7 +23,7 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
 from screwsim.numerics.spline import features, read_curve
 
-BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
+BEFORE = 60.0 * pi / 180.0  # angle before the beginning of compression at which the chamber reaches the slot
 DEG = 180.0 / pi
 _OWN = "(needed without machine.slide_valve)"
 _SLOT = {"position": "0.5", "slot_area": "40 cm^2", "closes": "560 deg"}
@@ -57,13 +57,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 
 def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:
-    """Return the slot to suction of an area by angle."""
+    """Return the path to suction through a slot whose area by angle is given as a curve."""
     coefficient, tables = parameters.flow_coefficient, {"curve": curve}
     return FlowPath(SUCTION, table_area, {}, own, flow_coefficient=coefficient, tables=tables, beside=True)
 
 
 def _stated(parameters: Parameters, machine) -> list[FlowPath]:
-    """Return slot and radial port of a slide whose angles are stated."""
+    """Return the paths of slot and radial port of a slide whose angles are stated."""
     x, begins = parameters.position, machine.injection_angle
     assert x is not None and parameters.slot_area is not None and parameters.closes is not None  # checked
     closes = begins + x * (parameters.closes - begins)
@@ -106,7 +106,7 @@ def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:
-    """Yield the angles that lie outside the compression."""
+    """Yield the stated angles that lie outside the compression."""
     low, life = geometry.injection_angle, geometry.life
     for name in ("closes", *_RADIAL[1:]):
         angle, high = getattr(parameters, name), life - (2.0 if name == "closes" else 4.0) * RAMP

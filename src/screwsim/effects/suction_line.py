@@ -1,14 +1,14 @@
-"""Suction line: gas and oil that flow back into it stay there, mix with what is sucked in and come again.
+"""Suction line: gas and oil that flow back into it stay there, mix with the suction gas and are sucked in again.
 
-What: what leaves the chambers to the suction line (slide valve, bypass bore, leaks, the port itself) brings its heat
-and its oil back: one temperature of gas and oil by the balance of energy (M271), oil in the ratio of both flows, gas
-that the oil holds dissolved in equilibrium (M272). Without this effect the suction line keeps its state whatever flows
-back, and heat and oil that leave to it are lost (M10, M54).
+What: the flow from the chambers to the suction line (slide valve, bypass bore, leaks, the port itself) returns its heat
+and its oil: gas and oil have one temperature by the energy balance (M271), oil in the ratio of both flows, and the gas
+that the oil holds dissolved is in equilibrium (M272). Without this effect the suction line keeps its state whatever
+flows back, and heat and oil that leave to it are lost (M10, M54).
 Source: adiabatic mixing (textbook).
 Assumptions: a steady mixture between line (behind throttle and bypass) and port, without heat to the surroundings; gas
-and oil have time to come to one temperature, and what the oil holds to equilibrium. Oil of which no effect keeps an
-account while it is in the chamber (`refrigerant_solubility` without `flash_time`) gives nothing off. Where more flows
-back than is sucked, the rest leaves by the line, mixed as it came.
+and oil have time to reach one temperature, and the oil to reach solubility equilibrium. Oil whose dissolved gas is not
+tracked in the chamber (`refrigerant_solubility` without `flash_time`) releases nothing. Where more flows back than is
+sucked in, the rest leaves by the line, with the mixture's state.
 Parameters: none.
 """
 

@@ -1,9 +1,9 @@
 """Suction port: flow between the suction plenum and the chamber.
 
-What: nozzle flow (M12) through the port area over the angle, law (17) or a table. Both directions.
+What: nozzle flow (M12) through the port area over the angle, law (17) or a table, in both directions.
 Source: Chernov et al. 2015, eqs. (3), (4), (17); choking added (docs/model.md M13).
-Assumptions: the suction plenum keeps the state of the suction line; what flows back into it is counted, and
-fresh gas of the line's state comes in again.
+Assumptions: the suction plenum keeps the state of the suction line; gas that flows back into it is counted, and fresh
+gas of the line's state comes in again.
 Parameters: flow_coefficient.
 """
 

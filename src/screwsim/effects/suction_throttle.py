@@ -1,8 +1,8 @@
-"""Suction throttle: a valve between the suction line and the machine, which takes capacity by thinning the gas.
+"""Suction throttle: a valve between suction line and machine, which reduces capacity by lowering the gas's density.
 
 What: the machine sucks at p_s' = π p_s with the enthalpy of the line (M160); figures refer to the line's state.
 Source: isenthalpic throttling (textbook); one of the four ways of capacity control that Chernov et al. 2015 name.
-Assumptions: a steady pressure behind the valve, no heat; what flows back into the suction stays behind the valve.
+Assumptions: a steady pressure behind the valve, no heat; gas that flows back into the suction stays behind the valve.
 Parameters: pressure_ratio.
 """
 

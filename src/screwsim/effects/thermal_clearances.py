@@ -1,13 +1,13 @@
-"""Clearances under heat: gaps are those of warm rotors in a warm housing, found together with the cycle.
+"""Thermal clearances: gaps are those of warm rotors in a warm housing, found together with the cycle.
 
 What: a clearance is stated cold, at the temperature of the drawing; rotors and housing expand linearly with their own
 temperatures (M180), across the radius for the tips (M181), the axes' distance for the interlobe gap (M182) and the
-length between thrust bearing and end face for the end gap (M183). All areas of a gap are multiplied by warm over cold,
-and so is the clearance in what holds its flow back (M190 to M193, M251) and in the drag of its oil (M141, M142).
+length between thrust bearing and end face for the end gap (M183). All areas of a gap are multiplied by warm over cold
+clearance, and so is the clearance in its flow model (M190 to M193, M251) and in the drag of its oil (M141, M142).
 Source: linear expansion (textbook); that clearances of screw compressors follow the temperatures of rotors and casing:
 D. Buckney, Clearance management in twin screw compressors, thesis, City, University of London 2017.
 Assumptions: one temperature of the rotors and one of the housing, those of effects.wall_heat or stated ones; no
-bending, no pressure, no play of the bearings; both rotors are of one material.
+bending, no deformation by pressure, no play of the bearings; both rotors are of one material.
 Parameters: reference_temperature, rotor_expansion, housing_expansion, axis_distance, bearing_distance;
 rotor_temperature, housing_temperature.
 """
@@ -31,7 +31,7 @@ FIGURES = tuple(
     Figure(name, "m", f"clearance {meaning}, warm", needs=(f"effects.{effect}",))
     for (effect, name), meaning in zip(GAPS.items(), MEANINGS, strict=True)
 )
-CLOSED = 0.02  # share of a cold clearance at which warm parts count as touching
+CLOSED = 0.02  # warm over cold clearance at which the parts count as touching
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,13 @@ class Parameters:
 
 
 def growth(parameters: Parameters, rotor: float, housing: float) -> float:
-    """Return by how much a gap grows per length [1] at the temperatures [K] of rotors and housing (M180)."""
+    """Return the growth of a gap per length of its parts [1] at temperatures [K] of rotors and housing (M180)."""
     warm = parameters.housing_expansion * (housing - parameters.reference_temperature)
     return warm - parameters.rotor_expansion * (rotor - parameters.reference_temperature)
 
 
 def lengths(parameters: Parameters, machine) -> dict[str, float]:
-    """Return the length [m] over which each gap grows, by effect (M181 to M183)."""
+    """Return {effect: length [m] over which the parts of its gap expand} (M181 to M183)."""
     profile = machine.settings.profile
     own = profile.centre_distance if profile is not None else 0.0
     return {

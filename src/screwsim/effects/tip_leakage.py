@@ -1,10 +1,10 @@
 """Tip leakage: gaps between the lobe tips and the housing, to the chambers ahead and behind.
 
-What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 − φ/360°), M19, read as all tips of one
-chamber: an interface of two chambers has half of it, at the middle of their angles (M260). `reading: interface` takes
-M19 for the area of every interface, of its trailing chamber's angle; a chamber's tips then count twice.
-Source: Chernov et al. 2015, eq. (19); M260: ours. An interface of the rotors of configs/rotors (L/D 1.1) is within
-0.51 D of M260 over the 360° around its trailing chamber's largest volume, and 1 to 3 % shorter in the mean. With
+What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 − φ/360°), M19, read as the area of all tips of
+one chamber: an interface of two chambers has half of it, at the middle of their angles (M260). `reading: interface`
+takes M19 for the area of every interface, by the angle of its trailing chamber; a chamber's tips then count twice.
+Source: Chernov et al. 2015, eq. (19); M260: ours. An interface of the rotors of configs/rotors (L/D 1.1) is within 0.51
+D of M260 over the 360° around its trailing chamber's largest volume, and 1 to 3 % shorter in the mean. With
 machine.volume.law: profile the length is that of the male and the female tip that seal on the bores at an angle
 (docs/reference/rotors.md).
 Assumptions: quasi-steady nozzle with a flow coefficient; no oil film in the gap.
@@ -39,7 +39,7 @@ class Parameters(ClearanceParameters):
 
 @kernel
 def all_tips(phi, gap, rotor_diameter):
-    """Return the area [m²] of eq. (19) at phi [rad] (M19)."""
+    """Return the area [m²] of the paper's eq. (19) at phi [rad] (M19)."""
     x = phi / TURN
     return TIP_LENGTH * gap * rotor_diameter * max(0.0, x if x <= 1.0 else 2.0 - x)
 

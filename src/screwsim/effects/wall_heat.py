@@ -1,11 +1,11 @@
-"""Wall heat: housing and rotors exchange heat with the gas, each a lump that settles at a temperature of its own.
+"""Wall heat: housing and rotors exchange heat with the gas, each a lump with a temperature of its own.
 
 What: α A (T_w − T) into the gas (M170) with Nu = 0.023 Re^0.8 (M172) and a wetted area that follows the chamber's
-volume (M173); the lump's temperature is that at which a cycle gives it no more heat than cools it outside (M174).
+volume (M173); a lump's temperature is that at which its net heat over a cycle balances its outside cooling (M174).
 Source: N. Stosic, I. K. Smith, A. Kovacevic, Screw Compressors: Mathematical Modelling and Performance Calculation,
 Springer 2005, ch. 2 (coefficient, length); that a rotor has one temperature: N. Stosic, I. K. Smith, A. Kovacevic,
 Numerical investigation of heat transfer on screw compressor rotors, Mecánica Computacional XXIV (2005).
-Assumptions: one temperature a lump, although a housing is warmer where it discharges; no film of oil on the walls; no
+Assumptions: one temperature per lump, although a housing is warmer where it discharges; no oil film on the walls; no
 heat from rotor to housing; the gas passes all walls at one share of the tip speed. λ and μ of the gas are constant.
 Parameters: rotor_area, housing_area, characteristic_length, speed_ratio, nusselt_factor; rotor_cooling,
 housing_cooling; rotor_temperature, housing_temperature; reference state or λ, μ.
@@ -33,7 +33,7 @@ FIGURES = (
     power_figure("wall_heat_power", "net heat from walls to gas: what cools the walls outside, negative"),
 )
 GAS = ("gas_conductivity", "gas_viscosity")
-COLDEST = 100.0  # [K] at which a lump is given up that is cooled by more than the gas can give
+COLDEST = 100.0  # [K] lower bound; a lump that reaches it is cooled by more than the gas can supply
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Parameters:
 
 @kernel
 def coefficient(rho, speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity):
-    """Return α [W/(m² K)] between a wall and gas that passes it at a speed [m/s] (M172)."""
+    """Return α [W/(m² K)] between a wall and gas that passes it at `speed` [m/s] (M172)."""
     reynolds = rho * speed * characteristic_length / gas_viscosity
     return nusselt_factor * reynolds**0.8 * gas_conductivity / characteristic_length
 
@@ -87,19 +87,19 @@ def conductance(
     gas_conductivity,
     gas_viscosity,
 ):
-    """Return α A [W/K] of a chamber of volume V [m³] that wets `wall_area` [m²] at its largest (M172, M173)."""
+    """Return α A [W/K] of a chamber of volume V [m³] that wets `wall_area` [m²] at its largest volume (M172, M173)."""
     speed = speed_ratio * tip_speed
     alpha = coefficient(rho, speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity)
     return alpha * wall_area * V / largest_volume
 
 
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
-    """Return what the kernel needs of the scene: λ and μ of the gas. Raises UsageError."""
+    """Return λ [W/(m K)] and μ [Pa s] of the gas for the kernel. Raises UsageError."""
     return gas_numbers(parameters, around, GAS)
 
 
 def settled(lump: str, cooling: float, stated: float | None, turn: Turn) -> float:
-    """Return the temperature [K] at which this turn's gas would have given a lump what cools it (M174)."""
+    """Return the temperature [K] at which this turn's gas would balance the cooling of a lump (M174)."""
     T, conductance = turn.made[f"{lump}_temperature"], turn.conductance[lump]
     if stated is not None or conductance == 0.0:
         return T
@@ -107,7 +107,7 @@ def settled(lump: str, cooling: float, stated: float | None, turn: Turn) -> floa
 
 
 def first(stated: float | None, site: Site) -> float:
-    """Return where a lump's temperature [K] begins: half way to that of isentropic compression."""
+    """Return the initial temperature [K] of a lump: as stated, or half way to that of isentropic compression."""
     if stated is not None:
         return stated
     return site.T_s + 0.5 * site.gas.isentropic_work(site.p_s, site.p_d, site.T_s) / site.gas.c_p
@@ -132,7 +132,7 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
         ]
 
     def read(figures) -> dict[str, float | None]:
-        """Return temperatures [K], and the heat [W] that the walls give the gas in all."""
+        """Return the lumps' temperatures [K] and the total heat [W] from walls to gas."""
         turn = figures.turn
         found: dict[str, float | None] = {f"{lump}_temperature": turn.made[f"{lump}_temperature"] for lump in LUMPS}
         return found | {"wall_heat_power": turn.heat["rotor"] + turn.heat["housing"]}

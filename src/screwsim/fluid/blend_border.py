@@ -1,7 +1,7 @@
-"""States of a blend that are asked for at the border: saturation from its phase envelope, enthalpies by its equation.
+"""States of a blend outside the compiled cycle: saturation from its phase envelope, enthalpies by its equation.
 
 CoolProp's flashes of mixtures take up to a second and fail for some; here everything is read from the tables of
-`saturation` (M315) and the equation itself (M310), in plain Python.
+`saturation` (M315) and from the equation itself (M310), in plain Python.
 """
 
 from functools import lru_cache
@@ -16,9 +16,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
 from screwsim.outputs.customary import in_bar, in_celsius
 
-ENOUGH, CLOSE = 1e-13, 1e-9  # relative, of a density that is found: where the search ends, what it may leave
-STEPS = 300
-SEEN = 400  # places of a line between which a crossing of a pressure is looked for
+ENOUGH, CLOSE = 1e-13, 1e-9  # last relative step of a density: where the search ends, and the most it may leave
+STEPS = 300  # most Newton steps
+SEEN = 400  # points of a line between which the crossing of a pressure is searched
 
 
 class BlendBorder:
@@ -34,7 +34,7 @@ class BlendBorder:
     # ---- saturation ------------------------------------------------------------------------------------------
 
     def _theta(self, T: float) -> float:
-        """Return θ of a saturated liquid at T [K]; minus that is the vapour's. Raises UsageError."""
+        """Return θ of saturated liquid at T [K]; the vapour's is its negative. Raises UsageError."""
         if not self.lines.T_low <= T < self.lines.T_c:
             reach = f"it has from {in_celsius(self.lines.T_low)} to {in_celsius(self.lines.T_c)}"
             raise UsageError(f"gas.fluid: {self.known.name} has no saturation at {in_celsius(T)} ({reach})")
@@ -87,7 +87,7 @@ class BlendBorder:
         return self._potentials(T, rho)[2] + T * self._entropy(T, rho)
 
     def _found(self, p: float, T: float, rho: float) -> float:
-        """Return the density [kg/m³] at p and T, by Newton's method from rho on the same branch."""
+        """Return the density [kg/m³] at p and T by Newton's method from rho, on the same branch."""
         step = 0.0
         for _ in range(STEPS):
             found, slope, _ = self._potentials(T, rho)
@@ -118,7 +118,7 @@ class BlendBorder:
         return 1.0 / self._density(theta), 1.0 / self._density(-theta)
 
     def value(self, T: float, liquid: bool, entropy: bool) -> float:
-        """Return s [J/(kg K)], or h [J/kg], of the saturated liquid or vapour at T [K]."""
+        """Return entropy [J/(kg K)] or enthalpy [J/kg] of the saturated liquid or vapour at T [K]."""
         theta = self._theta(T)
         rho = self._density(theta if liquid else -theta)
         return self._entropy(T, rho) if entropy else self._enthalpy(T, rho)
@@ -130,5 +130,5 @@ class BlendBorder:
 
 @lru_cache(maxsize=16)
 def blend_border(fluid: str) -> BlendBorder | None:
-    """Return what is asked of a blend at the border; None for a pure fluid."""
+    """Return the saturation and enthalpies of a blend; None for a pure fluid."""
     return BlendBorder(fluid) if describe(fluid).blend else None

@@ -1,7 +1,7 @@
-"""Kernels of a blend whose two phases are in equilibrium, of one composition as a whole: from its table (M351, M352).
+"""Kernels of a blend whose two phases are in equilibrium, with the blend's composition as a whole, from its table.
 
-All follows from one function f(T, v), so that Maxwell's relations hold exactly whatever the table's error (a subscript
-is a derivative):
+Everything follows from one function f(T, v), so that Maxwell's relations hold exactly whatever the table's error (M351,
+M352; a subscript is a derivative):
     p = −f_v,  s = −f_T,  h = f − T f_T − v f_v,  c_v = −T f_TT,  T p_T = −T f_Tv,  w² = v² (f_vv + T f_Tv²/c_v).
 """
 
@@ -18,7 +18,7 @@ from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import saturation
 from screwsim.numerics.kernel import Kernel, written
 
-COUNTED = 1e-7  # 1/k below which a sound speed is no more: beyond the border, in iterations
+COUNTED = 1e-7  # lower bound of 1/k, for states beyond the border that iterations pass through
 
 INSIDE = '''def inside(T, rho):
     """Return whether T [K], rho [kg/m3] lies between {name}'s dew and bubble points, where its table reaches."""

@@ -1,13 +1,12 @@
 """The Helmholtz energy of a blend's two phases in equilibrium, by direct flashes and as a table (M350, M351).
 
-At T and v a flash asks for k_i = ln(y_i/x_i), ln ρ', ln ρ'' and the vapour's molar share β: equal fugacities, equal
-pressures, Σ(y_i − x_i) = 0 and v = (1 − β)/ρ' + β/ρ''. Newton's method, its derivatives by steps into the complex
-plane, from what lies linearly between the bubble and the dew point of that T. β may leave 0…1 a little: nothing special
-happens there.
+At T and v a flash solves for k_i = ln(y_i/x_i), ln ρ', ln ρ'' and the vapour's molar share β: equal fugacities, equal
+pressures, Σ(y_i − x_i) = 0 and v = (1 − β)/ρ' + β/ρ''. Newton's method with complex-step derivatives, from a start
+interpolated linearly between bubble and dew point of that T. β may leave 0…1 a little: nothing special happens there.
 
 The Gibbs energy of the mixture is Σ z_i μ_i, and of μ_i only ln f_i changes with ρ: with one state of the single phase
-at the same T it gives f = Σ z_i μ_i − p v on the reference of M311. The table is one polynomial of both variables in
-each cell: T, and w = (v − v')/(v'' − v') between the border's volumes, which are polynomials of T themselves.
+at the same T it gives f = Σ z_i μ_i − p v on the reference of M311. The table is a polynomial of two variables in each
+cell: T, and w = (v − v')/(v'' − v') between the border's volumes, which are polynomials of T themselves.
 """
 
 import hashlib
@@ -28,19 +27,19 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import announced
 
 Array = np.ndarray
-POINTS_T, POINTS_W = 12, 12  # Chebyshev's points of a cell
-W_EDGES = (0.0, 0.08, 0.3, 1.0)  # shorter towards the bubble point, where the vapour's composition changes most
-REACHES = ((0.005, 0.42), (0.005, 0.36), (0.02, 0.36), (0.02, 0.3))  # 1 − T/T_m of both ends: the first that is solved
-WIDEST = 0.1  # of 1 − T/T_m, across a cell
-ALIKE = 1e-5  # relative, of the table's p and that of the flashes it is made of: another solution among them shows
-CLOSE, STEPS, MOST = 1e-10, 30, 0.3  # last step of a solution, how many, and the longest
+POINTS_T, POINTS_W = 12, 12  # Chebyshev points of a cell
+W_EDGES = (0.0, 0.08, 0.3, 1.0)  # narrower towards the bubble point, where the vapour's composition changes most
+REACHES = ((0.005, 0.42), (0.005, 0.36), (0.02, 0.36), (0.02, 0.3))  # ranges of 1 − T/T_m: the first one solved
+WIDEST = 0.1  # largest width of a cell in 1 − T/T_m
+ALIKE = 1e-5  # largest relative difference of p between table and flashes; more means a wrong solution among them
+CLOSE, STEPS, MOST = 1e-10, 30, 0.3  # last step of a solution, number of steps, longest step
 INSTEAD = "write refuse, or another blend, such as R454B, R513A or R448A"
-PROBED, PROBES = 9, (0.1, 0.2, 0.28)  # states that are tried first, there and at these 1 − T/T_m
-WALK = 8  # steps from the dew point to a state that is not found at once
+PROBED, PROBES = 9, (0.1, 0.2, 0.28)  # states that are tried first per temperature, and their 1 − T/T_m
+WALK = 8  # continuation steps from the dew point to a state that is not found directly
 
 
 class Flash(NamedTuple):
-    """Two phases in equilibrium, by moles: p [Pa], f [J/mol] but for the reference, β, and both compositions."""
+    """Two phases in equilibrium, per mole: p [Pa], f [J/mol] up to the reference, β, and both compositions."""
 
     p: Array
     f: Array
@@ -68,7 +67,7 @@ def _residuals(f: Fugacities, T: Array, v: Array, u: Array) -> Array:
 
 
 def _newton(f: Fugacities, T: Array, v: Array, u: Array) -> tuple[Array, Array]:
-    """Return u [n + 3, m] solved at T [K] and v [m³/mol], and which of the m are."""
+    """Return u [n + 3, m] solved at T [K] and v [m³/mol], and which of the m have converged."""
     n, u, last = len(u), u.copy(), np.full(u.shape[1], np.inf)
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
@@ -114,7 +113,7 @@ class Flashes:
         return u, good & (u[n] > u[n + 1]) & (np.abs(u[n + 2] - 0.5) < 0.6)
 
     def probe(self, T: float) -> None:
-        """Raise ValueError where flashes across the dome are not found at T [K]."""
+        """Raise ValueError where flashes across the dome fail at T [K]."""
         temperatures = np.full(PROBED, T)
         _, _, (liquid, vapour) = self.borders(temperatures)
         self(temperatures, liquid + np.linspace(0.0, 1.0, PROBED) * (vapour - liquid))
@@ -125,7 +124,7 @@ class Flashes:
         bubble, dew, volumes = self.borders(T)
         w = (v - volumes[0]) / (volumes[1] - volumes[0])
         u, good = self._solved(T, v, bubble + (dew - bubble) * w)
-        if not good.all():  # wide glide: step by step from the dew point
+        if not good.all():  # wide glide: continuation from the dew point
             far = ~good
             before = last = dew[:, far]
             for share in np.linspace(0.0, 1.0, WALK + 1)[1:]:
@@ -143,7 +142,7 @@ class Flashes:
 
 
 def references(known: Description, f: Fugacities, T: Array, rho: Array) -> Array:
-    """Return Σ z_i μ°_i(T) [J/mol], which makes f of `Flash` M311's, from one phase of the blend at any ρ [mol/m³]."""
+    """Return Σ z_i μ°_i(T) [J/mol], which puts f of `Flash` on M311's reference, from one phase at any ρ [mol/m³]."""
     g = vectorised(potentials_kernel(known.name))(T, rho * known.molar_mass)[2] * known.molar_mass
     log_f, _ = f(T, rho, f.z[:, None] + 0.0 * T)
     return g - R * T * np.sum(f.z[:, None] * log_f, axis=0)
@@ -155,7 +154,7 @@ def _points(count: int) -> Array:
 
 @lru_cache
 def _fit(count: int) -> Array:
-    """Return the matrix that makes coefficients of powers of values at Chebyshev's points."""
+    """Return the matrix that maps values at Chebyshev points to coefficients of powers."""
     angle = np.pi * (np.arange(count, dtype=np.longdouble) + 0.5) / count
     to_cheb = 2.0 / count * np.cos(np.arange(count)[:, None] * angle)
     to_cheb[0] *= 0.5
@@ -164,7 +163,7 @@ def _fit(count: int) -> Array:
 
 
 def _edges(nearest: float, farthest: float) -> Array:
-    """Return t = 1 − T/T_m of the cells' edges from warm to cold: twice as far each, up to the widest."""
+    """Return t = 1 − T/T_m of the cells' edges from warm to cold: each doubles its distance, up to the widest cell."""
     found = [nearest]
     while found[-1] < farthest:
         found.append(min(farthest, found[-1] + min(found[-1], WIDEST)))
@@ -181,7 +180,7 @@ class Dome:
 
 
 def _tabulated(known: Description, flashes: Flashes, nearest: float, farthest: float) -> Dome:
-    """Return the table of a blend between two values of 1 − T/T_m. Raises ValueError where a flash is not found."""
+    """Return the table of a blend between two values of 1 − T/T_m. Raises ValueError where a flash fails."""
     M, T_m = known.molar_mass, flashes.around.T_m
     farthest = min(farthest, 1.0 - flashes.around.T_low / T_m)
     edges = T_m * (1.0 - _edges(nearest, farthest))[::-1]
@@ -191,7 +190,7 @@ def _tabulated(known: Description, flashes: Flashes, nearest: float, farthest: f
     v = volumes.reshape(2, *T.shape) / M
     border = np.stack([v[0] @ _fit(POINTS_T).T, (v[1] - v[0]) @ _fit(POINTS_T).T], axis=1).astype(float)
     powers = np.vander(s, POINTS_T, increasing=True)
-    least, wide = (border[:, i] @ powers.T for i in (0, 1))  # as the kernel finds them
+    least, wide = (border[:, i] @ powers.T for i in (0, 1))  # as the kernel computes them
     low, high = np.array(W_EDGES[:-1]), np.array(W_EDGES[1:])
     w = 0.5 * (high + low)[:, None] + 0.5 * (high - low)[:, None] * _points(POINTS_W)  # [cell of w, point]
     at_v = least[:, :, None, None] + wide[:, :, None, None] * w
@@ -224,7 +223,7 @@ def _solve(fluid: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=16)
 def table_name(fluid: str) -> str:
-    """Return the name under which a blend's table is kept: with hashes of its equation and of how it is made."""
+    """Return the name under which a blend's table is cached, with hashes of its equation and of the code behind it."""
     here = Path(__file__)
     sources = (here, *map(here.with_name, ("phase_envelope.py", "fugacity.py")))
     method = hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest()[:10]
@@ -233,7 +232,7 @@ def table_name(fluid: str) -> str:
 
 @lru_cache(maxsize=16)
 def dome(fluid: str) -> Dome:
-    """Return the table of a blend, from the cache folder where it is known. Raises UsageError where there is none."""
+    """Return the table of a blend, from the cache folder if it is there. Raises UsageError where it cannot be made."""
     saturation(fluid)
     with announced("dome", f"{describe(fluid).name} in two phases", "some seconds"):
         found = kept(table_name(fluid), lambda: _solve(fluid))

@@ -1,7 +1,7 @@
-"""Wet states of a blend at a pressure, for the border: by enthalpy or entropy from its table, by quality from a flash.
+"""Wet states of a blend at a pressure: by enthalpy or entropy from its table, by quality from a flash.
 
-Between the bubble and the dew temperature of that pressure the volume follows from p(T, v) at each T, and T from what
-is wanted, which rises with T along an isobar; each by a bracketed root (M353).
+Between the bubble and the dew temperature of that pressure the volume follows from p(T, v) at each T, and T from the
+wanted quantity, which increases with T along an isobar; each by a bracketed root (M353).
 """
 
 from functools import lru_cache
@@ -18,7 +18,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kept_text import flat_module
 from screwsim.outputs.customary import in_bar, in_celsius
 
-CLOSE = 1e-15  # relative, of a root
+CLOSE = 1e-15  # relative accuracy of a root
 
 
 class BlendWet:
@@ -54,7 +54,10 @@ class BlendWet:
         return -f_T if entropy else f - T * f_T - v * f_v
 
     def at_pressure(self, p: float, wanted: float, entropy: bool) -> tuple[float, float] | None:
-        """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy); None where that is one phase."""
+        """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy).
+
+        None where that is a single phase.
+        """
         lines = self.border.lines
         if p >= lines.p_c or p <= self.border.bubble_pressure(lines.T_low):
             return None
@@ -66,7 +69,7 @@ class BlendWet:
         return T, 1.0 / self.volume(p, T)
 
     def of_quality(self, p: float, quality: float) -> tuple[float, float]:
-        """Return (T [K], ρ [kg/m³]) at p [Pa] and the vapour's share of the mass."""
+        """Return (T [K], ρ [kg/m³]) at p [Pa] and a mass fraction of vapour."""
         flashes = Flashes(self.border.known)
         masses = np.array([describe(name).molar_mass for name in self.border.known.components])
 
@@ -80,7 +83,7 @@ class BlendWet:
 
 
 def _root(low: float, high: float, rising: Any) -> float:
-    """Return where what rises is 0, or the end that is next to it by rounding."""
+    """Return the zero of an increasing function, or the end of the interval where rounding puts it outside."""
     from scipy.optimize import brentq
 
     if rising(low) >= 0.0:

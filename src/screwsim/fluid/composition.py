@@ -1,7 +1,7 @@
-"""What a blend is made of: CoolProp's predefined mixtures by their names, and blends of one's own.
+"""The composition of blends: CoolProp's predefined mixtures by their names, and blends of the user's own.
 
 A blend has one name wherever a fluid is named: that of CoolProp without its ending (`R454B`), with it where a
-pseudo-pure fluid has the short one (`R407C.mix`), and of one's own `R32/R1234yf (0.689/0.311)`, by mass, or with
+pseudo-pure fluid has the short one (`R407C.mix`), and for the user's own `R32/R1234yf (0.689/0.311)`, by mass, or with
 `(mole 0.8/0.2)`.
 """
 
@@ -20,7 +20,7 @@ _NUMBER = re.compile(r"[0-9]*\.?[0-9]+(e[+-]?[0-9]{1,3})?|[0-9]+\.")
 
 
 class Composition(NamedTuple):
-    """The components of a blend, as they are called, and their fractions; of mass, or of moles."""
+    """The components of a blend, by their names, and their fractions, by mass or by mole."""
 
     components: tuple[str, ...]
     fractions: tuple[float, ...]
@@ -28,12 +28,12 @@ class Composition(NamedTuple):
 
 
 def own_blend(components: Sequence[str], fractions: Sequence[float], by_mole: bool) -> str:
-    """Return the name of a blend of one's own."""
+    """Return the name of a blend of the user's own."""
     return f"{'/'.join(components)} ({'mole ' if by_mole else ''}{'/'.join(repr(float(x)) for x in fractions)})"
 
 
 def stated(fluid: str) -> Composition | None:
-    """Return what the name of a blend of one's own states, as it states it; None for any other name."""
+    """Return the composition that the name of a user's own blend states, as written; None for any other name."""
     found = _OWN.fullmatch(fluid)
     numbers = [] if found is None else found["fractions"].split("/")
     if found is None or not all(_NUMBER.fullmatch(each) for each in numbers):
@@ -49,7 +49,7 @@ def _own(fluid: str) -> Composition | None:
 
 @cache
 def predefined() -> dict[str, str]:
-    """Return CoolProp's names of its predefined mixtures by the names that they have here."""
+    """Return CoolProp's names of its predefined mixtures, by the names used here."""
 
     def question() -> dict[str, str]:
         import CoolProp.CoolProp as coolprop
@@ -68,7 +68,7 @@ def predefined() -> dict[str, str]:
 
 
 def predefined_name(name: str) -> str | None:
-    """Return the name here of a predefined mixture that is called with or without its ending; None for others."""
+    """Return the name used here of a predefined mixture, given with or without its ending; None for others."""
     known = predefined()
     short = name.removesuffix(ENDING)
     return name if name in known else short if name == f"{short}{ENDING}" and short in known else None
@@ -76,13 +76,13 @@ def predefined_name(name: str) -> str | None:
 
 @lru_cache(maxsize=256)
 def is_blend(fluid: str) -> bool:
-    """Tell whether a name is that of a blend, whether or not there are data for it."""
+    """Tell whether a name is that of a blend, whether or not data for it exist."""
     return _own(fluid) is not None or predefined_name(fluid) is not None
 
 
 @lru_cache(maxsize=256)
 def composition(fluid: str) -> Composition | None:
-    """Return what a blend is made of; None for a name that is none of a blend. Predefined ones are by mole."""
+    """Return the composition of a blend; None for any other name. Predefined blends are by mole."""
     own = _own(fluid)
     name = None if own is not None else predefined_name(fluid)
     if name is None:
@@ -97,7 +97,7 @@ def composition(fluid: str) -> Composition | None:
 
 
 def abstract_state(fluid: str, called: str) -> Any:
-    """Return CoolProp's state of what CoolProp calls so. Raises UsageError, in one line, where it has none."""
+    """Return the CoolProp state of a name of CoolProp's. Raises UsageError, in one line, where it has none."""
     import CoolProp.CoolProp as coolprop
 
     try:

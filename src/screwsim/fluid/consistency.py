@@ -1,7 +1,7 @@
-"""Is a gas of the user's own one equation? Its kernels and its plain Python, held against thermodynamics at two states.
+"""Whether a user's own gas is one equation: its kernels and its plain Python, compared by thermodynamics at two states.
 
-States are that of the suction line and the one at discharge pressure with its entropy. Derivatives are central
-differences, whose own error is far below SLACK. Nothing is asked of the built-in gases: their tests do.
+The states are that of the suction line and the one at discharge pressure with the same entropy. Derivatives are central
+differences, whose own error is far below SLACK. Built-in gases are not checked here: their tests do that.
 
 Source: T ds = du + p d(1/ρ), Maxwell's relation, k = ρ c²/p with c² = ∂p/∂ρ|T + T (∂p/∂T)²/(ρ² c_v) (textbook).
 """
@@ -13,13 +13,13 @@ from typing import Any
 from screwsim.fluid.gas import Gas
 from screwsim.numerics.kernel import Kernel
 
-STEP = 1e-4  # of a central difference, relative
-SLACK = 1e-3  # relative, of what must be equal
-Pair = tuple[str, float, float, float]  # what it is, the value found, that wanted, what it is relative to at least
+STEP = 1e-4  # relative step of a central difference
+SLACK = 1e-3  # largest relative difference of quantities that must be equal
+Pair = tuple[str, float, float, float]  # description, value found, value wanted, least scale of their difference
 
 
 def inconsistency(gas: Gas, p_s: float, T_s: float, p_d: float) -> str:
-    """Return what of a gas contradicts itself between two lines [Pa, K], in words; empty where nothing does."""
+    """Return in words how a gas contradicts itself between two lines [Pa, K]; empty where it does not."""
     for what, found, wanted, scale in _pairs(gas, p_s, T_s, p_d):
         if not abs(found - wanted) <= SLACK * max(abs(wanted), scale):
             return f"{what} is {found:.6g}, where {wanted:.6g} belongs to its other functions"
@@ -48,7 +48,7 @@ def _asked(gas: Gas, kernel: Kernel, T: float, rho: float) -> Any:
 
 
 def _state(gas: Gas, p: float, T: float) -> Iterator[Pair]:
-    """Yield what must be equal in one state."""
+    """Yield the pairs of values that must be equal in one state."""
     at, rho = f" at {p / 1e5:.4g} bar, {T:.4g} K", gas.density(p, T)
 
     def state(T: float, rho: float) -> tuple[float, ...]:
@@ -70,7 +70,7 @@ def _state(gas: Gas, p: float, T: float) -> Iterator[Pair]:
     ds_drho = (entropy(T, rho * (1 + STEP)) - entropy(T, rho * (1 - STEP))) / drho
     yield f"T ∂s/∂T [J/(kg K)] of its `specific_entropy`{at}", T * ds_dT, c_v, 0.0
     yield f"-ρ² T ∂s/∂ρ [Pa] of its `specific_entropy`{at}", -T * rho**2 * ds_drho, TpT, 0.0
-    scale = gas.c_p * T  # of enthalpies: their zero is anywhere
+    scale = gas.c_p * T  # of enthalpies, whose zero is arbitrary
     yield f"its enthalpy [J/kg]{at}", gas.enthalpy(p, T), h, scale
     yield f"its entropy [J/(kg K)]{at}", gas.entropy(p, T), entropy(T, rho), gas.c_p
     yield f"its temperature [K] of that enthalpy{at}", gas.temperature(p, h), T, 0.0

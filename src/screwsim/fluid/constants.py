@@ -1,10 +1,10 @@
-"""What is asked of a fluid at the border: constants, saturation, enthalpies; CoolProp's answers stay in a file.
+"""Properties of fluids outside the compiled cycle: constants, saturation, enthalpies; CoolProp's answers are cached.
 
-Of a blend CoolProp is not asked, but `blend_border`. Importing CoolProp costs seconds, so that a question is asked
-once. The file has one answer a line, appended whole: many processes may write it, and what a torn or damaged line held
-is asked again. It is named by CoolProp's version, so that a new version is asked anew. Neither the file nor the memory
-grows with a sweep over conditions: a process leaves its first answers to others, full, the file is begun anew by the
-next process, and the oldest answers in memory make room.
+Blends are computed by `blend_border` instead of CoolProp. Importing CoolProp takes seconds, so each question is asked
+once and its answer appended to a file, one whole line each: many processes may write it, and a torn or damaged line is
+simply asked again. The file's name holds CoolProp's version, so a new version starts afresh. Neither file nor memory
+grows with a sweep over conditions: a process writes only its first answers to the file, a full file is begun anew by
+the next process, and the oldest answers in memory are dropped.
 """
 
 import importlib.metadata
@@ -25,14 +25,17 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.store import append_line, read_lines, sound
 from screwsim.outputs.customary import in_bar, in_celsius
 
-_FULL = 1_000_000  # [byte] of the file, some 10 000 answers; it is read at every start, in 10 ms
-_MOST = 5000  # answers in memory
-_LEFT = 1000  # answers of a process that go into the file: what its scenes ask at their start
-_alone = threading.RLock()  # a state of CoolProp is set and then read
+_FULL = 1_000_000  # [byte] largest size of the file, some 10 000 answers; it is read at every start, in 10 ms
+_MOST = 5000  # most answers in memory
+_LEFT = 1000  # most answers of a process that go into the file: those that its scenes need at their start
+_alone = threading.RLock()  # setting a CoolProp state and reading it must not interleave
 
 
 class Limits(NamedTuple):
-    """Temperatures [K] and pressures of vapour [Pa] between which a fluid saturates; the hottest of its equation."""
+    """Temperatures [K] and vapour pressures [Pa] between which a fluid saturates.
+
+    Highest temperature of its equation.
+    """
 
     T_triple: float
     T_critical: float
@@ -50,24 +53,24 @@ def _file() -> str:
     return f"coolprop-{_version()}.answers"
 
 
-_answered = count()  # answers of this process that were asked for
+_answered = count()  # answers that this process has computed
 
 
 @cache
 def _known() -> dict[str, Any]:
-    """Return the answers of this process by their questions."""
+    """Return the answers of this process by their keys."""
     return {}
 
 
 @cache
 def _left() -> dict[str, str]:
-    """Return the lines of the file by the questions that they answer; a line is understood when it is asked for."""
+    """Return the lines of the file by their keys; a line is parsed when it is needed."""
     return {line.partition('["')[2].partition('", ')[0]: line for line in read_lines(_file(), _FULL)}
 
 
 def ask(key: str, question: Callable[[], Any]) -> Any:
-    """Return the answer to a question to CoolProp, which is asked where it is not known by its key."""
-    found = _known().get(key)  # at once: what is there stays what it is
+    """Return the answer to a question to CoolProp, which is only asked where no answer is known for its key."""
+    found = _known().get(key)  # without the lock: an answer never changes
     if found is not None:
         return found
     with _alone:
@@ -94,15 +97,15 @@ def _abstract_state(fluid: str) -> Any:
 
 
 def _blend(fluid: str) -> BlendBorder | None:
-    """Return what is asked of a blend; None for a name of anything else. Raises UsageError for one without data."""
+    """Return the properties of a blend; None for any other name. Raises UsageError for a blend without data."""
     return blend_border(fluid) if is_blend(fluid) else None
 
 
 def limits(fluid: str) -> Limits | None:
-    """Return the limits of a fluid, those of a blend by its dew line; None for a fluid that is not known."""
+    """Return the limits of a fluid, of a blend by its dew line; None for an unknown fluid."""
     try:
         mixed = _blend(fluid)
-    except UsageError:  # `names.why_no_blend` says it
+    except UsageError:  # reported by `names.why_no_blend`
         return None
     if mixed is not None:
         found = mixed.lines
@@ -172,9 +175,9 @@ def boiling_temperature(fluid: str, p: float) -> float:
 
 
 def liquid_below(fluid: str, p: float, T: float) -> float | None:
-    """Return the temperature [K] below which a fluid of pressure p [Pa] is a liquid; None where it is a gas at T [K].
+    """Return the temperature [K] below which a fluid at p [Pa] is liquid; None where it is a gas at T [K].
 
-    Above the critical pressure that is the critical temperature, though there it turns without a border.
+    Above the critical pressure that is the critical temperature, although there is no phase border there.
     """
     known = limits(fluid)
     if known is None or T >= known.T_critical or p < known.p_triple:
@@ -196,7 +199,7 @@ def bubble_pressure(fluid: str, T: float) -> float:
 
 
 def condensing_pressure(fluid: str, T: float) -> float:
-    """Return the pressure [Pa] in a condenser of T [K]: the bubble point's, of a blend the dew point's (M42, M316).
+    """Return the pressure [Pa] in a condenser at T [K]: of the bubble point, for a blend of the dew point (M42, M316).
 
     Dew point is the convention of EN 12900 and AHRI 540 for fluids with glide.
     """
@@ -204,7 +207,10 @@ def condensing_pressure(fluid: str, T: float) -> float:
 
 
 def condensed(fluid: str, T: float) -> float:
-    """Return the temperature [K] of saturated liquid behind a condenser of temperature T [K] (M43, M316)."""
+    """Return the temperature [K] of saturated liquid behind a condenser at T [K].
+
+    It is lower for a blend (M43, M316).
+    """
     mixed = _blend(fluid)
     return T if mixed is None else mixed.bubble_temperature(mixed.dew_pressure(T))
 
@@ -222,7 +228,10 @@ def saturated_liquid_density(fluid: str, T: float) -> float:
 
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
-    """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
+    """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa].
+
+    `quality` is the mass fraction of vapour.
+    """
     if _blend(fluid) is not None:
         T, rho = _wet(fluid, p, quality)
         return blend_wet(fluid).value(T, 1.0 / rho, False)
@@ -230,12 +239,15 @@ def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
 
 
 def wet_temperature(fluid: str, p: float, quality: float) -> float:
-    """Return the temperature [K] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
+    """Return the temperature [K] of liquid and vapour in equilibrium at p [Pa].
+
+    `quality` is the mass fraction of vapour.
+    """
     return saturation_temperature(fluid, p) if _blend(fluid) is None else _wet(fluid, p, quality)[0]
 
 
 def _wet(fluid: str, p: float, quality: float) -> tuple[float, float]:
-    """Return (T [K], ρ [kg/m³]) of a blend in two phases."""
+    """Return (T [K], ρ [kg/m³]) of a blend in two phases at p [Pa] and a quality."""
     T, rho = ask(f"{table_name(fluid)} wet {p!r} {quality!r}", lambda: blend_wet(fluid).of_quality(p, quality))
     return T, rho
 
@@ -274,9 +286,9 @@ def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
 
 
 def enthalpy(fluid: str, p: float, T: float) -> float:
-    """Return the enthalpy [J/kg] at p [Pa] and T [K] in whatever single phase the fluid has there (M330).
+    """Return the enthalpy [J/kg] at p [Pa] and T [K] of whichever single phase the fluid has there (M330).
 
-    Raises UsageError between the bubble and the dew point of a fluid with glide.
+    Raises UsageError between bubble and dew point of a fluid with glide.
     """
     known = limits(fluid)
     assert known is not None
@@ -295,7 +307,7 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
     def question() -> float:
         state, coolprop = _abstract_state(fluid)
-        state.specify_phase(getattr(coolprop, phase))  # on the line of saturation p and T leave it open
+        state.specify_phase(getattr(coolprop, phase))  # on the saturation line p and T do not determine it
         try:
             state.update(coolprop.PT_INPUTS, p, T)
             return state.hmass()
@@ -311,7 +323,7 @@ def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
 def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
     """Return thermal conductivity [W/(m K)], viscosity [Pa s] and Prandtl number of the vapour at p [Pa] and T [K].
 
-    Raises UsageError where CoolProp has no transport properties of that fluid, or no such state.
+    Raises UsageError where CoolProp has no transport properties of the fluid, or no such state.
     """
     mixed = _blend(fluid)
     if mixed is not None:
@@ -319,7 +331,7 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
 
     def question() -> list[float]:
         state, coolprop = _abstract_state(fluid)
-        for phase in (coolprop.iphase_not_imposed, coolprop.iphase_gas):  # saturated, p and T leave it open
+        for phase in (coolprop.iphase_not_imposed, coolprop.iphase_gas):  # at saturation p and T do not determine it
             state.specify_phase(phase)
             with suppress(ValueError):
                 state.update(coolprop.PT_INPUTS, p, T)

@@ -1,7 +1,7 @@
-"""What CoolProp knows of an equation of state, of a pure fluid or a blend: terms, reducing state, limits; kept on disk.
+"""CoolProp's data of an equation of state, of a pure fluid or a blend: terms, reducing state, limits; cached on disk.
 
-The terms are CoolProp's own fluid description. The cache is keyed by CoolProp's version, so that a new version is
-asked again, and a process that finds its fluid there never imports CoolProp (seconds).
+The terms are CoolProp's own fluid description. The cache is keyed by CoolProp's version, so that a new version is asked
+again, and a process that finds its fluid there never imports CoolProp, which takes seconds.
 """
 
 import json
@@ -15,7 +15,7 @@ from screwsim.fluid.composition import Composition, abstract_state, composition,
 from screwsim.fluid.kept import kept, no_fluid
 from screwsim.inputs.faults import UsageError
 
-PAIR = ("betaT", "gammaT", "betaV", "gammaV", "Fij")  # as CoolProp calls what a `Pair` begins with
+PAIR = ("betaT", "gammaT", "betaV", "gammaV", "Fij")  # CoolProp's names of the first fields of a `Pair`
 
 
 class Pair(NamedTuple):
@@ -34,8 +34,8 @@ class Description:
     """A fluid's equation of state (SI units, per kg).
 
     `T_r`, `rho_r` reduce the equation; `T_c`, `p_c`, `rho_c` are the critical point; `residual` and `ideal` are the
-    contributions of the Helmholtz energy as CoolProp writes them. A blend has neither, but the names of its
-    `components`, their mole `fractions` and their `pairs` (0-1, 0-2, …, 1-2, …); its reducing state stands for the
+    contributions to the Helmholtz energy as CoolProp writes them. A blend has neither, but the names of its
+    `components`, their mole `fractions` and their `pairs` (0-1, 0-2, …, 1-2, …); its reducing state stands in for the
     critical point, and its p_c is 0: the phase envelope has the true ones. `ideal_state` is the T [K] and ρ [mol/m³] by
     which CoolProp reduces a component's ideal part in blends: its critical point as written in the fluid's description.
     """
@@ -63,12 +63,12 @@ class Description:
 
     @property
     def blend(self) -> bool:
-        """Is it a blend of several components?"""
+        """Whether it is a blend of several components."""
         return bool(self.components)
 
     @property
     def glides(self) -> bool:
-        """Do its two phases differ in composition, so that it boils and condenses at two temperatures?"""
+        """Whether its two phases differ in composition, so that it boils and condenses at different temperatures."""
         return self.pseudo_pure or self.blend
 
 
@@ -107,7 +107,7 @@ def _ask(fluid: str) -> dict[str, Any]:
 
 
 def _departure(coolprop: Any, first: str, second: str) -> str:
-    """Return the name of a pair's departure function; CoolProp knows a pair in one order of its CAS numbers."""
+    """Return the name of a pair's departure function, which CoolProp stores for one order of the CAS numbers only."""
     try:
         return coolprop.get_mixture_binary_pair_data(first, second, "function")
     except ValueError:
@@ -115,7 +115,7 @@ def _departure(coolprop: Any, first: str, second: str) -> str:
 
 
 def _ask_blend(fluid: str, made: Composition) -> dict[str, Any]:
-    """Return the description of a blend: its reducing state, its limits (the narrowest of its components')."""
+    """Return the description of a blend: its reducing state, and as its limits the narrowest of its components'."""
     import CoolProp.CoolProp as coolprop
 
     called = "&".join(made.components)
@@ -158,7 +158,7 @@ PSEUDO_PURE = (
 
 
 def is_mixture(fluid: str) -> bool:
-    """Tell whether a fluid that is known is a blend, or a mixture described as if it were pure."""
+    """Tell whether a known fluid is a blend, or a mixture described as if it were pure."""
     known = describe(fluid)
     return known.blend or known.pseudo_pure
 

@@ -1,7 +1,7 @@
-"""Kernels of one fluid's saturation and two-phase region, from its tables (saturation.py).
+"""Kernels of a fluid's saturation and two-phase region, from its tables (saturation.py).
 
-Inside the dome both phases are at rest with each other at p_sat(T) and one Gibbs energy g(T). The Helmholtz energy is
-then f = g(T) − p_sat(T) v, and everything follows from these two functions of T (a prime is d/dT):
+Inside the dome both phases are in equilibrium at p_sat(T) with one Gibbs energy g(T). The Helmholtz energy is then f =
+g(T) − p_sat(T) v, and everything follows from these two functions of T (a prime is d/dT):
     s = −g' + p' v,   u = g − T g' + v (T p' − p),   h = u + p v,   c_v = −T g'' + v T p'',
     w² = T p'²/(ρ² c_v)    (homogeneous equilibrium; Clapeyron's relation makes u and s linear in v between the phases).
 So du/dT = c_v and (∂u/∂v)_T = T p' − p hold exactly, whatever the tables' error.
@@ -20,7 +20,7 @@ from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import BINS, DEGREE, Table, saturation
 from screwsim.numerics.kernel import Kernel, written
 
-QUICK = 128  # intervals of the table that tells quickly what is certainly vapour
+QUICK = 128  # intervals of the table that quickly identifies certain vapour
 
 LOG_DENSITY = '''def log_density(theta, fine):
     """Return ln of the saturated density [kg/m3] by theta = +-sqrt(1 - T/T_c), - for vapour; fine = sqrt|theta|."""
@@ -148,7 +148,7 @@ def _arrays(table: Table) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True)
 class SaturationKernels:
-    """Kernels of the saturated fluid: of T [K], but `temperature` of p [Pa] and `log_density` of theta."""
+    """Kernels of the saturated fluid, as functions of T [K]; `temperature` of p [Pa], `log_density` of theta."""
 
     log_density: Kernel
     vapour: Kernel
@@ -159,7 +159,7 @@ class SaturationKernels:
 
 
 def numbers(fluid: str) -> dict[str, Any]:
-    """Return the numbers that the texts above name."""
+    """Return the values that are filled into the texts above."""
     known, found = describe(fluid), saturation(fluid)
     return {
         "name": known.name,
@@ -206,7 +206,7 @@ def saturation_kernels(fluid: str) -> SaturationKernels:
 
 @lru_cache(maxsize=64)
 def inside_kernel(fluid: str) -> Kernel:
-    """Return `inside(T, rho)`: a table of the least vapour density in an interval of T answers most questions."""
+    """Return `inside(T, rho)`; a table of the least vapour density per interval of T decides most cases quickly."""
     known, found, kernels = numbers(fluid), saturation(fluid), saturation_kernels(fluid)
     left = found.T_low + (found.T_c - found.T_low) * np.arange(QUICK + 1) / QUICK
     quick = np.exp(found.log_rho(-np.sqrt(np.maximum(1.0 - left / found.T_c, 0.0)))) * (1.0 - 1e-9)
@@ -218,7 +218,8 @@ def inside_kernel(fluid: str) -> Kernel:
 class EquilibriumKernels:
     """Kernels of a fluid whose two phases are in equilibrium inside the dome; `phased` takes (phase, T, rho).
 
-    `phased` goes on smoothly beyond the border of a phase: an integrator that crosses it can end its step there.
+    `phased` continues smoothly beyond the border of its phase, so that an integrator that crosses it can end its step
+    there.
     """
 
     state: Kernel

@@ -2,7 +2,7 @@
 
 With Euler's operators D = δ ∂/∂δ and E = τ ∂/∂τ a product N = n δ^d τ^t e^A(δ) e^B(τ) has
     D N = q N,  D²N = (q² + Dq) N,  E N = r N,  E²N = (r² + Er) N,  D E N = q r N,   q = d + D A,  r = t + E B,
-and everything that a simulation asks for is a sum of these (Span 2000, table 3.10, rewritten):
+and everything that a simulation needs is a sum of these (Span 2000, table 3.10, rewritten):
     p = ρ R T (1 + Dα),  T p_T = ρ R T (1 + Dα − D E α),  p_ρ = R T (1 + Dα + D²α),
     h = R T (1 + Eα⁰ + Eα + Dα),  c_v = R (−(E² − E)(α⁰ + α)),  s = R (Eα⁰ + Eα − α⁰ − α)     (α residual).
 """
@@ -17,7 +17,7 @@ ALL = ("A", "D", "E", "DD", "EE", "DE")
 
 
 class EquationText:
-    """Writes the sums `A, D, E, DD, EE, DE` (those wanted) of the residual part, and the ideal part, as lines."""
+    """Writes the wanted sums of `A, D, E, DD, EE, DE` of the residual part, and the ideal part, as lines of text."""
 
     def __init__(self, wanted: Sequence[str]) -> None:
         self.wanted = tuple(wanted)
@@ -29,14 +29,14 @@ class EquationText:
         self.count = 0
 
     def new(self, text: str, stem: str = "v") -> str:
-        """Write `name = text` under a new name and return the name."""
+        """Write `name = text` with a new name and return the name."""
         self.count += 1
         name = f"{stem}{self.count}"
         self.lines.append(f"{name} = {text}")
         return name
 
     def add(self, kind: str, text: str) -> None:
-        """Add a summand to one of the sums, if that is wanted."""
+        """Add a summand to one of the sums, if that sum is wanted."""
         if kind in self.wanted:
             self.sums[kind].append(text)
 
@@ -57,7 +57,7 @@ class EquationText:
         grouped = [term for group in plain.values() for term in group]
         self.delta.write([term.d for term in products] + [float(factor[2]) for factor in plain if factor != NONE])
         self.tau.write([term.t for term in grouped])
-        # exponentials first: a call in the middle costs spilled registers
+        # exponentials first: a call among the sums would spill registers
         decays = {factor: self._decay(factor) for factor in plain if factor != NONE}
         for factor, group in plain.items():
             self._polynomial(factor, group, decays.get(factor, ""))
@@ -111,7 +111,7 @@ class EquationText:
         self.add("DD", f"{e} * ({total['DD']} - {L} * (2.0 * {D} - ({L} - {order!r}) * {A}))")
 
     def _scaled(self, x: str, terms: Sequence[tuple[float, float]]) -> str | None:
-        """Write δ^d Σ n τ^t and return its name; None if all n are zero."""
+        """Write δ^d Σ n τ^t and return its name; None where all n are zero."""
         parts = [repr(n) if t == 0.0 else f"{n!r} * {self.tau.name(t)}" for n, t in terms if n != 0.0]
         if not parts:
             return None
@@ -173,7 +173,7 @@ class EquationText:
         self.add("DE", f"{q} * {r} * {N}" if cross == "0.0" else f"({q} * {r} + {cross}) * {N}")
 
     def _non_analytic(self, term: NonAnalytic) -> None:
-        """Write one non-analytic term; 1e-40 keeps the critical point itself finite and changes nothing elsewhere."""
+        """Write one non-analytic term; 1e-40 keeps it finite at the critical point and changes nothing elsewhere."""
         new, m, a, b = self.new, 0.5 / term.beta, term.a, term.b
         if ("x", NONE) not in self.factors:
             x = new("delta - 1.0", "x")
@@ -220,7 +220,7 @@ class EquationText:
     # ---- ideal part -----------------------------------------------------------------------------------------
 
     def ideal(self, ideal: Ideal) -> None:
-        """Write `E0` = E α⁰, and `C0` = (E − E²) α⁰ if EE is wanted, and `A0` = α⁰ if A is wanted."""
+        """Write `E0` = E α⁰; also `C0` = (E − E²) α⁰ if EE is wanted, and `A0` = α⁰ if A is wanted."""
         value, first, second = [f"log_delta + {ideal.constant!r}"], [repr(ideal.log)], [repr(ideal.log)]
         if ideal.linear:
             value.append(f"{ideal.linear!r} * tau")

@@ -1,10 +1,10 @@
-"""Fugacities of a blend's components, for finding its phases at build time: arrays, real or complex (M314).
+"""Fugacities of a blend's components, for finding its phases when tables are made: arrays, real or complex (M314).
 
 At temperature T and density ρ = n/V the residual Helmholtz energy of n moles gives, with αʳ(δ, τ, x) and its Euler
 derivatives D = δ ∂/∂δ, E = τ ∂/∂τ (Kunz & Wagner 2012, eqs. 7.28 ff., doi:10.1021/je300655b),
     ln(f_i/(R T)) = ln(x_i ρ) + αʳ + Dαʳ (1 − n∂ρ_r/∂n_i/ρ_r) + Eαʳ n∂T_r/∂n_i/T_r + ∂αʳ/∂x_i − Σ x_k ∂αʳ/∂x_k
-and p/(R T) = ρ (1 + Dαʳ). The functions are those of `mixture`, written out as everywhere; whoever needs derivatives of
-them steps into the complex plane.
+and p/(R T) = ρ (1 + Dαʳ). The functions are those of `mixture`, generated from the same text as everywhere; callers
+that need derivatives take complex steps.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ Sums = Callable[[Any, Any], tuple[Any, Any, Any]]
 
 
 def _sums(of: str, found: Sequence[Term]) -> Sums:
-    """Return a function (δ, τ) → αʳ, Dαʳ, Eαʳ of these terms."""
+    """Return a function (δ, τ) → αʳ, Dαʳ, Eαʳ of the given terms."""
     text = EquationText(("A", "D", "E"))
     text.residual(found)
     text.finish()
@@ -54,7 +54,7 @@ class Fugacities:
         self.v_i = np.array([one.molar_mass / one.rho_r for one in parts])
 
     def reducing(self, x: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Return (T_r, its n∂/∂n_i over it) and (1/ρ_r, the same) at mole fractions x [n, ...] (M312)."""
+        """Return (T_r, n∂T_r/∂n_i/T_r) and the same for 1/ρ_r, at mole fractions x [n, ...] (M312)."""
         T = _Quadratic(x, self.T_i)
         v = _Quadratic(x, self.v_i)
         for i, j, pair in self.pairs:
@@ -99,6 +99,6 @@ class _Quadratic:
         self.slopes[j] += c * a * ((a + 2.0 * b) / below - b * (a + b) / below**2)
 
     def relative(self) -> tuple[Array, Array]:
-        """Return the value and n∂/∂n_i of it over it."""
+        """Return the value, and n∂/∂n_i of it over the value."""
         mean = np.sum(self.x * self.slopes, axis=0)
         return self.value, (self.slopes - mean) / self.value

@@ -1,4 +1,4 @@
-"""What a narrow gap lets pass: of an isentropic nozzle's flow, with friction or oil in it, or of oil that fills it.
+"""Flow through a narrow gap, relative to that of an isentropic nozzle: with friction or oil in it, or full of oil.
 
 Source: docs/model.md M190–M193, M250–M252, M256. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J.
 Refrigeration 36 (2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942)
@@ -9,11 +9,11 @@ import math
 
 from screwsim.numerics.kernel import kernel
 
-LENGTH_0 = 5e-3  # [m] to which the fit refers lengths
-GAP_0 = 1e-5  # [m] … and clearances
-RADIAL_TRANSITION, FLANK_TRANSITION = 5243.58, 826.167  # Reynolds numbers
+LENGTH_0 = 5e-3  # [m] reference length of the fit
+GAP_0 = 1e-5  # [m] reference clearance of the fit
+RADIAL_TRANSITION, FLANK_TRANSITION = 5243.58, 826.167  # Reynolds numbers of the transition to turbulence
 LEAST_REYNOLDS = 1e-6
-TURBULENT_FROM = 50.0  # Reynolds number below which the turbulent power, whose weight is nothing there, is held
+TURBULENT_FROM = 50.0  # Reynolds number below which the turbulent power is held constant, as its weight is zero there
 LEAST_FLUX = 1e-9  # [kg/(m² s)]
 
 
@@ -25,7 +25,10 @@ def turbulent_weight(reynolds, transition):
 
 @kernel
 def radial_divisor(reynolds, length, gap):
-    """Return M of a flat gap `length` [m] deep in the direction of flow (M191); Re of the nozzle's flow on 2 gap."""
+    """Return M of a flat gap `length` [m] deep in the direction of flow (M191).
+
+    Re refers to the nozzle's flow and 2 gap.
+    """
     xi = turbulent_weight(reynolds, RADIAL_TRANSITION)
     size = 25932.107 * (length / LENGTH_0) ** 0.914825434 / (-177.588568 * (gap / GAP_0) - 0.237052788)
     turbulent = -172347.611 * max(reynolds, TURBULENT_FROM) ** -12.06876 - 0.012886116
@@ -45,7 +48,7 @@ def flank_divisor(reynolds, length, gap):
 
 @kernel
 def radial_friction(flux, gap, passage, gas_viscosity):
-    """Return the share of the nozzle's flux [kg/(m² s)] that a flat gap lets pass: 1/M, at most 1 (M191)."""
+    """Return the share of the nozzle's flux [kg/(m² s)] that passes a flat gap: 1/M, at most 1 (M191)."""
     reynolds = max(2.0 * gap * flux / gas_viscosity, LEAST_REYNOLDS)
     return 1.0 / max(1.0, radial_divisor(reynolds, passage, gap))
 
@@ -59,13 +62,13 @@ def flank_friction(flux, gap, passage, gas_viscosity):
 
 @kernel
 def volume_share(density, oil_ratio, oil_room):
-    """Return the gas's share β of the volume from the density ρ β² that a flow feels (M107); above one half."""
+    """Return the gas's share β of the volume, above one half, from the effective density ρ β² of a flow (M107)."""
     return 0.5 + 0.5 * math.sqrt(max(0.0, 1.0 - 4.0 * oil_ratio * oil_room * density))
 
 
 @kernel
 def mixture_passes(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
-    """Return the share of the gas nozzle's flux that passes with its oil, slowed by inertia and walls (M192)."""
+    """Return the share of the gas nozzle's flux that passes with its oil, slowed by inertia and friction (M192)."""
     x = max(oil_ratio, 0.0)
     slowed = 1.0 / math.sqrt((1.0 + x) * volume_share(density, x, oil_room))
     mixture_flux = max(flux * slowed * (1.0 + x), LEAST_FLUX)
@@ -75,7 +78,7 @@ def mixture_passes(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
 
 @kernel
 def mcadams_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
-    """Return what `mixture_passes` does, with McAdams' viscosity: nearly the gas's (M193)."""
+    """Return the same as `mixture_passes` with McAdams' viscosity, which is close to the gas's (M193)."""
     x = max(oil_ratio, 0.0)
     viscosity = (1.0 + x) / (1.0 / gas_viscosity + x / oil_viscosity)
     return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)
@@ -83,7 +86,7 @@ def mcadams_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_v
 
 @kernel
 def cicchitti_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
-    """Return what `mixture_passes` does, with Cicchitti's viscosity: nearly the oil's (M193)."""
+    """Return the same as `mixture_passes` with Cicchitti's viscosity, which is close to the oil's (M193)."""
     x = max(oil_ratio, 0.0)
     viscosity = (gas_viscosity + x * oil_viscosity) / (1.0 + x)
     return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)
@@ -98,7 +101,7 @@ def filled_share(oil_ratio, filled_from):
 
 @kernel
 def open_share(oil_ratio, filled_from):
-    """Return the share of a gap's length that oil leaves to the gas, which passes there as through a nozzle (M250)."""
+    """Return the share of a gap's length that oil leaves to the gas, which flows there as through a nozzle (M250)."""
     return 1.0 - filled_share(oil_ratio, filled_from)
 
 
@@ -111,7 +114,7 @@ def film_flux(drop, gap, passage, oil_viscosity, oil_density):
 
 @kernel
 def oil_film(drop, oil_ratio, gap, passage, filled_from, oil_viscosity, oil_density):
-    """Return the flux [kg/(m² s)] of oil over the gap's whole area: `film_flux` in the share that it fills (M252)."""
+    """Return the flux [kg/(m² s)] of oil over the gap's whole area: `film_flux` in the share that oil fills (M252)."""
     return filled_share(oil_ratio, filled_from) * film_flux(drop, gap, passage, oil_viscosity, oil_density)
 
 
@@ -119,6 +122,6 @@ def oil_film(drop, oil_ratio, gap, passage, filled_from, oil_viscosity, oil_dens
 def dragged_oil(oil_ratio, filled_from, wall_speed, tip_speed, oil_density):
     """Return the flux [kg/(m² s)] of oil over the gap's area that a moving wall drags along (M256).
 
-    `wall_speed` is the wall's speed across the gap over that of the tips; the oil's ratio is that of the state ahead.
+    `wall_speed` is the wall's speed across the gap over the tip speed; `oil_ratio` is that of the chamber ahead.
     """
     return 0.5 * filled_share(oil_ratio, filled_from) * oil_density * wall_speed * tip_speed

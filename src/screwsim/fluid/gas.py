@@ -1,26 +1,27 @@
-"""What a gas brings: the contract between a property back end and the rest of the program, one gas an object.
+"""The protocol of a gas: what a property back end provides to the rest of the program, one object per gas.
 
-A new back end is one module with a class that has what `Gas` lists, and passes tests/fluid/test_gas_protocol.py; it
-need not inherit from `Gas`. Two halves belong together, and the test holds them against each other:
+A new back end is a module with a class that has everything that `Gas` lists, and passes
+tests/fluid/test_gas_protocol.py; it need not inherit from `Gas`. It has two halves, which the test checks against each
+other:
 
 *Kernels*, pasted into the compiled model (`model.writing.write_gas`). Their arguments are `T` [K], `rho` [kg/m³] and
 names of `values`, numbers that go into the model's vector; they take and return scalars, allocate nothing, and are
-smooth but for the border of a phase. `state` returns
+smooth except at a phase border. `state` returns
 
     p [Pa], h [J/kg], c_v [J/(kg K)], T ∂p/∂T|ρ [Pa], 1/k, relative drop and ψ² at which a nozzle chokes (M13)
 
-with k = ρ c²/p of isentropic flow. `specific_entropy` returns s [J/(kg K)] of the same equation, so that T ds =
-du + p d(1/ρ): the balance of entropy is made of it. A gas of two phases gives `phased_state`, too: kernels of the
-phase, a whole number, and of the state that goes on smoothly in a stated phase (`phase`, then as `state`), so that a
+with k = ρ c²/p of isentropic flow. `specific_entropy` returns s [J/(kg K)] of the same equation, so that T ds = du + p
+d(1/ρ): the entropy balance relies on it. A gas of two phases also gives `phased_state`: a kernel of the phase, a whole
+number, and one of the state, which continues smoothly in a given phase (arguments: `phase`, then as `state`), so that a
 step can end at the border. Where 1/k and choking are the same everywhere `varies` is False, and less is compiled.
 
-*Plain Python*, asked a few times a run: what belongs to pressure and temperature, or enthalpy, and ideal works. A
-state that there is not, say a liquid where vapour is asked for, raises UsageError in one line with the remedy.
+*Plain Python*, called a few times a run: properties by pressure and temperature, or enthalpy, and ideal works. A state
+that does not exist, such as a liquid where vapour is needed, raises UsageError in one line with the remedy.
 `first_outside` and `why_outside` say which states of a cycle the equation does not cover, by a code of `limits.Limit`;
-what may help follows from the code (`verdict.REMEDIES`).
+remedies follow from the code (`verdict.REMEDIES`).
 
-What a scene says of a gas is in `fluid.settings`; `build.build_gas` makes the gas of it. Effects that ask for more than
-this, a condensed liquid or a saturation, check for `gas.model: real` themselves.
+The settings of a gas in a scene are in `fluid.settings`; `build.build_gas` makes the gas from them. Effects that need
+more than this, such as condensed liquid or saturation, check for `gas.model: real` themselves.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,7 +33,7 @@ from screwsim.numerics.kernel import Kernel
 
 
 class Gas(Protocol):
-    """One gas; equal ones are equal objects, and none changes."""
+    """One gas; equal gases are equal objects, and none is mutable."""
 
     @property
     def equations(self) -> Sequence[str]:
@@ -43,12 +44,12 @@ class Gas(Protocol):
 
     @property
     def varies(self) -> bool:
-        """Do exponent and choking vary with the state?"""
+        """Whether exponent and choking vary with the state."""
         ...
 
     @property
     def values(self) -> Mapping[str, float]:
-        """Numbers behind the kernels' argument names."""
+        """Values of the kernels' arguments beside T and rho."""
         ...
 
     @property
@@ -75,12 +76,12 @@ class Gas(Protocol):
 
     @property
     def c_v(self) -> float:
-        """Heat capacity at constant volume [J/(kg K)], of the dilute gas: for first guesses."""
+        """Heat capacity at constant volume [J/(kg K)] of the dilute gas, for first guesses."""
         ...
 
     @property
     def c_p(self) -> float:
-        """Heat capacity at constant pressure [J/(kg K)], of the dilute gas: for first guesses."""
+        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas, for first guesses."""
         ...
 
     # ---- states ----------------------------------------------------------------------------------------------
@@ -106,7 +107,7 @@ class Gas(Protocol):
         ...
 
     def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `port_state` does, at p [Pa] and specific enthalpy h [J/kg]."""
+        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
         ...
 
     def vapour(self, p: float, T: float) -> Reservoir:
@@ -114,7 +115,7 @@ class Gas(Protocol):
         ...
 
     def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T [K], or the nearest temperature at which there is gas at p [Pa]: for first guesses."""
+        """Return T [K], or the nearest temperature at which there is gas at p [Pa], for first guesses."""
         ...
 
     # ---- work ------------------------------------------------------------------------------------------------
@@ -142,9 +143,9 @@ class Gas(Protocol):
     # ---- limits ----------------------------------------------------------------------------------------------
 
     def first_outside(self, T: Any, rho: Any) -> int | None:
-        """Return the index of a first of the states (arrays) that `why_outside` complains of, or None."""
+        """Return the index of one of the states (arrays) to which `why_outside` objects; None where there is none."""
         ...
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
-        """Return which limit of its equation a state violates, or None."""
+        """Return which limit of its equation a state violates; None where it violates none."""
         ...

@@ -22,7 +22,7 @@ POTENTIALS = '"""Return (p [Pa], dp/drho [m2/s2], g = h - T s [J/kg]) of {name} 
 
 
 def _lines(fluid: str, wanted: tuple[str, ...]) -> list[str]:
-    """Return the lines that compute the wanted sums, and the ideal part, from T and rho."""
+    """Return the lines that compute the wanted sums and the ideal part from T and rho."""
     known = describe(fluid)
     text = EquationText(wanted)
     text.residual(residual_terms(known))

@@ -1,6 +1,6 @@
 """Ideal gas with constant isentropic exponent: p = ρ R T, u = c_v T, h = c_p T, c_v = R/(k − 1).
 
-Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. What every gas has: `fluid.gas`.
+Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. It implements the protocol `fluid.gas`.
 """
 
 import math
@@ -12,7 +12,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.remembered import once
 
-T_ZERO = 273.15  # [K] where the entropy's reference is
+T_ZERO = 273.15  # [K] temperature of the entropy's reference state
 
 
 @kernel
@@ -43,7 +43,7 @@ class IdealGas:
 
     @property
     def values(self) -> dict[str, float]:
-        """Numbers behind the kernel's argument names."""
+        """Values of the kernels' arguments beside T and rho."""
         return self._values
 
     @once
@@ -102,7 +102,7 @@ class IdealGas:
         return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *self.choked
 
     def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `port_state` does, at pressure [Pa] and specific enthalpy [J/kg]."""
+        """Return the same as `port_state`, at pressure [Pa] and specific enthalpy [J/kg]."""
         return self.port_state(p, self.temperature(p, h))
 
     def vapour(self, p: float, T: float) -> Reservoir:
@@ -111,7 +111,7 @@ class IdealGas:
         return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
 
     def first_outside(self, T: object, rho: object) -> int | None:
-        """Return None: no state is outside."""
+        """Return None: an ideal gas covers every state."""
         return None
 
     def why_outside(self, T: float, rho: float) -> Outside | None:

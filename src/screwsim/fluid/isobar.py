@@ -1,7 +1,7 @@
 """States of a real gas at a given pressure: density by temperature, temperature by enthalpy or entropy.
 
-Newton's method inside a bracket. The pressure of vapour is a concave function of density, so that from the ideal
-gas's density, which is too small, the steps climb towards the root and never pass it; the bracket is for the rest.
+Newton's method inside a bracket. The pressure of vapour is a concave function of density, so that from the ideal gas's
+density, which is too small, the steps approach the root from below without passing it; the bracket is a safeguard.
 """
 
 from screwsim.numerics.kernel import Slot, kernel
@@ -14,12 +14,12 @@ saturation_temperature = Slot("saturation_temperature")
 saturation_pressure = Slot("saturation_pressure")
 
 CLOSE = 1e-15  # relative width at which a bracket, or a step, ends the search
-LIQUID_CLOSE = 1e-13  # that of a liquid's density: rounding of p, which changes 1e3 times as fast
+LIQUID_CLOSE = 1e-13  # the same for a liquid's density, limited by rounding of p, which changes 1e3 times as fast
 
 
 @kernel
 def density(p, T, R, T_c, rho_c):
-    """Return the density [kg/m³] at p [Pa], T [K], on the vapour's side and not beyond saturated vapour."""
+    """Return the density [kg/m³] at p [Pa], T [K], on the vapour's side and not above that of saturated vapour."""
     low = 0.0
     high = saturated_vapour(T) if T < T_c else 4.0 * rho_c
     rho = min(p / (R * T), 0.999 * high)
@@ -65,10 +65,9 @@ def value_at(T, rho, entropy):
 
 @kernel
 def at_pressure(p, wanted, entropy, T_low, T_high, p_c, R, T_c, rho_c):
-    """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy): two phases where it lies between.
+    """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy): vapour, two phases or liquid.
 
-    Below saturation it is a liquid. The density is −1 where there is none: below T_c from the critical pressure on, or
-    below T_low.
+    The density is −1 where there is no such state: below T_c from the critical pressure on, or below T_low.
     """
     low = T_low
     if p >= p_c:
@@ -106,7 +105,7 @@ def density_of(p, T, liquid, R, T_c, rho_c):
 
 @kernel
 def search(p, wanted, entropy, low, high, T, liquid, close, R, T_c, rho_c):
-    """Return (T [K], ρ [kg/m³]) of one phase at p [Pa] and the wanted entropy (else enthalpy), begun at T."""
+    """Return (T [K], ρ [kg/m³]) of one phase at p [Pa] and the wanted entropy (else enthalpy), starting from T."""
     for _ in range(100):
         value, slope = value_at(T, density_of(p, T, liquid, R, T_c, rho_c), entropy)
         if value < wanted:

@@ -1,4 +1,4 @@
-"""Answers of CoolProp that are kept on disk, one file each, named by the question and CoolProp's version."""
+"""Answers of CoolProp cached on disk, one file each, named by the question and CoolProp's version."""
 
 import hashlib
 import importlib.metadata
@@ -11,11 +11,11 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.compiling import begins
 from screwsim.numerics.store import keep, read
 
-_LONGEST = 100  # letters of a question in the name of its file
+_LONGEST = 100  # most letters of a question in the name of its file
 
 
 def kept(name: str, question: Callable[[], Any]) -> Any:
-    """Return the answer to a question to CoolProp, from the cache folder where it is known."""
+    """Return the answer to a question to CoolProp, from the cache folder if it is there."""
     version = importlib.metadata.version("CoolProp")
     short = re.sub("[^A-Za-z0-9]+", "_", name)
     if len(short) > _LONGEST:
@@ -31,6 +31,6 @@ def kept(name: str, question: Callable[[], Any]) -> Any:
 
 
 def no_fluid(fluid: str, error: ValueError) -> UsageError:
-    """Return what to raise where CoolProp refuses a fluid."""
+    """Return the exception for a fluid that CoolProp refuses."""
     reason = str(error).splitlines()[0][:120]
     return UsageError(f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a")

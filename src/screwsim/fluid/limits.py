@@ -1,6 +1,6 @@
-"""The limits of a gas's equation, and where a history of states first leaves them; compiled, for many at once.
+"""The limits of a gas's equation, and the first of many states that violates them, as a compiled kernel.
 
-Source: the limits of the equation of state and of its vapour, as the kernel `margin` of the gas gives them.
+Source: the limits of the equation of state and of its vapour, as given by the gas's kernel `margin`.
 """
 
 from enum import Enum, auto
@@ -12,18 +12,18 @@ margin: Any = Slot("margin")
 
 
 class Limit(Enum):
-    """Which limit of a gas's equation a state violates; what may help follows from it (`verdict.REMEDIES`)."""
+    """A limit of a gas's equation that a state violates; remedies follow from it (`verdict.REMEDIES`)."""
 
     HOT = auto()
     COLD = auto()
     PRESSED = auto()
     WET = auto()
-    GLIDING = auto()  # wet, where its two phases cannot be followed: they differ in composition
-    CRITICAL = auto()  # wet, where they are followed no more, next to the critical point
+    GLIDING = auto()  # wet, and the phases cannot be computed: they differ in composition
+    CRITICAL = auto()  # wet, too close to the critical point for the phases to be computed
 
 
 class Outside(NamedTuple):
-    """A state that a gas's equation does not cover: which limit it violates, and that in words."""
+    """A state that a gas's equation does not cover: the limit that it violates, and a text."""
 
     limit: Limit
     what: str
@@ -31,7 +31,7 @@ class Outside(NamedTuple):
 
 @kernel
 def first_outside(T, rho):
-    """Return the index of the first state (T [K], ρ [kg/m³]) whose margin is not positive; −1 when there is none."""
+    """Return the index of the first state (T [K], ρ [kg/m³]) whose margin is not positive; −1 where there is none."""
     for i in range(T.shape[0]):
         if not (margin(T[i], rho[i]) > 0.0):
             return i

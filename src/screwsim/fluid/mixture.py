@@ -3,10 +3,11 @@
 With mole fractions x, δ = ρ/ρ_r(x) and τ = T_r(x)/T of the blend (Kunz & Wagner 2012, doi:10.1021/je300655b, as
 CoolProp evaluates it):
     α = Σ x_i (R_i/R) (α⁰_i(ρ, T) + ln x_i) + Σ x_i αʳ_i(δ, τ) + Σ_{i<j} x_i x_j F_ij αʳ_ij(δ, τ).
-CoolProp's weights x_i R_i/R, with gas constants of before 2019, add up to 1 within 1e-6; that of ln ρ is 1 here, else
-T ds = du + p d(1/ρ) would fail by as much. So a blend is nothing but more terms, each with its weight. Departure
-functions: `departures.json`, those of CoolProp 8.0.0 (its dev/mixtures/mixture_departure_functions.json, MIT licence),
-which names their sources; CoolProp does not hand them out. Weights, pairs and reducing parameters are asked of it.
+CoolProp's weights x_i R_i/R, with gas constants from before 2019, add up to 1 within 1e-6; the weight of ln ρ is
+exactly 1 here, since otherwise T ds = du + p d(1/ρ) would fail by as much. So a blend is just a longer list of terms,
+each with its weight. Departure functions: `departures.json`, those of CoolProp 8.0.0 (its
+dev/mixtures/mixture_departure_functions.json, MIT licence), which names their sources; CoolProp does not provide them
+at run time. Weights, pairs and reducing parameters are read from it.
 """
 
 import json
@@ -33,7 +34,7 @@ def _departures() -> Mapping[str, Any]:
 
 
 def _special(n: float, d: float, t: float, eta: float, epsilon: float, beta: float, gamma: float) -> Product:
-    """Return n δ^d τ^t exp(−η (δ − ε)² − β (δ − γ)) of GERG-2008, its exponent's square completed."""
+    """Return n δ^d τ^t exp(−η (δ − ε)² − β (δ − γ)) of GERG-2008, with the square in its exponent completed."""
     if eta == 0.0:
         decay: Factor = ("power", beta, 1.0) if beta else NONE
         return Product(n * exp(beta * gamma), d, t, decay)
@@ -42,7 +43,7 @@ def _special(n: float, d: float, t: float, eta: float, epsilon: float, beta: flo
 
 
 def departure_terms(name: str) -> list[Product]:
-    """Return the terms of a departure function by its name (M313). Raises UsageError for one that is not stored."""
+    """Return the terms of a departure function by its name (M313). Raises UsageError for an unknown name."""
     found = _departures().get(name)
     if found is None:
         raise UsageError(f"gas.fluid: the departure function {name} of this CoolProp is not known here; {REMEDY}")
@@ -67,7 +68,7 @@ def departure_terms(name: str) -> list[Product]:
 
 
 def paired(known: Description) -> list[tuple[int, int, Pair]]:
-    """Return the pairs of a blend with the places of their components."""
+    """Return (i, j, pair) of all pairs of a blend's components."""
     return [
         (i, j, pair) for (i, j), pair in zip(combinations(range(len(known.components)), 2), known.pairs, strict=True)
     ]
@@ -78,7 +79,7 @@ def _weighted(weight: float, found: Sequence[Term]) -> list[Term]:
 
 
 def residual_terms(known: Description) -> list[Term]:
-    """Return the residual terms of a fluid, of a blend with their weights (M310)."""
+    """Return the residual terms of a fluid, for a blend with their weights (M310)."""
     if not known.blend:
         return terms.residual_terms(known)
     x = known.fractions
@@ -92,7 +93,7 @@ def residual_terms(known: Description) -> list[Term]:
 
 
 def ideal_terms(known: Description) -> Ideal:
-    """Return the ideal-gas terms of a fluid, those of a blend by the blend's own δ and τ (M311)."""
+    """Return the ideal-gas terms of a fluid, for a blend in terms of the blend's own δ and τ (M311)."""
     if not known.blend:
         return terms.ideal_terms(known)
     total = Ideal()
@@ -108,7 +109,7 @@ def ideal_terms(known: Description) -> Ideal:
 def _add(total: Ideal, own: Ideal, w: float, one: Description, known: Description) -> None:
     """Add w times a component's ideal part, whose δ_i = d δ and τ_i = s τ.
 
-    CoolProp reduces it by the component's critical point, which may miss the reducing one (R134a: by 0.03 K).
+    CoolProp reduces it by the component's critical point, which may differ from the reducing one (R134a: by 0.03 K).
     """
     T_i, rho_i = one.ideal_state
     s, d = T_i / known.T_r, known.rho_r / known.molar_mass / rho_i

@@ -1,7 +1,7 @@
 """The registry of gas models: ideal and real by their names, a user's own by the dotted name of its module.
 
-A scene names a model of one's own as it names an effect of one's own, `gas.model: my_gases.covolume`: a module with a
-variable `GAS`, a `GasModel` that makes a gas (`fluid.gas`) of what the scene says.
+A scene names a model of the user's own as it names such an effect, `gas.model: my_gases.covolume`: a module with a
+variable `GAS`, a `GasModel` that makes a gas (`fluid.gas`) from the scene's settings.
 """
 
 from collections.abc import Callable
@@ -17,9 +17,9 @@ from screwsim.numerics.trial import found_in
 
 
 class Asked(NamedTuple):
-    """What a scene says of its gas: CoolProp's name of the fluid, k and `two_phase` as stated.
+    """The settings of a scene's gas: CoolProp's name of the fluid, k and `two_phase` as stated.
 
-    `suction_temperature` returns T_s [K]; it asks for a saturation where the line is stated by one.
+    `suction_temperature` returns T_s [K], from a saturation state where the line is stated by one.
     """
 
     fluid: str
@@ -30,13 +30,13 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True)
 class GasModel:
-    """A model by what makes a gas of what a scene says; what it cannot make raises ValueError in words.
+    """A gas model: `make` builds a gas from a scene's settings, or raises ValueError with a message.
 
-    One that `condenses` does so where CoolProp's fluid of that name saturates: a line's gas must lie above that. One
-    that is `blind` takes for a gas what of that fluid is a liquid. `finds_exponent`: its k follows from its equation,
-    and none can be stated; `phases`: it can follow both phases; `by_coolprop`: CoolProp can be asked in its place, a
-    `back_end` of studies as it is one itself. `told` returns what of the lines tells the gas beside its settings, None
-    where these do; without it the gas is made anew for every scene.
+    `condenses`: it condenses where CoolProp's fluid of that name saturates, so a line's gas must lie above that.
+    `blind`: it treats as gas even what would be a liquid of that fluid. `finds_exponent`: k follows from its equation
+    and cannot be stated. `phases`: it can compute both phases. `by_coolprop`: CoolProp can take its place. `back_end`
+    is its name among the back ends of studies. `told` returns the property of the lines on which the gas depends beside
+    its settings, or None where there is no such dependence; without `told` the gas is made anew for every scene.
     """
 
     make: Callable[[Asked], Gas]
@@ -50,7 +50,7 @@ class GasModel:
 
 
 def _ideal(asked: Asked) -> IdealGas:
-    """Return an ideal gas; k from CoolProp at suction temperature where none is given (M6)."""
+    """Return an ideal gas; k is CoolProp's at suction temperature where none is stated (M6)."""
     k = asked.isentropic_exponent
     if k is None:
         k = constants.isentropic_exponent(asked.fluid, asked.suction_temperature())
@@ -62,7 +62,7 @@ def _real(asked: Asked) -> RealGas:
 
 
 def _of_line(asked: Asked) -> float | None:
-    """Return the temperature [K] from which the k of an ideal gas follows; None where k is stated."""
+    """Return the temperature [K] on which the k of an ideal gas depends; None where k is stated."""
     return asked.suction_temperature() if asked.isentropic_exponent is None else None
 
 
@@ -81,7 +81,7 @@ MODELS: dict[str, GasModel] = {
 
 
 def find_gas_model(name: str) -> GasModel:
-    """Return the model of a name; raise KeyError where there is none, ImportError for a dotted one."""
+    """Return the model of a name; raise KeyError where there is none, ImportError for a dotted one that fails."""
     return found_in(MODELS, name, "GAS", GasModel)
 
 
@@ -91,5 +91,5 @@ def condenses(settings: GasSettings) -> bool:
 
 
 def lacking(gas: object) -> list[str]:
-    """Return the names of what a gas lacks of the protocol."""
+    """Return the names of the protocol that a gas lacks."""
     return [name for name in vars(Gas) if not name.startswith("_") and not hasattr(gas, name)]

@@ -1,10 +1,10 @@
-"""Air with water in it: vapour beside dry air, and where it is saturated liquid in equilibrium (M320, M324–M327).
+"""Moist air: water vapour in dry air and, where it saturates, liquid in equilibrium (M320, M324–M327).
 
-Of every kilogram of the mixture `share` is water, vapour and liquid together: what condenses stays with its gas. The
-Helmholtz energy per volume is that of dry air, ideal or by its equation of state, that of dilute vapour, and of a real
-gas the second virial terms of vapour with air and with itself; all else is derived of it, so that it is consistent with
-and without liquid. The liquid takes no room, and has the chemical potential of vapour that saturates without air.
-What every gas has: `fluid.gas`. `dry` is an `IdealGas` or the `RealGas` of air.
+Each kilogram of the mixture contains `share` of water, vapour and liquid together: condensate stays with its gas. The
+Helmholtz energy per volume is the sum of that of dry air (ideal, or by its equation of state), that of dilute vapour,
+and for a real gas the second virial terms of vapour with air and with itself; everything else is derived from it, so it
+is consistent with and without liquid. The liquid has no volume, and the chemical potential of vapour that saturates
+without air. It implements the protocol `fluid.gas`. `dry` is an `IdealGas` or the `RealGas` of air.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import in_bar, in_celsius
 
 Gas = TypeVar("Gas")
-T_LOW, T_HIGH = 100.0, 2000.0  # [K] between which a state is looked for
-DRIEST = 150.0  # [K] dew point below which none is told
+T_LOW, T_HIGH = 100.0, 2000.0  # [K] range in which a state is searched
+DRIEST = 150.0  # [K] lowest dew point that is reported
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
 @dataclass(frozen=True)
 class MoistAir:
-    """Dry air and its `share` of water [kg per kg of both]; `c_water` is c_v [J/(kg K)] of ideal vapour, None if real.
+    """Dry air with a `share` of water [kg per kg of both]; `c_water` is c_v [J/(kg K)] of ideal vapour, None if real.
 
-    The kilogram of every property is one of the mixture.
+    All specific properties are per kilogram of the mixture.
     """
 
     dry: IdealGas | RealGas
     share: float
     c_water: float | None = None
-    varies = True  # exponent and choking vary with what condenses
+    varies = True  # exponent and choking vary with the condensate
 
     # ---- kernels ---------------------------------------------------------------------------------------------
 
@@ -81,7 +81,7 @@ class MoistAir:
 
     @property
     def values(self) -> Mapping[str, float]:
-        """Numbers behind the kernels' argument names; liquid water of 273.16 K has neither enthalpy nor entropy."""
+        """Values of the kernels' arguments; liquid water at 273.16 K has zero enthalpy and entropy."""
         return self._values
 
     @cached_property
@@ -108,19 +108,19 @@ class MoistAir:
 
     @property
     def c_v(self) -> float:
-        """Heat capacity at constant volume [J/(kg K)], of the dilute gas: for first guesses."""
+        """Heat capacity at constant volume [J/(kg K)] of the dilute gas, for first guesses."""
         own = water.energy(TYPICAL)[0] if self.c_water is None else self.c_water
         return (1.0 - self.share) * self.dry.c_v + self.share * own
 
     @property
     def c_p(self) -> float:
-        """Heat capacity at constant pressure [J/(kg K)], of the dilute gas: for first guesses."""
+        """Heat capacity at constant pressure [J/(kg K)] of the dilute gas, for first guesses."""
         return self.c_v + self.R
 
     # ---- states ----------------------------------------------------------------------------------------------
 
     def density(self, p: float, T: float) -> float:
-        """Return density [kg/m³] of gas, with what is condensed, at p [Pa], T [K]."""
+        """Return density [kg/m³] of the mixture, condensate included, at p [Pa], T [K]."""
         return float(self._compiled("density", p, T, self.R))
 
     def enthalpy(self, p: float, T: float) -> float:
@@ -152,7 +152,7 @@ class MoistAir:
         return self._port_state(p, T, self.density(p, T))
 
     def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `port_state` does, at p [Pa] and specific enthalpy h [J/kg]."""
+        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]."""
         return self._port_state(p, *self._at(p, h, False))
 
     def vapour(self, p: float, T: float) -> Reservoir:
@@ -161,30 +161,30 @@ class MoistAir:
         return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
 
     def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T: there is gas everywhere, beside the liquid."""
+        """Return T: there is gas at every temperature, beside the liquid."""
         return T
 
     # ---- water -----------------------------------------------------------------------------------------------
 
     def liquid_share(self, T: float, rho: float) -> float:
-        """Return which share of the mixture is liquid at T [K], ρ [kg/m³] (M325)."""
+        """Return the share of the mixture that is liquid at T [K], ρ [kg/m³] (M325)."""
         if self._compiled("phase", T, rho) == 0:
             return 0.0
         return max(self.share - float(self._compiled("saturated_density", T, (1.0 - self.share) * rho)) / rho, 0.0)
 
     def condensed(self, p: float, T: float) -> float:
-        """Return which share of the mixture is liquid at p [Pa], T [K] (M325)."""
+        """Return the share of the mixture that is liquid at p [Pa], T [K] (M325)."""
         return self.liquid_share(T, self.density(p, T))
 
     def drained(self, p: float, T: float) -> tuple[float, MoistAir]:
-        """Return which share of the mixture is left at p [Pa], T [K] once its liquid is drained, and that (M361)."""
+        """Return the share of the mixture that remains at p [Pa], T [K] without its liquid, and that gas (M361)."""
         liquid = self.condensed(p, T)
         return 1.0 - liquid, replace(self, share=(self.share - liquid) / (1.0 - liquid)) if liquid > 0.0 else self
 
     def dew_point(self, p: float) -> float | None:
         """Return the temperature [K] below which water condenses at p [Pa]; over supercooled water below 273.16 K.
 
-        None outside `DRIEST` to `water.T_MOST`: of air as good as dry, or of steam beyond what is followed.
+        None outside `DRIEST` to `water.T_MOST`: for nearly dry air, or for steam beyond the model's range.
         """
 
         def beyond(T: float) -> float:
@@ -196,7 +196,7 @@ class MoistAir:
     # ---- work ------------------------------------------------------------------------------------------------
 
     def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2; what condenses is in equilibrium."""
+        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2, with condensate in equilibrium."""
         return self._rise(p_2, self.entropy(p_1, T), self.enthalpy(p_1, T))
 
     def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
@@ -207,7 +207,7 @@ class MoistAir:
         return float(self._compiled("state", *self._at(p, s, True))[1]) - h
 
     def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
-        """Return None: what condenses on the way is in equilibrium, and Δ(h − T s) holds."""
+        """Return None: condensation on the way is in equilibrium, and Δ(h − T s) holds."""
         return None
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
@@ -222,12 +222,12 @@ class MoistAir:
     # ---- limits ----------------------------------------------------------------------------------------------
 
     def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
-        """Return the index of the first state (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
+        """Return the index of a state (T [K], ρ [kg/m³]) to which `why_outside` objects; None where there is none."""
         extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
-        """Return which limit of its dry air a state violates, or None."""
+        """Return which limit of its dry air a state violates; None where it violates none."""
         return self.dry.why_outside(T, (1.0 - self.share) * rho)
 
 
@@ -242,7 +242,7 @@ def _module(dry: Kernel, dry_entropy: Kernel, real: bool) -> Any:
 
 
 def _caller(gas: MoistAir) -> Callable[..., Any]:
-    """Return a function that asks a compiled kernel by its name, the values of the gas behind what it is given."""
+    """Return a function that calls a compiled kernel by name, appending the gas's values to the given arguments."""
     module, values = _module(gas.dry.state, gas.dry.specific_entropy, gas.c_water is None), gas.values
     asked = {
         name: (getattr(module, kernel.flat_name), [values[each] for each in kernel.arguments if each in values])
@@ -257,21 +257,21 @@ def _caller(gas: MoistAir) -> Callable[..., Any]:
 
 
 def passed_on(gas: Gas, p: float, T: float) -> tuple[float, Gas | MoistAir]:
-    """Return which share of any gas is left at p [Pa], T [K] once condensed water is drained, and that gas."""
+    """Return the share of any gas that remains at p [Pa], T [K] once condensed water is drained, and that gas."""
     return gas.drained(p, T) if isinstance(gas, MoistAir) else (1.0, gas)
 
 
 def saturated_ratio(gas: MoistAir, p: float, T: float) -> float:
-    """Return vapour per dry air [kg/kg] that saturates it at p [Pa], T [K]; infinite where water boils (M325)."""
+    """Return vapour per dry air [kg/kg] at saturation at p [Pa], T [K]; infinite where water boils (M325)."""
     if T >= water.T_MOST or p <= water.saturation(T)[0]:
         return math.inf
     return float(gas._compiled("saturated_ratio", p, T))
 
 
 def moist_air(dry: IdealGas | RealGas, p: float, T: float, humidity: float) -> IdealGas | RealGas | MoistAir:
-    """Return air of a relative humidity at p [Pa], T [K]: of its vapour's mole fraction over the saturated one (M320).
+    """Return air of a relative humidity at p [Pa], T [K]: mole fraction of its vapour over the saturated one (M320).
 
-    Without humidity that is dry air itself. Raises UsageError where water boils there.
+    Without humidity that is the dry air itself. Raises UsageError where water boils at that state.
     """
     if humidity == 0.0:
         return dry

@@ -1,8 +1,8 @@
 """Kernels of moist air, written from those of its dry air (M324–M326).
 
-Per volume f = f_a(T, ρ_a) + f_v(T, ρ_v) + R_w T (2 b ρ_a ρ_v + c ρ_v²) + ρ_l μ_l(T), b = B_aw/M_a and c = B_ww/M_w;
-nothing of b and c of an ideal gas. μ_l is the potential of vapour that saturates without air, so that the liquid's
-enthalpy and entropy follow from p_s alone. In equilibrium ρ_v makes f least at ρ_v + ρ_l = y ρ.
+Per volume f = f_a(T, ρ_a) + f_v(T, ρ_v) + R_w T (2 b ρ_a ρ_v + c ρ_v²) + ρ_l μ_l(T), b = B_aw/M_a and c = B_ww/M_w; b
+and c are zero for an ideal gas. μ_l is the potential of vapour that saturates without air, so that the liquid's
+enthalpy and entropy follow from p_s alone. In equilibrium ρ_v minimises f at ρ_v + ρ_l = y ρ.
 """
 
 import re
@@ -172,7 +172,7 @@ AT_PRESSURE = '''def at_pressure(p, wanted, of_entropy, low, high, R{values}):
 
 
 def kernels(dry_state: Kernel, dry_entropy: Kernel, real: bool) -> dict[str, Kernel]:
-    """Return the kernels of moist air by their names, of the state and entropy of its dry air."""
+    """Return the kernels of moist air by name, made from state and entropy of its dry air."""
     of, own = f"moist air {'real' if real else 'ideal'}", "" if real else ", c_water"
     dry, dry_s = ("".join(f", {name}" for name in each.arguments[2:]) for each in (dry_state, dry_entropy))
     values = f"{dry}, y_water, u_water{own}, s_water"

@@ -1,4 +1,4 @@
-"""Names of fluids: which fluid is meant by one that is not known, and why there are no data of another."""
+"""Names of fluids: suggestions for unknown ones, and reasons why others have no data."""
 
 import re
 
@@ -11,7 +11,7 @@ from screwsim.inputs.faults import UsageError
 
 
 def why_no_blend(fluid: str) -> str | None:
-    """Return why a blend is not known, in one line; None for one that is, and for a name of anything else."""
+    """Return in one line why a blend is not available; None for one that is, and for any other name."""
     try:
         if is_blend(fluid):
             blend_border(fluid)
@@ -21,9 +21,9 @@ def why_no_blend(fluid: str) -> str | None:
 
 
 def same_fluid(name: str) -> str | None:
-    """Return the name or alias of the fluid that differs in case, blanks or hyphens only: 'r-134A' gives 'R134a'.
+    """Return the name or alias of the fluid that differs only in case, blanks or hyphens: 'r-134A' gives 'R134a'.
 
-    A name that is merely near belongs to another fluid: R134z is not R134a, and R454B not R404A.
+    A name that is merely similar belongs to another fluid: R134z is not R134a, and R454B not R404A.
     """
 
     def question() -> list[list[str]]:
@@ -43,7 +43,7 @@ def _bare(name: str) -> str:
 
 
 def blend(name: str) -> str | None:
-    """Return what to write for a blend that is not called as it should be; None for a name that is none of a blend."""
+    """Return what to write for a blend that is misspelt; None for a name that is not a blend's."""
     wanted = _bare(name.removesuffix(ENDING))
     for each in predefined():
         if wanted and wanted == _bare(each.removesuffix(ENDING)):
@@ -57,7 +57,7 @@ def blend(name: str) -> str | None:
 
 
 def why_no_dome(fluid: str) -> str | None:
-    """Return why two phases in equilibrium of a fluid that is known are not, in one line; None where they are."""
+    """Return in one line why two-phase equilibrium of a known fluid is not available; None where it is."""
     if not is_blend(fluid):
         known = describe(fluid)
         return PSEUDO_PURE.format(known.name) if known.pseudo_pure else None

@@ -2,12 +2,12 @@
 
 Source: Chernov et al. 2015, eqs. (3), (4), restated as M12; choking M13 is added (the paper has none).
 
-ṁ = S √(p_u ρ_u ψ²), ψ² = 2k/(k−1) · (r^(2/k) − r^((k+1)/k)), r = max(p_d/p_u, (2/(k+1))^(k/(k−1))).
-Regularisation: Δp under the root becomes Δp²/√(Δp² + ε²), so that ṁ is smooth through Δp = 0; the relative error is
-1 − (1 + (ε/Δp)²)^(−1/4), 16 % at Δp = ε and (ε/Δp)²/4 far from it.
-Written as ṁ = S Δp √q, q = ρ_u (ψ²/x)/√(Δp² + ε²) > 0, x = |Δp|/p_u, so that neither ṁ nor its slopes cancel.
-With a = 1/k, ψ² = 2 r^a (r^a − r)/(1 − a); near k = 1, where a real gas may be, r^a − r = r E with
-E = expm1((a−1) ln r), and E/(1 − a) → −ln r, so that every k > 0 is as good as any other.
+ṁ = S √(p_u ρ_u ψ²), ψ² = 2k/(k−1) · (r^(2/k) − r^((k+1)/k)), r = max(p_d/p_u, (2/(k+1))^(k/(k−1))). Regularisation: Δp
+under the root becomes Δp²/√(Δp² + ε²), so that ṁ is smooth through Δp = 0; the relative error is 1 − (1 +
+(ε/Δp)²)^(−1/4), 16 % at Δp = ε and (ε/Δp)²/4 for large Δp. Written as ṁ = S Δp √q, q = ρ_u (ψ²/x)/√(Δp² + ε²) > 0, x =
+|Δp|/p_u, so that neither ṁ nor its slopes cancel. With a = 1/k, ψ² = 2 r^a (r^a − r)/(1 − a); near k = 1, which real
+gases may have, r^a − r = r E with E = expm1((a−1) ln r), and E/(1 − a) → −ln r, so that every k > 0 is equally
+accurate.
 """
 
 import math
@@ -25,7 +25,7 @@ NEAR_ONE = 0.05  # |1 − 1/k| below which r^a − r is taken from expm1 (the pl
 
 @kernel
 def power_drop(b, x):
-    """Return (1 − (1−x)^b)/(b x) by its series for 0 ≤ x ≤ 0.02 (reciprocals: a division costs as much as the rest)."""
+    """Return (1 − (1−x)^b)/(b x) by its series for 0 ≤ x ≤ 0.02, with reciprocals in place of costly divisions."""
     s = 1.0 + (7.0 - b) * (x * EIGHTH)
     s = 1.0 + (6.0 - b) * (x * SEVENTH) * s
     s = 1.0 + (5.0 - b) * (x * SIXTH) * s
@@ -45,7 +45,7 @@ def expansion_near_one(log_r, a):
 
 @kernel
 def expansion(x, a, choke, choked):
-    """Return ψ²/x by the relative pressure drop x = 1 − p_d/p_u (M12, M13).
+    """Return ψ²/x as a function of the relative pressure drop x = 1 − p_d/p_u (M12, M13).
 
     a = 1/k; `choke` is the drop beyond which the flow is choked, `choked` is ψ² there.
     """
@@ -67,21 +67,21 @@ def _critical_power(y):
 
 
 def _fitted(width, n):
-    """Return coefficients in y/width of the polynomial through `_critical_power` at Chebyshev's n points."""
+    """Return coefficients in y/width of the polynomial through `_critical_power` at n Chebyshev points."""
     s = np.cos(np.pi * (np.arange(n) + 0.5) / n)
     a = np.polynomial.chebyshev.chebfit(s, _critical_power(s.astype(np.longdouble) * width).astype(float), n - 1)
     return np.polynomial.chebyshev.cheb2poly(a)
 
 
 FITTED = 0.26  # |k−1|/(k+1) up to which a polynomial gives r^(1/k) at choking: 0.59 < k < 1.70
-CRITICAL = _fitted(FITTED, 16)  # errs by less than 3e-15; three times as fast as logarithm and exponential
+CRITICAL = _fitted(FITTED, 16)  # error below 3e-15; three times as fast as logarithm and exponential
 
 
 @kernel
 def critical_power(y):
     """Return r^(1/k) at choking from y = (k−1)/(k+1).
 
-    Beyond k = 0.05 and 19 it is held: only unstable states have such k, and an iteration may pass through them.
+    It is held constant below k = 0.05 and above 19, which only unstable states in an iteration have.
     """
     if abs(y) > FITTED:
         y = min(max(y, -0.9), 0.9)

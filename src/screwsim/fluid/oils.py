@@ -1,11 +1,11 @@
-"""Oils whose properties over temperature are stored: density, heat capacity, dynamic viscosity (docs/model.md M140).
+"""Oils with stored properties over temperature: density, heat capacity, dynamic viscosity (docs/model.md M140).
 
 Source: POE ACD100FY: V. P. Zhelezny et al., measurements of 2007; the viscosity is their fit from 313 K to 387 K. The
 grades: kinematic viscosities at 40 and 100 degC and densities at 15 degC as data sheets of such oils print them,
 rounded (mineral: paraffinic, viscosity index about 100; POE: polyol esters for refrigeration; PAO: index about 135;
 PAG: index about 200), between them ASTM D341; heat capacity of mineral oil and PAO by Cragoe (Bur. Standards Misc.
-Publ. 97, 1929), of POE as measured for ACD100FY, of PAG a round figure. No maker's oil is meant: of one that is known,
-write its numbers.
+Publ. 97, 1929), of POE as measured for ACD100FY, of PAG a round figure. They represent no particular maker's oil: for a
+known oil, write its own numbers.
 """
 
 import math
@@ -16,11 +16,11 @@ from typing import Protocol
 ZERO_CELSIUS = 273.15
 AT_40, AT_100, AT_15 = (ZERO_CELSIUS + t for t in (40.0, 100.0, 15.0))
 WATER = 999.1  # [kg/m^3] at 15 degC
-MM2 = 1e-6  # [m^2/s] of a mm^2/s, or centistokes
+MM2 = 1e-6  # [m^2/s] one mm^2/s, or centistokes
 
 
 class Oil(Protocol):
-    """What is known of an oil by temperature T [K], in SI units; `low`, `high`: range of the viscosity [K]."""
+    """Properties of an oil by temperature T [K], in SI units; `low`, `high`: range of the viscosity data [K]."""
 
     @property
     def low(self) -> float: ...
@@ -116,8 +116,8 @@ def _hydrocarbon(at_40: float, at_100: float, density: float, slope: float) -> G
     return Grade(at_40, at_100, density, slope, _cragoe(density))
 
 
-_ESTER = 1785.6, 2.901  # c of ACD100FY, straight about 60 degC
-_GLYCOL = 1800.0, 3.0  # some 2.0 kJ/(kg K) at 60 degC
+_ESTER = 1785.6, 2.901  # heat capacity of ACD100FY, linearised about 60 degC
+_GLYCOL = 1800.0, 3.0  # about 2.0 kJ/(kg K) at 60 degC
 # grade: kinematic viscosity at 100 degC, density
 _MINERAL = {
     32: (5.4, 865.0),

@@ -1,15 +1,14 @@
 """The dew and the bubble line of a blend of fixed composition z, by equal fugacities and pressures (M315).
 
-Unknown are k_i = ln(w_i/z_i) of the incipient phase w, ln ρ of both phases and ln T; the equations are ln f_i(w) =
-ln f_i(z), p(w) = p(z) and Σ w_i = 1, and one of ln T and ln ρ_z is stated. With densities in place of the pressure no
-root of p(ρ) has to be chosen, and by ln ρ_z, which rises along the whole envelope from thin vapour over the highest
-temperature to dense liquid, no point of it is a turning point. Newton's method, its derivatives by steps into the
-complex plane.
+Unknowns are k_i = ln(w_i/z_i) of the incipient phase w, ln ρ of both phases and ln T; the equations are ln f_i(w) = ln
+f_i(z), p(w) = p(z) and Σ w_i = 1, with one of ln T and ln ρ_z prescribed. With densities in place of the pressure no
+root of p(ρ) has to be chosen; and since ln ρ_z increases along the whole envelope, from thin vapour over the highest
+temperature to dense liquid, the envelope has no turning point in it. Newton's method with complex-step derivatives.
 
 Both lines begin at a middle temperature from Wilson's equilibrium constants and are followed down by T and up by ρ_z,
-each start extrapolated from the points before it, until both phases are nearly the same. What is left between them, the
-critical point, is interpolated. Over θ = ±√(1 − T/T_m), T_m the highest temperature of two phases and minus for the
-vapour's side, the envelope is one smooth curve, which the tables of `saturation` hold as they do a pure fluid's.
+each start extrapolated from the points before it, until both phases are nearly the same. The remaining stretch across
+the critical point is interpolated. Over θ = ±√(1 − T/T_m), with T_m the highest temperature of two phases and minus for
+the vapour's side, the envelope is one smooth curve, which the tables of `saturation` hold as they do a pure fluid's.
 """
 
 from dataclasses import dataclass, field
@@ -25,21 +24,21 @@ from screwsim.numerics.remembered import Remembered
 from screwsim.outputs.customary import in_celsius
 
 Array = np.ndarray
-TINY = 1e-100  # step into the complex plane: no rounding
-CLOSE = 1e-11  # largest step of Newton's method in a solution
-MOST = 0.3  # of a step in any logarithm
-LIKE = 0.08  # |ln(ρ_w/ρ_z)| from which on the phases are taken for nearly the same
-STARTS = (0.75, 0.7, 0.8, 0.65, 0.85, 0.6, 0.55)  # of the reducing temperature
+TINY = 1e-100  # complex step, whose derivatives have no rounding error
+CLOSE = 1e-11  # largest last Newton step of a solution
+MOST = 0.3  # longest Newton step in any logarithm
+LIKE = 0.08  # |ln(ρ_w/ρ_z)| below which the phases count as nearly the same
+STARTS = (0.75, 0.7, 0.8, 0.65, 0.85, 0.6, 0.55)  # starting temperatures over the reducing one
 COLDER, DENSER = 0.05, 0.02  # steps of ln T, and of ln ρ_z
-FINE = 1e-3  # of a step that is the least
-RICHER = 0.6  # share of one component in a start
-DENSE, THIN = 1.6, 0.4  # least of a liquid's δ in a first point, most of a vapour's
-AWAY, FIRST = 0.2, 0.8  # what a point may be off its extrapolation, before there are three the one before
-LEAST_SPAN = 0.98  # of T_low over T_m that an envelope has to reach
-APART, TURN = 0.3, 0.03  # |ln(ρ_w/ρ_z)| and |θ| from which on points are solved for, not interpolated
-NEAR = 0.05  # by which what is solved may differ from what it began with
-SAME = 1e-4  # |θ| below which rounding of T tells
-WIDEST = 0.4  # of ln ρ_z, across the critical point
+FINE = 1e-3  # smallest step over the initial one
+RICHER = 0.6  # share of one component in an enriched start
+DENSE, THIN = 1.6, 0.4  # least δ of a liquid, largest δ of a vapour in a first point
+AWAY, FIRST = 0.2, 0.8  # largest distance of a point from its extrapolation; the same with fewer than three points
+LEAST_SPAN = 0.98  # T_low over T_m above which an envelope is too short
+APART, TURN = 0.3, 0.03  # |ln(ρ_w/ρ_z)| and |θ| above which points are solved for, not interpolated
+NEAR = 0.05  # largest distance of a solved point from its interpolated start
+SAME = 1e-4  # |θ| below which rounding of T matters
+WIDEST = 0.4  # largest step of ln ρ_z across the critical point
 R = 8.31446261815324  # [J/(mol K)]
 
 
@@ -54,7 +53,7 @@ def _residuals(f: Fugacities, u: Array) -> Array:
 
 
 def solved(f: Fugacities, u: Array, stated: int, steps: int = 25) -> tuple[Array, Array]:
-    """Return u [n + 3, m] with the unknown `stated` (−1: ln T, −2: ln ρ_z) kept, and which of the m are solved."""
+    """Return u [n + 3, m] with the unknown `stated` (−1: ln T, −2: ln ρ_z) held, and which of the m have converged."""
     free = [i for i in range(f.n + 3) if i != f.n + 3 + stated]
     u, last = u.copy(), np.full(u.shape[1], np.inf)
     with np.errstate(all="ignore"):
@@ -83,7 +82,7 @@ def _steps(matrix: Array, value: Array) -> Array:
 
 @dataclass
 class _Line:
-    """A line as it is followed: columns u, in order from its start."""
+    """A line while it is being followed: columns u, in order from its start."""
 
     f: Fugacities
     found: list[Array] = field(default_factory=list)
@@ -96,7 +95,7 @@ class _Line:
             target, last = old[stated] + size, False
             if done is not None and (target - done) * step >= 0.0:
                 target, last = done, True
-            # extrapolated from the last three to a value of the stated unknown
+            # extrapolated from the last three points to a value of the stated unknown
             used = here[-3:]
             at = [each[stated] for each in used]
             guess = np.zeros_like(used[-1])
@@ -131,11 +130,11 @@ def _liquid(f: Fugacities, T: float, p_RT: float, x: Array, v_r: float) -> float
 
 
 def _start(f: Fugacities, vapour: bool) -> Array:
-    """Return a first point: the phase z is the vapour (a dew point), or the liquid. Raises ValueError for none.
+    """Return a first point; with `vapour` the phase z is the vapour (dew point), else the liquid. Raises ValueError.
 
-    Of several incipient phases that satisfy the equations the one that comes first is stable: that of the lowest
-    pressure at a dew point, of the highest at a bubble point. Starts are Wilson's phase, and that with more of each of
-    the components.
+    Of several incipient phases that satisfy the equations the one that appears first is stable: that of the lowest
+    pressure at a dew point, of the highest at a bubble point. Starts are Wilson's phase, and the same enriched in each
+    component.
     """
     T_r = float(f.reducing(f.z)[0][0])
     for share in STARTS:
@@ -154,7 +153,7 @@ def _start(f: Fugacities, vapour: bool) -> Array:
 
 
 def _guess(f: Fugacities, vapour: bool, T: float, p_RT: float, w: Array) -> Array:
-    """Return a column u to start from: the incipient phase w and the phase z at T and p/(R T)."""
+    """Return a starting column u for an incipient phase w beside the phase z at T and p/(R T)."""
     liquid = w if vapour else f.z
     dense = np.log(_liquid(f, T, p_RT, liquid, float(f.reducing(liquid)[1][0])))
     both = [dense, np.log(1.1 * p_RT)]
@@ -162,7 +161,7 @@ def _guess(f: Fugacities, vapour: bool, T: float, p_RT: float, w: Array) -> Arra
 
 
 def _plausible(f: Fugacities, u: Array, vapour: bool) -> Array:
-    """Tell of columns u whether a liquid and a vapour, each stable in itself: equations have false loops between."""
+    """Tell which columns u are a liquid and a vapour, each stable: the equations have false loops in between."""
     T, sound = np.exp(u[f.n + 2]), np.ones(u.shape[1], dtype=bool)
     z = np.repeat(f.z[:, None], u.shape[1], axis=1)
     for log_rho, x, dense in ((u[f.n], _normal(f, u), vapour), (u[f.n + 1], z, not vapour)):
@@ -202,7 +201,7 @@ class Envelope:
     columns: Any  # u by θ
 
     def phases(self, flat: Array) -> Array:
-        """Return u [n + 3, m] at θ [m], solved for but next to the critical point: both phases, by moles."""
+        """Return u [n + 3, m] at θ [m], solved for except next to the critical point: both phases, by moles."""
         n, u = self.f.n, self.columns(flat).T
         u[n + 2] = np.log(self.T_m * (1.0 - flat**2))
         apart = (np.abs(u[n] - u[n + 1]) > APART) & (np.abs(flat) > TURN)
@@ -214,7 +213,7 @@ class Envelope:
     def at(self, theta: Array) -> tuple[Array, Array]:
         """Return ln ρ_z [kg/m³] and ln p [Pa] at θ of any shape."""
         n, u = self.f.n, self.phases(theta.ravel())
-        thin = np.where(u[n] < u[n + 1], u[n], u[n + 1])  # a liquid's pressure says little of its density's digits
+        thin = np.where(u[n] < u[n + 1], u[n], u[n + 1])  # a liquid's pressure has few of its density's digits
         x = self.f.z[:, None] * np.exp(np.where(u[n] < u[n + 1], u[:n], 0.0))
         p_RT = self.f(np.exp(u[n + 2]), np.exp(thin), x / x.sum(axis=0))[1]
         log_p = np.log(p_RT * R) + u[n + 2]
@@ -228,7 +227,7 @@ def _highest(log_z: Array, T: Array) -> tuple[float, float]:
 
     top = int(np.argmax(T))
     some = slice(max(top - 4, 0), top + 5)
-    curve = BarycentricInterpolator(log_z[some], T[some], rng=np.random.default_rng(0))  # its weights' order of factors
+    curve = BarycentricInterpolator(log_z[some], T[some], rng=np.random.default_rng(0))  # fixes the factors' order
     ends = float(log_z[max(top - 2, 0)]), float(log_z[min(top + 2, len(T) - 1)])
     found = minimize_scalar(lambda s: -float(curve(s)), bounds=ends, method="bounded", options={"xatol": 1e-9})
     return float(found.x), float(-found.fun)
@@ -261,7 +260,7 @@ def _followed(known: Description) -> Envelope:
     return Envelope(f, known.molar_mass, T_low, T_m, log_z_m, CubicSpline(theta[kept], u[:, kept].T))
 
 
-envelope = Remembered(_followed)  # a second of work for three components, and the same for all states of a blend
+envelope = Remembered(_followed)  # takes a second for three components, and serves all states of a blend
 
 
 def _untraced(known: Description) -> UsageError:

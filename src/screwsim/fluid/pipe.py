@@ -1,7 +1,7 @@
 """Pressure loss of a liquid in a smooth pipe.
 
-Source: Darcy–Weisbach; laminar 64/Re (Hagen–Poiseuille) up to Re = 2000, turbulent 0.3164 Re^−0.25 (Blasius 1913, to
-Re = 1e5) from 4000 on; between, where the flow is neither, the factor goes linearly over Re (ours).
+Source: Darcy–Weisbach; laminar 64/Re (Hagen–Poiseuille) up to Re = 2000, turbulent 0.3164 Re^−0.25 (Blasius 1913, to Re
+= 1e5) from 4000 on; in the transition between, the factor is linear in Re (ours).
 """
 
 import math
@@ -22,7 +22,7 @@ def friction_factor(Re: float) -> float:
 def pressure_loss(
     volume_flow: float, density: float, viscosity: float, diameter: float, length: float, fittings: float = 0.0
 ) -> float:
-    """Return (f L/D + ζ) ρ w²/2 [Pa] (M390) of a volume flow [m³/s]; `fittings` is the sum of their ζ on w²/2."""
+    """Return (f L/D + ζ) ρ w²/2 [Pa] (M390) at a volume flow [m³/s]; `fittings` is the sum of the ζ of fittings."""
     if volume_flow <= 0.0:
         return 0.0
     w = volume_flow / (0.25 * math.pi * diameter**2)

@@ -1,18 +1,19 @@
-"""Powers of one variable in generated text: each written once, from others by multiplication where that is possible."""
+"""Powers of one variable in generated text: each written once, by multiplication of others where that is possible."""
 
 from collections.abc import Iterable
 from fractions import Fraction
 
-MANY = 4  # exponents beyond which decimal ones are made digit by digit
-CLOSE = 1e-12  # exponents as near as this are one exponent
+MANY = 4  # number of decimal exponents above which they are built digit by digit
+CLOSE = 1e-12  # distance below which two exponents are one
 
 
 class Powers:
     """Writes `x_3 = x_1 * x_2` and the like into `lines`, and names a power of `variable` by its exponent.
 
-    Whole, half, quarter and eighth exponents cost multiplications and square roots. Any other is exp(t ln x), unless
-    it is the product of two that exist; but many decimal ones are made digit by digit, x^2.46 = x^2 (x^0.1)^4
-    (x^0.01)^6, which costs an exponential for each decimal place, and at most some ten roundings.
+    Whole, half, quarter and eighth exponents cost multiplications and square roots. Any other is exp(t ln x), unless it
+    is the product of two powers that exist; but where there are many decimal exponents they are built digit by digit,
+    x^2.46 = x^2 (x^0.1)^4 (x^0.01)^6, which costs an exponential for each decimal place, and at most about ten
+    roundings.
     """
 
     def __init__(self, lines: list[str], variable: str, inverse: str, logarithm: str) -> None:
@@ -21,18 +22,18 @@ class Powers:
         self.known: dict[Fraction, str] = {Fraction(0): "1.0", Fraction(1): variable, Fraction(-1): inverse}
 
     def write(self, exponents: Iterable[float]) -> None:
-        """Write all these powers, so that small ones serve the larger."""
+        """Write all these powers, in an order in which small ones serve the larger."""
         wanted = sorted({_exact(value) for value in exponents}, key=lambda e: (not _dyadic(e), abs(e), e))
         self.by_digits = sum(not _dyadic(e) for e in wanted) > MANY
         for exponent in wanted:
             self._make(exponent)
 
     def name(self, exponent: float) -> str:
-        """Return the variable that holds x^exponent, written now if it is not there."""
+        """Return the variable that holds x^exponent, writing it first if necessary."""
         return self._make(_exact(exponent))
 
     def cheap(self, exponent: float) -> bool:
-        """Return whether the power needs no exponential function."""
+        """Tell whether the power needs no exponential function."""
         e = _exact(exponent)
         return e in self.known or _dyadic(e)
 

@@ -1,10 +1,10 @@
 """A real gas: the Helmholtz equation of state of a fluid or a blend, compiled; two phases refused or in equilibrium.
 
-`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They
-hold in the dome too, in equilibrium (dome.py; of a blend blend_dome.py, where that is asked for). The single phase of
-pseudo-pure fluids, and of blends that are refused there, goes on: while a cycle is being closed its chambers may
-condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything
-else is for the border, and runs compiled.
+`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers are in their text. They hold
+inside the dome, too, in equilibrium (dome.py; for a blend blend_dome.py, where that is chosen). For pseudo-pure fluids,
+and for blends with two phases refused, the single phase is continued: while a cycle is being closed its chambers may
+condense for a time. `two_phase: refuse` only refuses a closed cycle to which `why_outside` objects. Everything else
+here is for use outside the cycle, and runs compiled.
 """
 
 from collections.abc import Callable
@@ -48,7 +48,7 @@ class RealGas:
 
     @cached_property
     def _hash(self) -> int:
-        """The hash, once: what is remembered of states is asked for by their gas."""
+        """The hash, computed once: cached states are looked up by their gas."""
         return hash((self.fluid, self.two_phase))
 
     def __post_init__(self) -> None:
@@ -57,7 +57,7 @@ class RealGas:
 
     @property
     def equilibrium(self) -> bool:
-        """Are both phases followed where it condenses?"""
+        """Whether both phases are computed where the gas condenses."""
         return self.two_phase == EQUILIBRIUM
 
     @property
@@ -70,7 +70,7 @@ class RealGas:
 
     @property
     def follows(self) -> bool:
-        """Is it a blend whose two phases are followed?"""
+        """Whether it is a blend whose two phases are computed."""
         return self.known.blend and self.equilibrium
 
     @property
@@ -98,12 +98,15 @@ class RealGas:
 
     @property
     def margin(self) -> Kernel:
-        """Kernel (T, rho) → how far the state lies inside the vapour that the equation covers; ≤ 0 outside."""
+        """Kernel (T, rho) → distance of the state from the limits of the vapour that the equation covers.
+
+        ≤ 0 outside.
+        """
         return margin_kernel(self.fluid)
 
     @property
     def values(self) -> dict[str, float]:
-        """Numbers behind the kernels' argument names: none."""
+        """Values of the kernels' arguments beside T and rho: none."""
         return {}
 
     # ---- constants -------------------------------------------------------------------------------------------
@@ -115,13 +118,13 @@ class RealGas:
 
     @property
     def c_v(self) -> float:
-        """Heat capacity at constant volume of the dilute gas at 300 K [J/(kg K)]: for first guesses only."""
+        """Heat capacity at constant volume of the dilute gas at 300 K [J/(kg K)], for first guesses only."""
         T = min(max(TYPICAL, self.known.T_min), self.known.T_max)
         return float(self._kernels["state"](T, 1e-9 * self.known.rho_c)[2])
 
     @property
     def c_p(self) -> float:
-        """Heat capacity at constant pressure of the dilute gas at 300 K [J/(kg K)]: for first guesses only."""
+        """Heat capacity at constant pressure of the dilute gas at 300 K [J/(kg K)], for first guesses only."""
         return self.c_v + self.R
 
     # ---- states ----------------------------------------------------------------------------------------------
@@ -132,7 +135,7 @@ class RealGas:
 
     @cached_property
     def _isobar(self) -> tuple[bool, Callable[..., Any], tuple[float, ...]]:
-        """Whether two phases of a blend are followed, the search along an isobar, and the numbers that it asks for."""
+        """Whether two phases of a blend are computed, the search along an isobar, and its further arguments."""
         found, known = saturation(self.fluid), self.known
         numbers = known.T_min, 2.0 * known.T_max, found.p_c, self.R, found.T_c, found.rho_c
         return self.follows, self._kernels["at_pressure"], numbers
@@ -145,7 +148,7 @@ class RealGas:
         return float(self._kernels["temperature"](p))
 
     def nearest_vapour(self, p: float, T: float) -> float:
-        """Return T, or if there is no vapour at p [Pa] and T [K] a temperature 1 K above saturation: for guesses."""
+        """Return T, or 1 K above saturation where there is no vapour at p [Pa] and T [K]; for first guesses."""
         if T >= saturation(self.fluid).T_c or p < self.saturation_pressure(T):
             return T
         return (self.saturation_temperature(p) or saturation(self.fluid).T_c) + 1.0
@@ -156,7 +159,7 @@ class RealGas:
 
     @cached_property
     def _saturation_pressure(self) -> Callable[[float], float]:
-        """What `saturation_pressure` does; a few temperatures are asked for again and again."""
+        """Implementation of `saturation_pressure`; a few temperatures are asked for again and again."""
         found, pressure = saturation(self.fluid), self._kernels["pressure"]
         return lru_cache(maxsize=64)(lambda T: float(pressure(max(T, found.T_low))[0]) if T < found.T_c else inf)
 
@@ -173,7 +176,7 @@ class RealGas:
         return _vapour_density(self, p, T)
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-        """Return (T, ρ) at p and an enthalpy or entropy: vapour, two phases or liquid. Raises Unfound below all."""
+        """Return (T, ρ) at p and an enthalpy or entropy: vapour, two phases or liquid. Raises Unfound below these."""
         T, rho = _at_pressure(self, p, wanted, entropy)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
@@ -191,7 +194,7 @@ class RealGas:
         return _vapour_energies(self, p, T)[1]
 
     def temperature(self, p: float, h: float) -> float:
-        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]: T_sat where two phases have it."""
+        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]; T_sat within the dome."""
         return self._at(p, h, False)[0]
 
     def _port_state(self, p: float, T: float, rho: float) -> tuple[float, ...]:
@@ -203,9 +206,9 @@ class RealGas:
         return self._port_state(p, T, self.density(p, T))
 
     def port_state_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `port_state` does, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
+        """Return the same as `port_state`, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
 
-        A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
+        While a cycle is being closed a state may be wet for a time; `why_outside` says whether the closed cycle may be.
         """
         return _port_state_of_enthalpy(self, p, h)
 
@@ -214,7 +217,7 @@ class RealGas:
         return self._reservoir(p, T, self.density(p, T))
 
     def liquid(self, p: float, h: float) -> Reservoir:
-        """Return a reservoir of liquid at p [Pa] and h [J/kg], saturated or colder: it flows as a liquid, unflashed.
+        """Return a reservoir of liquid at p [Pa] and h [J/kg], saturated or colder, which flows without flashing.
 
         Raises UsageError where that is wet or vapour.
         """
@@ -224,14 +227,14 @@ class RealGas:
         return self._reservoir(p, T, rho)
 
     def _reservoir(self, p: float, T: float, rho: float) -> Reservoir:
-        """Return a reservoir of one phase, on the border of two as well."""
+        """Return a reservoir of a single phase, also on the border to two phases."""
         _p, h, _c_v, _tpt, exponent, choke, choked = self._kernels["single state"](T, rho)
         return Reservoir(p, T, rho, h, float(self._kernels["entropy"](T, rho)), exponent, choke, choked)
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
-        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
+        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet states in equilibrium.
 
-        Raises Unfound where a fluid with glide would be wet and that is refused.
+        Raises Unfound where a fluid with glide would be wet and two phases are refused.
         """
         T, rho = self._at(p, s, True)
         below = self.known.glides and not self.equilibrium and T < saturation(self.fluid).T_c
@@ -244,7 +247,7 @@ class RealGas:
     # ---- work ------------------------------------------------------------------------------------------------
 
     def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2; what condenses is in equilibrium."""
+        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2, with condensate in equilibrium."""
         return self.isentrope(p_2, self.entropy(p_1, T))[2] - self.enthalpy(p_1, T)
 
     def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
@@ -267,17 +270,17 @@ class RealGas:
         return g_2 - g_1
 
     def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
-        """Return R T ln(p_2/p_1) [J/kg], what an ideal gas would need: a comparison only."""
+        """Return R T ln(p_2/p_1) [J/kg] of an ideal gas, for comparison only."""
         return self.R * T * log(p_2 / p_1)
 
     # ---- limits ----------------------------------------------------------------------------------------------
 
     def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
-        """Return the index of the first of the states (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
+        """Return the index of a state (T [K], ρ [kg/m³]) to which `why_outside` objects; None where there is none."""
         if not self.equilibrium:
             found = int(self._kernels["first_outside"](T, rho))
             return found if found >= 0 and self.why_outside(float(T[found]), float(rho[found])) else None
-        if self.follows:  # wet states beyond the table may lie anywhere
+        if self.follows:  # wet states outside the table may lie anywhere in the history
             low, high = dome(self.fluid).edges[[0, -1]]
             beyond = np.flatnonzero((T < low) | ((T >= high) & (T < saturation(self.fluid).T_c)))
             for i in beyond:
@@ -287,9 +290,9 @@ class RealGas:
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
-        """Return which limit a state violates, or None.
+        """Return which limit a state violates; None where it violates none.
 
-        Two phases are no violation in equilibrium.
+        With `two_phase: equilibrium` two phases are not a violation.
         """
         known, found = self.known, saturation(self.fluid)
         at = f"{known.name} at {in_celsius(T)} is"
@@ -310,7 +313,7 @@ class RealGas:
         return None
 
     def _beyond(self, T: float, rho: float) -> Outside | None:
-        """Return that a blend's table does not reach a wet state; None where it does, and for a liquid."""
+        """Return that a blend's table does not cover a wet state; None where it does, and for a liquid."""
         if not self.known.blend or rho > self._kernels["liquid"](T):
             return None
         low, high = (float(edge) for edge in dome(self.fluid).edges[[0, -1]])
@@ -321,7 +324,7 @@ class RealGas:
         return Outside(limit, f"{what}: its two phases are followed from {in_celsius(low)} to {in_celsius(high)} only")
 
 
-@lru_cache(maxsize=64)  # a few states of the lines are asked for again and again
+@lru_cache(maxsize=64)  # a few states of the lines are needed again and again
 def _vapour_density(gas: RealGas, p: float, T: float) -> float:
     found = saturation(gas.fluid)
     return float(gas._kernels["density"](p, T, gas.R, found.T_c, found.rho_c))
@@ -341,7 +344,7 @@ def _port_state_of_enthalpy(gas: RealGas, p: float, h: float) -> tuple[float, ..
 
 @lru_cache(maxsize=64)
 def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-    """Return (T, ρ) at p and a given enthalpy or entropy; what is not positive is no density."""
+    """Return (T, ρ) at p and a given enthalpy or entropy; ρ ≤ 0 where there is no such state."""
     follows, at_pressure, numbers = gas._isobar
     wet = blend_wet(gas.fluid).at_pressure(p, wanted, entropy) if follows else None
     if wet is not None:

@@ -1,4 +1,4 @@
-"""The kernels of a real gas by fluid and by what becomes of two phases, and their compiled module for the border."""
+"""The kernels of a real gas by fluid and treatment of two phases, and their compiled module for use from Python."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -17,14 +17,14 @@ from screwsim.numerics.kernel import Kernel
 
 
 def two_phases(fluid: str, two_phase: str) -> EquilibriumKernels | None:
-    """Return the kernels of two phases in equilibrium; None where one phase goes on."""
+    """Return the kernels of two phases in equilibrium; None where a single phase is continued."""
     if not describe(fluid).glides:
         return equilibrium_kernels(fluid)
     return blend_equilibrium_kernels(fluid) if two_phase == EQUILIBRIUM else None
 
 
 def state_of(fluid: str, two_phase: str) -> Kernel:
-    """Return the kernel of a state (T, rho)."""
+    """Return the kernel (T, rho) → state."""
     known = two_phases(fluid, two_phase)
     return state_kernel(fluid) if known is None else known.state
 
@@ -58,7 +58,7 @@ def border(fluid: str, two_phase: str) -> ModuleType:
 
 @lru_cache(maxsize=64)
 def compiled(fluid: str, two_phase: str) -> dict[str, Callable[..., Any]]:
-    """Return the compiled kernels of a fluid by what they give."""
+    """Return the compiled kernels of a fluid by the quantity that they return."""
     module, known = border(fluid, two_phase), saturation_kernels(fluid)
     kernels = {
         "state": state_of(fluid, two_phase),

@@ -1,14 +1,14 @@
 """Saturation of a pure fluid by its own equation: equal pressure and Gibbs energy of both phases, as compiled kernels.
 
-The tables are piecewise polynomials, solved for in extended precision at Chebyshev's points of their intervals:
+The tables are piecewise polynomials, solved for in extended precision at Chebyshev points of their intervals:
     ln ρ over θ = ±√t, minus for the vapour;  ln p and g (the Gibbs energy) over T;  T over ln p (a start for Newton),
-with t = 1 − T/T_c. At the critical point of an analytic equation ρ is analytic in θ, and p and g are in T; but
-accurate equations are so flat there that this shows only below t = 1e-4. The intervals of the first three are
-therefore equal in t^(1/4), which makes them ever shorter towards the critical point.
+with t = 1 − T/T_c. At the critical point of an analytic equation ρ is analytic in θ, and p and g are in T; but accurate
+equations are so flat there that this shows only below t = 1e-4. The intervals of the first three are therefore equal in
+t^(1/4), which makes them ever shorter towards the critical point.
 
 A pseudo-pure fluid (air, R410A) boils and condenses at two pressures: its vapour's tables are CoolProp's dew line. So
-does a blend: its tables are the phase envelope of `phase_envelope`, with T_c the highest temperature of two phases, and
-ln p of the whole envelope stands over θ, too.
+does a blend: its tables are the phase envelope of `phase_envelope`, with T_c the highest temperature of two phases; ln
+p of the whole envelope is also tabulated over θ.
 """
 
 import hashlib
@@ -26,10 +26,10 @@ from screwsim.fluid.kept import kept
 from screwsim.fluid.phase_envelope import envelope
 
 Array = np.ndarray
-DEGREE = 9
+DEGREE = 9  # degree of the polynomials
 BINS = 64  # intervals from the critical point to the lowest temperature
-LOG_P_BINS = 48
-POLISHED = 1e-5  # t above which pressures are solved for; below, they are those of the densities' table
+LOG_P_BINS = 48  # intervals of the table of T over ln p
+POLISHED = 1e-5  # t above which pressures are solved for; below, they follow from the density table
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Table:
 
 
 def nodes(edges: Array) -> Array:
-    """Return Chebyshev's points of each interval [intervals, DEGREE + 1] in extended precision."""
+    """Return the Chebyshev points of each interval [intervals, DEGREE + 1] in extended precision."""
     s = np.cos(np.pi * (np.arange(DEGREE + 1, dtype=np.longdouble) + 0.5) / (DEGREE + 1))
     low, high = edges[:-1, None].astype(np.longdouble), edges[1:, None].astype(np.longdouble)
     return 0.5 * (low + high) + 0.5 * (high - low) * s
@@ -68,7 +68,7 @@ def fitted(edges: Array, values: Array) -> Table:
 
 @dataclass(frozen=True)
 class Saturation:
-    """The tables of one fluid, from `T_low` to the equation's own critical point; `log_p_of_theta` of blends only."""
+    """The tables of one fluid, from `T_low` to the equation's own critical point; `log_p_of_theta` for blends only."""
 
     T_low: float
     T_c: float
@@ -84,7 +84,7 @@ class Saturation:
 def _critical(known: Description, potentials: Any) -> tuple[float, float]:
     """Return (T_c, ρ_c) where p_ρ = p_ρρ = 0 in the equation, by Newton's method.
 
-    p_ρρ is a difference of fourth order: its error of (1e-3)⁴ moves ρ_c by some 1e-11 and T_c by the square of that.
+    p_ρρ is a fourth-order difference: its error of (1e-3)⁴ moves ρ_c by about 1e-11 and T_c by the square of that.
     """
     if any(item["type"] == "ResidualHelmholtzNonAnalytic" for item in known.residual):
         return known.T_r, known.rho_r  # critical by construction
@@ -105,7 +105,7 @@ def _critical(known: Description, potentials: Any) -> tuple[float, float]:
 
 
 def _newton(potentials: Any, T: Array, liquid: Array, vapour: Array, steps: int) -> tuple[Array, Array]:
-    """Return densities of both phases with equal p and g, from a start, by Newton's method in ln ρ."""
+    """Return densities of both phases with equal p and g by Newton's method in ln ρ, from given starts."""
     with np.errstate(all="ignore"):
         for _ in range(steps):
             p_l, slope_l, g_l = potentials(T, liquid)
@@ -117,7 +117,7 @@ def _newton(potentials: Any, T: Array, liquid: Array, vapour: Array, steps: int)
 
 
 def _start(known: Description, T_low: float) -> tuple[Array, Array, Array]:
-    """Return falling temperatures with CoolProp's densities of saturated liquid and vapour, to start from."""
+    """Return decreasing temperatures with CoolProp's densities of saturated liquid and vapour, as starts."""
     import CoolProp.CoolProp as coolprop
 
     state = coolprop.AbstractState("HEOS", known.name)
@@ -132,7 +132,7 @@ def _start(known: Description, T_low: float) -> tuple[Array, Array, Array]:
 
 
 def _theta_edges(T_low: float, T_c: float) -> Array:
-    """Return edges over ±θ; the interval in the middle lies across the critical point."""
+    """Return interval edges over ±θ; the middle interval extends across the critical point."""
     half = np.sqrt(1.0 - T_low / T_c) * (np.arange(1, BINS + 1) / BINS) ** 2
     return np.concatenate([-half[::-1], half])
 
@@ -140,7 +140,7 @@ def _theta_edges(T_low: float, T_c: float) -> Array:
 def _boiling_and_dew(known: Description, T_low: float) -> Table:
     """Return the table of ln ρ over ±θ of a pseudo-pure fluid: CoolProp's boiling and dew lines, which do not meet.
 
-    Near the critical point, where CoolProp has none, it is interpolated to that.
+    Near the critical point, where CoolProp has none, it is interpolated.
     """
     import CoolProp.CoolProp as coolprop
     from scipy.interpolate import CubicSpline
@@ -166,8 +166,8 @@ def _boiling_and_dew(known: Description, T_low: float) -> Table:
 def _densities(potentials: Any, known: Description, T_low: float, T_c: float, rho_c: float) -> Table:
     """Return the table of ln ρ over ±θ, solved interval by interval towards the critical point.
 
-    Each start is interpolated between what is solved and the critical point. Where that fails, next to the critical
-    point of an equation that is not analytic there, the start is kept.
+    Each start is interpolated between the solved part and the critical point. Where the solution fails, next to the
+    critical point of an equation that is not analytic there, the start is kept.
     """
     from scipy.interpolate import CubicSpline
 
@@ -194,7 +194,7 @@ def _densities(potentials: Any, known: Description, T_low: float, T_c: float, rh
 
 
 def _kept_apart(found: Sequence[Array], guess: Sequence[Array]) -> list[Array]:
-    """Return the logarithms of the densities found, or guessed where those found are one phase or none."""
+    """Return the logarithms of the densities found, or of the guess where those found are one phase or none."""
     with np.errstate(all="ignore"):
         gap = np.log(guess[0] / guess[1])
         good = np.abs(np.log(found[0] / found[1]) - gap) < 0.5 * gap
@@ -228,7 +228,7 @@ def _solve(fluid: str) -> dict[str, Any]:
 
 
 def _pressures(potentials: Any, T_low: float, T_c: float, log_rho: Table, polished: float) -> tuple[Table, Table]:
-    """Return tables of ln p and of the Gibbs energy over T, of the vapour; solved for where t > polished."""
+    """Return tables of ln p and of the vapour's Gibbs energy over T; densities are solved for where t > polished."""
     edges = T_c - (T_c - T_low) * (np.arange(BINS, -1, -1) / BINS) ** 4
     T = nodes(edges)
     theta = np.sqrt(1.0 - T / T_c)
@@ -252,7 +252,7 @@ def _inverse(log_p: Table, y: Array, T_low: float, T_c: float) -> Array:
 
 @lru_cache(maxsize=64)
 def saturation(fluid: str) -> Saturation:
-    """Return the saturation tables of a fluid, from the cache folder where they are known."""
+    """Return the saturation tables of a fluid, from the cache folder if they are there."""
     sources = (Path(__file__), *map(Path(__file__).with_name, ("phase_envelope.py", "fugacity.py")))
     method = hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest()[:10]
     equation = potentials_kernel(fluid).flat_name  # holds a hash of the equation

@@ -1,15 +1,15 @@
-"""Gas and oil that meet in the separator: one temperature at discharge pressure, from their energies (M280, M281).
+"""Gas and oil that mix in the separator: their common temperature at discharge pressure, by the energy balance.
 
-Source: docs/model.md M280–M281, the first law. Plain Python, asked once a cycle.
+Source: docs/model.md M280, M281, the first law. Plain Python, called once a cycle.
 """
 
 from typing import Any, NamedTuple
 
 from screwsim.outputs.customary import in_celsius
 
-NEAR = 1e-12  # of the enthalpy, with which the mixture's is found
-MOST = 60  # tries for it
-WET = 1e-6  # relative distance from saturation within which a mixture's gas counts as condensing
+NEAR = 1e-12  # relative accuracy of the gas's enthalpy
+MOST = 60  # most iterations for it
+WET = 1e-6  # relative distance from saturation within which the gas counts as condensing
 CONDENSES = (
     "gas condenses in the separator: gas and oil mix to {T}, which is saturation at discharge pressure "
     "(warmer oil, less of it, or a smaller duty of the cooler)"
@@ -17,12 +17,13 @@ CONDENSES = (
 
 
 class Outflow(NamedTuple):
-    """What a cycle gives the separator, per second (SI units).
+    """The flows that a cycle delivers to the separator (SI units).
 
-    `gas_flow` is what leaves as gas once the oil has taken up what it had given off; `energy` [W] is what all of it
-    brings beyond gas of enthalpy `h_ref` [J/kg] and oil at `T_supply`, that of the oil's supply. `heating` [W] are the
-    losses that heat gas and oil on their way, `friction` [W] those of bearings, seals and gears. `supplied` [W] is what
-    comes into the chambers beyond `h_ref`: work, gas from other port states, heat of walls.
+    `gas_flow` [kg/s] is what leaves as gas once the oil has reabsorbed the gas that it had released. `energy` [W] is
+    the enthalpy flow of everything above that of gas with enthalpy `h_ref` [J/kg] and oil at the supply temperature
+    `T_supply`. `heating` [W] are the losses that heat gas and oil on their way, `friction` [W] those of bearings, seals
+    and gears. `supplied` [W] is what enters the chambers above `h_ref`: work, gas from other port states, heat of
+    walls.
     """
 
     gas: Any
@@ -39,24 +40,25 @@ class Outflow(NamedTuple):
 
     @property
     def oil_capacity(self) -> float:
-        """Heat capacity of the oil's flow [W/K]."""
+        """Heat capacity rate of the oil's flow [W/K]."""
         return self.oil_flow * self.oil_heat_capacity
 
     def heat_of(self, T: float) -> float:
-        """Return what the gas takes along at a temperature [K], beyond `h_ref` [W]."""
+        """Return the enthalpy flow [W] of the gas at a temperature [K] above that of `h_ref`."""
         return self.gas_flow * (self.gas.enthalpy(self.p, T) - self.h_ref)
 
     def temperature(self, heat: float) -> tuple[float, bool]:
-        """Return the mixture's temperature [K] with so much heat [W] beyond what is brought; does its gas condense?
+        """Return the mixture's temperature [K] with `heat` [W] added to `energy`, and whether its gas condenses.
 
-        The gas's enthalpy is found: the balance grows with it without a bend, but where the gas begins to condense.
+        The gas's enthalpy is the unknown: the balance increases with it smoothly, except where the gas begins to
+        condense.
         """
         total, C = self.energy + heat, self.oil_capacity
         T = self.gas.temperature(self.p, self._enthalpy(total, C))
         return T, self.gas.nearest_vapour(self.p, T * (1.0 - WET)) != T * (1.0 - WET)
 
     def _enthalpy(self, total: float, C: float) -> float:
-        """Return the enthalpy [J/kg] of the gas with which gas and oil have a total [W]."""
+        """Return the enthalpy [J/kg] of the gas at which gas and oil together have `total` [W]."""
 
         def lacks(h: float) -> float:
             return self.gas_flow * (h - self.h_ref) + C * (self.gas.temperature(self.p, h) - self.T_supply) - total
@@ -77,12 +79,12 @@ class Outflow(NamedTuple):
 
 
 class Separated(NamedTuple):
-    """Where a cycle's gas and oil part, and what the cooler does (SI units); see `effects.separator`.
+    """State in which a cycle's gas and oil part, and duty of the cooler (SI units); see `effects.separator`.
 
-    `supply` [K] is the change of the oil's supply after which the circuit should close, `open` [W] what it leaves open
-    as it is: both nothing where the supply's temperature is stated. `share` is by how much the separator follows the
-    supply, `gain` by how much the supply goes where the separator's temperature is off. `why` says what forbids the
-    point, `told` what hardly is so.
+    `supply` [K] is the change of the oil's supply temperature that should close the circuit, `open` [W] the present
+    residual of the circuit; both are zero where the supply temperature is stated. `share` is the response of the
+    separator's temperature to the supply's, `gain` the change of the supply per error of the separator's temperature.
+    `why` says what rules the point out, `told` is a warning.
     """
 
     T_mixture: float
@@ -99,7 +101,7 @@ class Separated(NamedTuple):
 
 
 def separated(outflow: Outflow, friction_share: float = 1.0, ambient_loss: float = 0.0) -> Separated:
-    """Return the mixture's and the separator's temperature, and the duty with the supply as it is (M280–M283)."""
+    """Return the temperatures of mixture and separator, and the duty at the present supply temperature (M280–M283)."""
     heating = outflow.heating + friction_share * outflow.friction
     T_mixture, wet = outflow.temperature(heating)
     T, wet_there = (T_mixture, wet) if ambient_loss == 0.0 else outflow.temperature(heating - ambient_loss)

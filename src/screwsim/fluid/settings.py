@@ -1,4 +1,4 @@
-"""What a scene says of the gas and of the oil (typed, SI units)."""
+"""The settings of gas and oil in a scene (typed, SI units)."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -7,9 +7,9 @@ from screwsim.fluid.composition import own_blend
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import choice, fluid, number, numbers, quantity
 
-COLDEST, HOTTEST = 150.0, 700.0  # [K] of oil
-REFUSE, EQUILIBRIUM = "refuse", "equilibrium"  # what `gas.two_phase` says
-CARRIED = "carried"  # what `oil.transport` says, beside the paper's
+COLDEST, HOTTEST = 150.0, 700.0  # [K] range of oil temperatures that are accepted
+REFUSE, EQUILIBRIUM = "refuse", "equilibrium"  # options of `gas.two_phase`
+CARRIED = "carried"  # option of `oil.transport`, beside the paper's
 
 
 def oil_temperature(doc: str) -> Any:
@@ -59,12 +59,12 @@ class GasSettings:
 
     @property
     def equilibrium(self) -> bool:
-        """Tell whether both phases are to be followed where the gas condenses."""
+        """Whether both phases are to be computed where the gas condenses."""
         return self.two_phase == EQUILIBRIUM
 
     @property
     def name(self) -> str:
-        """What the fluid is called where it is asked for; that of a blend of one's own tells its composition."""
+        """The fluid's name; for a blend of the user's own it contains the composition."""
         if isinstance(self.fluid, str):
             return self.fluid
         return own_blend(self.fluid, self.mass_fractions or self.mole_fractions or (), self.mass_fractions is None)
@@ -102,16 +102,16 @@ class OilSettings:
 
     @property
     def carried(self) -> bool:
-        """Tell whether the oil's mass is a state of every chamber, which leaks carry along."""
+        """Whether the oil's mass is a state of every chamber, and leaks carry it along."""
         return self.transport == CARRIED
 
     @property
     def knows_viscosity(self) -> bool:
-        """Tell whether the oil has a viscosity."""
+        """Whether the oil has a viscosity."""
         return self.name is not None or self.viscosity is not None
 
     def at(self, T: float) -> OilProperties:
-        """Return the properties at T [K]; those given as numbers do not depend on it."""
+        """Return the properties at T [K]; those stated as numbers do not depend on it."""
         if self.name is None:
             return OilProperties(self.density or 0.0, self.heat_capacity or 0.0, self.viscosity)
         oil = OILS[self.name]

@@ -1,7 +1,7 @@
 """R134a dissolved in a polyol ester oil: activity by Heil's model, and the content in equilibrium (M195).
 
 Source: B. Grebner, thesis, 1992 (constants; oil of 0.590 kg/mol); J. F. Heil, J. M. Prausnitz, AIChE J. 12 (1966) 678.
-Fitted from 255 K to 394 K; mean error 6.3 % on its 44 points.
+Fitted from 255 K to 394 K; mean error 6.3 % at its 44 points.
 """
 
 import math
@@ -11,16 +11,16 @@ from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import table_value
 
 FLUID = "R134a"
-LOW, HIGH = 255.0, 394.0  # [K] of the fit
+LOW, HIGH = 255.0, 394.0  # [K] range of the fit
 M_REFRIGERANT, M_OIL = 0.102032, 0.590  # [kg/mol]
 R = 8.314462618  # [J/(mol K)]
 TAU_12, TAU_21 = 948.0, 3993.0  # [J/mol]
-ITERATIONS = 60
-NEAR = 1e-12
+ITERATIONS = 60  # most Newton steps
+NEAR = 1e-12  # last step of ln x
 
 
 class Pair(NamedTuple):
-    """The pair at one temperature: p_sat [Pa] of the refrigerant, Heil's Λ and τ, and kg over kg per mol over mol."""
+    """The pair at one temperature: p_sat [Pa] of the refrigerant, Heil's Λ and τ, and the ratio of molar masses."""
 
     p_sat: float
     lambda_12: float
@@ -31,7 +31,7 @@ class Pair(NamedTuple):
 
 
 def pair(T: float, p_sat: float, liquid_density: float) -> Pair:
-    """Return the pair at T [K] from the refrigerant's saturation pressure [Pa] and liquid density [kg/m³]."""
+    """Return the pair's constants at T [K] from the refrigerant's saturation pressure [Pa] and its liquid's density."""
     fahrenheit = 1.8 * (T - 273.15) + 32.0
     v_1 = M_REFRIGERANT / liquid_density
     v_2 = M_OIL / (16.0185 * (61.387 - 0.024138 * fahrenheit))
@@ -43,7 +43,7 @@ def pair(T: float, p_sat: float, liquid_density: float) -> Pair:
 
 @kernel
 def log_activity(x, lambda_12, lambda_21, tau_12, tau_21):
-    """Return ln(γ x) of the refrigerant at its mole fraction x, Heil's model (M195)."""
+    """Return ln(γ x) of the refrigerant at its mole fraction x by Heil's model (M195)."""
     oil = 1.0 - x
     a = x + lambda_21 * oil
     b = lambda_12 * x + oil
@@ -56,7 +56,7 @@ def log_activity(x, lambda_12, lambda_21, tau_12, tau_21):
 def dissolved(p, p_sat, lambda_12, lambda_21, tau_12, tau_21, mass_ratio):
     """Return the refrigerant [kg per kg of oil] in equilibrium at p [Pa] below p_sat (M195); 0 where p is not positive.
 
-    Newton's method in ln x, kept inside an interval that shrinks.
+    Newton's method in ln x, inside a shrinking bracket.
     """
     if p <= 0.0:
         return 0.0
@@ -85,10 +85,10 @@ def dissolved(p, p_sat, lambda_12, lambda_21, tau_12, tau_21, mass_ratio):
 
 @kernel
 def given_off(m_oil, w, s, h, T_oil, TAB, curve, enthalpy, release, uptake, oil_heat_capacity):
-    """Return the gas [kg/s] that oil holding w gives off to gas of s and h, its enthalpy, its heat over c_oil (M231).
+    """Return the gas [kg/s] that oil with content w releases, its enthalpy flow [W], and its heat over c_oil (M231).
 
-    `curve` gives the logarithm of what is held over the entropy of what is dissolved, whose enthalpy is constant. The
-    gas leaves, and is taken up, with the state of the chamber's gas.
+    s and h are those of the chamber's gas, with whose state the gas leaves and is absorbed. `curve` gives the logarithm
+    of the content over the entropy of the dissolved gas, whose enthalpy is constant.
     """
     latent = h - enthalpy
     excess = w - math.exp(table_value(s - latent / max(T_oil, 1.0), TAB, curve))
@@ -98,7 +98,7 @@ def given_off(m_oil, w, s, h, T_oil, TAB, curve, enthalpy, release, uptake, oil_
 
 @kernel
 def entropies(w, TAB, curve, rest):
-    """Return the entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that it holds (M233)."""
+    """Return the entropy [J/(kg K)] of a kilogram of gas dissolved in oil with content w, and of all of it (M233)."""
     z = math.log(max(w, 1e-12))
     s = table_value(z, TAB, curve)
     return s, w * (s + table_value(z, TAB, rest))

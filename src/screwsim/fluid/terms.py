@@ -3,7 +3,7 @@
 α(δ, τ) = α⁰ + αʳ with δ = ρ/ρ_r, τ = T_r/T. Residual terms are
     n δ^d τ^t · exp(factor of δ) · exp(factor of τ)      `Product`: power, exponential, Gaussian, Gao's, Lemmon's
     n Δ^b δ ψ                                            `NonAnalytic`: Span & Wagner 1996 (critical region)
-and ideal-gas terms those of `Ideal`. What cannot be written so is refused by name.
+and ideal-gas terms those of `Ideal`. Terms that cannot be written in these forms are refused by name.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -130,7 +130,7 @@ def _powers(ideal: Ideal, item: Contribution) -> None:
 
 
 def _einstein(ideal: Ideal, item: Contribution) -> None:
-    """Add Planck-Einstein terms, whichever way they are written: θ, v/T_c, or with c and d of their own."""
+    """Add Planck-Einstein terms in any notation: with θ, with v/T_c, or with c and d of their own."""
     if "c" in item:
         ideal.oscillators += _rows(item, "n", "t", "c", "d")  # type: ignore[arg-type]
     elif "v" in item:
@@ -140,7 +140,7 @@ def _einstein(ideal: Ideal, item: Contribution) -> None:
 
 
 def _constant_cp(ideal: Ideal, item: Contribution, cp_over_R: float | None = None) -> None:
-    """Add a constant cp⁰/R: that of the item, or the one given."""
+    """Add a constant cp⁰/R: that of the item, or the given one."""
     tau_0 = item["Tc"] / item["T0"]
     share: float = item["cp_over_R"] if cp_over_R is None else cp_over_R
     ideal.constant += share * (1.0 - log(tau_0))
@@ -194,7 +194,7 @@ def _refuse(fluid: str, kind: str) -> UsageError:
 
 
 def residual_terms(fluid: Description) -> list[Product | NonAnalytic]:
-    """Return the residual terms of a fluid. Raises UsageError for a term that is not known."""
+    """Return the residual terms of a fluid. Raises UsageError for an unknown kind of term."""
     found: list[Product | NonAnalytic] = []
     for item in fluid.residual:
         if item["type"] not in RESIDUAL:
@@ -204,7 +204,7 @@ def residual_terms(fluid: Description) -> list[Product | NonAnalytic]:
 
 
 def ideal_terms(fluid: Description) -> Ideal:
-    """Return the ideal-gas terms of a fluid. Raises UsageError for a term that is not known."""
+    """Return the ideal-gas terms of a fluid. Raises UsageError for an unknown kind of term."""
     found = Ideal()
     for item in fluid.ideal:
         if item["type"] not in IDEAL:

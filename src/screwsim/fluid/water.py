@@ -1,10 +1,10 @@
-"""Water vapour and what it condenses to: saturation, ideal-gas part, virial coefficients with air (M321–M323).
+"""Water in moist air: saturation, ideal-gas part, virial coefficients with air (M321–M323).
 
 Source: saturation pressure W. Wagner, A. Pruss, J. Phys. Chem. Ref. Data 22 (1993) 783, IAPWS SR1-86; heat capacity of
 the dilute vapour W. Wagner, A. Pruss, J. Phys. Chem. Ref. Data 31 (2002) 387, Table 6.1; B_ww A. Harvey, E. Lemmon, J.
 Phys. Chem. Ref. Data 33 (2004) 369; B_aw of water with air A. Harvey, P. Huang, Int. J. Thermophys. 28 (2007) 556.
-Derivatives come multiplied by powers of T. Of an ideal gas: no virial terms, a constant heat capacity. Nothing here
-asks CoolProp; tests/fluid/test_moist_air.py does.
+Derivatives are multiplied by powers of T. For an ideal gas: no virial terms, a constant heat capacity. Nothing here
+uses CoolProp; tests/fluid/test_moist_air.py compares with it.
 """
 
 import math
@@ -13,20 +13,20 @@ from screwsim.numerics.kernel import kernel
 
 M_WATER, M_AIR = 0.018015268, 0.02896546  # [kg/mol]
 R_WATER = 8.314462618 / M_WATER  # [J/(kg K)]
-T_TRIPLE = 273.16  # [K] below which what condenses would freeze
+T_TRIPLE = 273.16  # [K] below which condensate would freeze
 T_CRITICAL = 647.096  # [K]
 P_CRITICAL = 22.064e6  # [Pa]
-T_MOST = 500.0  # [K] above which nothing is taken to condense: water boils at 26 bar there
+T_MOST = 500.0  # [K] above which no condensation is assumed: water boils at 26 bar there
 
 
-A1, A2, A3, A4, A5, A6 = -7.85951783, 1.84408259, -11.7866497, 22.6807411, -15.9618719, 1.80122502  # of p_s
+A1, A2, A3, A4, A5, A6 = -7.85951783, 1.84408259, -11.7866497, 22.6807411, -15.9618719, 1.80122502  # for p_s
 FREE = 3.00632  # c_v/R without oscillators
-N1, N2, N3, N4, N5 = 0.012436, 0.97315, 1.2795, 0.96956, 0.24873  # of oscillators
+N1, N2, N3, N4, N5 = 0.012436, 0.97315, 1.2795, 0.96956, 0.24873  # weights of the oscillators
 Q1, Q2, Q3, Q4, Q5 = (T_CRITICAL * x for x in (1.28728967, 3.53734222, 7.74073708, 9.24437796, 27.5075105))  # [K]
 C1, C2, C3 = (1e-6 / M_AIR * x for x in (66.5687, -238.834, -176.755))  # of B_aw/M_a [m³/kg]
 E1, E2, E3 = -0.237, -1.048, -3.183  # exponents of T/100 K
 D1, D2, D3, D4 = (1e-3 / M_WATER * x for x in (0.34404, -0.75826, -24.219, -3978.2))  # of B_ww/M_w [m³/kg]
-F1, F2, F3, F4 = -0.5, -0.8, -3.35, -8.3
+F1, F2, F3, F4 = -0.5, -0.8, -3.35, -8.3  # exponents of T/100 K
 
 
 @kernel
@@ -48,7 +48,7 @@ def saturation(T):
 
 @kernel
 def energy(T):
-    """Return (c_v [J/(kg K)], u [J/kg]) of dilute water vapour, u but for a constant (M322)."""
+    """Return (c_v [J/(kg K)], u [J/kg]) of dilute water vapour, u up to a constant (M322)."""
     c, u = FREE, FREE * T
     x = Q1 / T
     e = 1.0 / math.expm1(x)
@@ -76,7 +76,7 @@ def oscillating(x):
 
 @kernel
 def entropy(T):
-    """Return s + R ln ρ [J/(kg K)] of dilute water vapour but for a constant (M322)."""
+    """Return s + R ln ρ [J/(kg K)] of dilute water vapour, up to a constant (M322)."""
     s = FREE * math.log(T) + N1 * oscillating(Q1 / T) + N2 * oscillating(Q2 / T) + N3 * oscillating(Q3 / T)
     return R_WATER * (s + N4 * oscillating(Q4 / T) + N5 * oscillating(Q5 / T))
 
@@ -97,17 +97,17 @@ def virials(T):
 
 @kernel
 def no_virials(T):
-    """Return what `virials` does, of an ideal gas."""
+    """Return the virial coefficients of an ideal gas: zeros."""
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
 def ideal_energy(T, c_water):
-    """Return (c_v [J/(kg K)], u [J/kg] but for a constant) of vapour of constant heat capacity."""
+    """Return (c_v [J/(kg K)], u [J/kg] up to a constant) of vapour of constant heat capacity."""
     return c_water, c_water * T
 
 
 @kernel
 def ideal_entropy(T, c_water):
-    """Return s + R ln ρ [J/(kg K)], but for a constant, of vapour of constant heat capacity."""
+    """Return s + R ln ρ [J/(kg K)], up to a constant, of vapour of constant heat capacity."""
     return c_water * math.log(T)

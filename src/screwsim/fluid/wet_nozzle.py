@@ -1,4 +1,4 @@
-"""Nozzle flow of gas that has to take oil along: Murdock's and Chisholm's separated flow through an orifice.
+"""Nozzle flow of gas that carries oil along: Murdock's and Chisholm's separated flow through an orifice.
 
 Source: docs/model.md M430. J. W. Murdock, J. Basic Eng. 84 (1962) 419; D. Chisholm, Two-phase flow through sharp-edged
 orifices, J. Mech. Eng. Sci. 19 (1977) 128, the exponent 1/4; measured there with steam and water, gas and water.
@@ -16,10 +16,10 @@ from screwsim.numerics.kernel import kernel
 # M430
 @kernel
 def wet_share(density, oil_ratio, chisholm_exponent, oil_density, oil_room):
-    """Return the share of a dry nozzle's flux that gas passes with its oil, from the density that a flow feels [kg/m³].
+    """Return the share of a dry nozzle's flux that gas passes with its oil; `density` is the effective one [kg/m³].
 
-    1/√(1 + C X + X²), X = x √(ρ/ρ_o), C = (ρ_o/ρ)ⁿ + (ρ/ρ_o)ⁿ. It has the room of the oil in the opening: where the
-    density that a flow feels has that already (M107), it is given back.
+    1/√(1 + C X + X²), X = x √(ρ/ρ_o), C = (ρ_o/ρ)ⁿ + (ρ/ρ_o)ⁿ. The result includes the oil's share of the opening, so
+    the one that the effective density already contains (M107) is divided out.
     """
     x = max(oil_ratio, 0.0)
     beta = volume_share(density, x, oil_room)
@@ -44,7 +44,7 @@ def wet_flux(
     oil_density,
     oil_room,
 ):
-    """Return the flux of gas [kg/(m² s)] from port state 2 into 1, which takes the donor's oil along (M430)."""
+    """Return the flux of gas [kg/(m² s)] from port state 2 into 1, which carries the donor's oil along (M430)."""
     if p_2 >= p_1:
         density, exponent = rho_2, exponent_2
         share = wet_share(rho_2, oil_ratio_2, chisholm_exponent, oil_density, oil_room)

@@ -1,6 +1,6 @@
-"""From a machine's settings to laws: kernels with their numbers, breakpoints and tables.
+"""From a machine's settings to its laws: kernels with their numbers, breakpoints and tables.
 
-Of screw rotors also how fast the housing slides over the gaps, seen from the rotors: over their tips and end faces.
+Of screw rotors also the speed at which the housing slides past the gaps at tips and end faces, seen from the rotors.
 
 Source: docs/model.md M256; kinematics of helical rotors (textbook). The tips of both rotors are helices of one lead
 angle each, the lobes' end faces lie between root and outer circle.
@@ -22,7 +22,7 @@ from screwsim.machine.settings import LIFE, TURN, TwinScrew
 if TYPE_CHECKING:
     from screwsim.machine.profile_law import Interface, Laid
 
-WRAP, CENTRES = radians(300.0), 0.8  # of the 4/6 pair of M20 and M21: wrap angle, distance of the axes over D
+WRAP, CENTRES = radians(300.0), 0.8  # wrap angle, and axis distance over D, of the 4/6 pair of M20 and M21
 
 
 @dataclass(frozen=True)
@@ -42,15 +42,15 @@ class Geometry(MachineGeometry):
         return self.settings.pitch
 
     def wall_speed(self, gap: str) -> float:
-        """Return the mean speed at which the housing slides over tips or end faces, over the male tips' (M256)."""
+        """Return the mean speed at which the housing slides past tips or end faces, over the male tip speed (M256)."""
         return wall_speeds(self.settings).get(gap, 0.0)
 
     @property
     def profile(self) -> Laid | None:
-        """What the rotor profile gives by angle; None where the volume's law is another."""
+        """The curves that the rotor profile gives by angle; None where the volume follows another law."""
         return self._profile
 
-    @cached_property  # asked for a thousand times a cycle
+    @cached_property  # read a thousand times a cycle
     def _profile(self) -> Laid | None:
         if not self.settings.volume.from_rotors:
             return None
@@ -65,7 +65,7 @@ class Geometry(MachineGeometry):
 
     @property
     def injection_angle(self) -> float:
-        """Angle at which oil is injected and the trapped mass is taken [rad]; of an expander, mirrored (M150)."""
+        """Angle at which oil is injected and the trapped mass is taken [rad]; for an expander, mirrored (M150)."""
         own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
         return self.life - own if self.expands else own
 
@@ -78,7 +78,7 @@ class Geometry(MachineGeometry):
     def discharge_opens(self) -> float | None:
         """Angle of the chamber at which the discharge port opens, or an expander's inlet closes [rad].
 
-        None without that port, or where it is never shut before it is widest.
+        None without that port, or where the port is open from its first row to its widest.
         """
         opens = self.discharge_law().opens if self.settings.discharge_port is not None else None
         return self.life - opens if self.expands and opens is not None else opens
@@ -100,7 +100,7 @@ class Geometry(MachineGeometry):
 
     @property
     def outcomes(self) -> tuple[float, ...]:
-        """What tells machines apart whose numbers are all in tables: volume [m³], opening [rad], way of a slide [m]."""
+        """Numbers that distinguish machines defined by tables: volume [m³], opening [rad], travel of a slide [m]."""
         port = self.settings.discharge_port
         tabled = port is not None and port.from_file and self.settings.built_in_volume_ratio is not None
         opens = (self.discharge_law().opens or 0.0,) if tabled else ()
@@ -111,11 +111,11 @@ class Geometry(MachineGeometry):
         return self.profile.swept, self.profile.opens, *moved, *opens
 
     def interfaces(self, gap: str) -> tuple[Interface, ...] | None:
-        """Return the leakage paths of a kind from the profile; None where formulas of the effects give them."""
+        """Return the leakage paths of a kind from the profile; None where formulas of the effects define them."""
         return self.profile.interfaces[gap] if self.profile is not None else None
 
     def male_slope(self, angle: np.ndarray) -> np.ndarray | None:
-        """Return the male rotor's part of dV/dφ [m³/rad] at angles [rad]; None where no profile is known."""
+        """Return the male rotor's part of dV/dφ [m³/rad] at angles [rad]; None without a profile."""
         if self.profile is None:
             return None
         turned, rotors = self.life - angle if self.expands else angle, self.profile.rotors
@@ -123,7 +123,7 @@ class Geometry(MachineGeometry):
         return -slope if self.expands else slope
 
     def volume_law(self) -> VolumeKernels:
-        """Return the volume law, of an expander mirrored (M150)."""
+        """Return the volume law; for an expander, mirrored (M150)."""
         law = self._volume_law()
         if not self.expands:
             return law
@@ -154,15 +154,18 @@ class Geometry(MachineGeometry):
         return self.life if self.settings.discharge_port is None else self.discharge_law().widest
 
     def opening_angle(self, ratio: float) -> float | None:
-        """Return the angle of a compressor's chamber at which it has its largest volume over a ratio [rad]; or None."""
+        """Return the angle [rad] at which a compressor's chamber has its largest volume over a ratio.
+
+        None where it never has.
+        """
         own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
         return moved_port.opening_angle(self._volume_law(), own, self.life, ratio)
 
 
 def wall_speeds(machine: TwinScrew) -> dict[str, float]:
-    """Return the mean speed across the line of a gap over that of the male tips, by the kind of gap (M256).
+    """Return the mean wall speed across a gap's line over that of the male tips, by the kind of gap (M256).
 
-    Without a profile the female rotor is as large as the male, and wrap and distance of the axes are those of a usual
+    Without a profile the female rotor is taken as large as the male, and wrap and axis distance as those of a usual
     pair.
     """
     profile, male, ratio = machine.profile, 0.5 * machine.rotor_diameter, machine.male_lobes / machine.female_lobes

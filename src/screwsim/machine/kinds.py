@@ -1,4 +1,4 @@
-"""The registry of machines: the built-in kinds by name, those of a user's own by the dotted name of their module."""
+"""The registry of machines: built-in kinds by name, the user's own by the dotted name of their module."""
 
 import math
 from collections.abc import Callable
@@ -27,17 +27,20 @@ from screwsim.numerics.trial import found_in
 
 Array = np.ndarray
 GAPS = TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP
-STEP = math.radians(0.5)  # at which a law of the user's own is looked at
+STEP = math.radians(0.5)  # spacing of the angles at which a user's own law is checked
 GAUSS = np.array((-1.0, 1.0)) / math.sqrt(3.0)
-SLACK = 1e-6  # of the largest volume
-OFF = 1e-3  # of the swept volume, whose ends a step may miss
+SLACK = 1e-6  # allowed inconsistency of volumes, over the largest volume
+OFF = 1e-3  # allowed error of a swept volume, whose extremes may lie between the checked angles
 ROUNDING = 1e-9
 TWIN_SCREW = "twin_screw"  # the default
 MACHINES: dict[str, MachineKind] = {TWIN_SCREW: _twin_screw.MACHINE, "slider_crank": _slider_crank.MACHINE}
 
 
 def find_machine(name: str) -> MachineKind:
-    """Return the kind of a name; raise KeyError when there is none, ImportError when a dotted one is not there."""
+    """Return the kind of a name.
+
+    Raise KeyError where there is none, ImportError where a dotted one cannot be imported.
+    """
     return found_in(MACHINES, name, "MACHINE", MachineKind)
 
 
@@ -47,12 +50,12 @@ def kind_of(machine: MachineSettings) -> MachineKind:
 
 
 def offering(needs: frozenset[str]) -> str:
-    """Return the built-in kinds that offer what is needed, in words."""
+    """Return in words the built-in kinds that offer what is needed."""
     return " or ".join(name for name, kind in MACHINES.items() if needs <= kind.offers)
 
 
 def twin_screw(machine: MachineSettings) -> TwinScrew:
-    """Return a machine that is known to be a twin-screw machine; raise TypeError for another."""
+    """Return a machine as a `TwinScrew`; raise TypeError for any other kind."""
     if not isinstance(machine, TwinScrew):
         raise TypeError(f"a {TWIN_SCREW} is asked for, not a {machine.kind}")
     return machine
@@ -65,7 +68,7 @@ def check_machine(machine: MachineSettings) -> list[Fault]:
 
 @lru_cache(maxsize=64)
 def _check_own(machine: MachineSettings) -> list[Fault]:
-    """Return the faults of a machine of the user's own: its own, and a geometry that cannot be."""
+    """Return the faults of a user's own machine: those that it reports, else an impossible geometry."""
     kind = kind_of(machine)
     try:
         found = list(kind.check(machine))
@@ -77,7 +80,7 @@ def _check_own(machine: MachineSettings) -> list[Fault]:
 
 
 def _impossible(geometry: MachineGeometry, offers: frozenset[str]) -> str:
-    """Return in words what of a geometry cannot be, empty where all can."""
+    """Return in words what is impossible about a geometry; empty where nothing is."""
     moves = geometry.settings.surface_speed(1.0)
     if not (isinstance(moves, int | float) and math.isfinite(moves) and moves >= 0.0):
         return f"its surface_speed is {moves!r} m/s at 1 rad/s, which cannot be"
@@ -88,7 +91,7 @@ def _impossible(geometry: MachineGeometry, offers: frozenset[str]) -> str:
 
 
 def _port(geometry: MachineGeometry, name: str, law_of: Callable[[], AreaLaw | None]) -> str:
-    """Return what of the area of a port cannot be, every half degree; where its kernel asks for no state."""
+    """Return what is impossible about a port's area, checked every half degree; empty where its kernel takes states."""
     law = law_of()
     if law is None:
         return f"it offers ports, and its {name}_law returns None"
@@ -101,7 +104,7 @@ def _port(geometry: MachineGeometry, name: str, law_of: Callable[[], AreaLaw | N
 
 
 def _gap(geometry: MachineGeometry, name: str, gap: Interface) -> str:
-    """Return what of a gap cannot be: the chamber it leads to, its angles, its lengths."""
+    """Return what is impossible about a gap: the chamber that it leads to, its angles, its lengths."""
     chambers, angles, lengths = geometry.life / geometry.pitch, gap.table.angle, gap.table.value
     if not (_whole(gap.offset) and 1 <= gap.offset <= chambers):
         return f"its {name} leads {gap.offset} pitches ahead, of {chambers:g} in a life"
@@ -124,7 +127,7 @@ def _angles(life: float) -> Array:
 
 
 def _volume(geometry: MachineGeometry) -> str:
-    """Return what cannot be of the angles of a geometry, of its volume and of the slope of that."""
+    """Return what is impossible about a geometry's angles, its volume, or the slope of its volume."""
     life, pitch, at = geometry.life, geometry.pitch, geometry.injection_angle
     if not (0.0 < pitch <= life and _whole(life / pitch)):
         return f"its life of {_degrees(life)} is no whole number of pitches of {_degrees(pitch)}"

@@ -1,6 +1,6 @@
-"""The registry of a twin screw's laws: what volume and port areas over the angle are read from.
+"""The registry of a twin screw's laws: sources of its volume and port areas over the angle.
 
-Each answers for itself what a scene states under it and what kernels it gives. Another one is a `Law` in `LAWS`.
+Each law says itself what a scene states for it and which kernels it gives. A new law is a `Law` in `LAWS`.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
     from screwsim.machine.profile_tables import Table
 
-ROUNDED = 1e-6  # degrees by which rows may lie nearer than they are stated to
-COARSE_AREAS = np.radians(10.0 - ROUNDED)  # tables at least this coarse have a breakpoint at every row ...
-COARSE_VOLUMES = np.radians(5.0 - ROUNDED)  # ... those of volumes, whose slope does the work, from finer ones on
-ROUGH = 0.005  # of its largest slope, by which that of a volume jumps to and fro in a table that steps cannot leap over
+ROUNDED = 1e-6  # [degree] allowance for rounded angles of rows
+COARSE_AREAS = np.radians(10.0 - ROUNDED)  # tables of areas at least this coarse have a breakpoint at every row ...
+COARSE_VOLUMES = np.radians(5.0 - ROUNDED)  # ... and tables of volumes, whose slope does the work, from this one on
+ROUGH = 0.005  # oscillation of a volume's slope, over its largest, above which steps end at every row
 
 
 def table_breakpoints(angles: np.ndarray) -> tuple[float, ...]:
-    """Return the breakpoints of a table: its ends, and its rows when they lie at least 10° apart."""
+    """Return the breakpoints of a table: its ends, or all rows where they lie at least 10° apart."""
     return tuple(angles) if _apart(angles) >= COARSE_AREAS else (float(angles[0]), float(angles[-1]))
 
 
 def volume_rows(angles: np.ndarray, volumes: np.ndarray) -> tuple[float, ...]:
-    """Return the rows of a table of volumes at which steps of its own chamber end: all, where it is coarse or rough.
+    """Return the rows of a volume table at which steps of its own chamber end: all where it is coarse or rough.
 
-    The gas of a port that is open has its line's pressure whatever the volume does, so that no error of the states
-    sees how the work follows the slope of the volume between the rows.
+    While a port is open the gas has its line's pressure whatever the volume does, so the error control of the states
+    does not see how the work follows the volume's slope between the rows.
     """
     by_rows = _apart(angles) >= COARSE_VOLUMES or to_and_fro(angles, volumes)[0] > ROUGH
     return tuple(angles) if by_rows else ()
@@ -47,7 +47,7 @@ def _apart(angles: np.ndarray) -> float:
 
 
 def area_breakpoints(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
-    """Return the breakpoints of a table of areas: those of its angles, where it opens or has shut, narrow tops."""
+    """Return the breakpoints of an area table: those of its angles, where the port opens or closes, narrow peaks."""
     return tuple(sorted({*table_breakpoints(angles), *features(angles, areas)}))
 
 
@@ -62,10 +62,10 @@ def _laid(table: Table) -> AreaLaw:
 
 @dataclass(frozen=True)
 class Law(ABC):
-    """A word of `law`: what it is in a scene, and the kernels of a geometry's volume and ports.
+    """One option of `law`: what it means in a scene, and the kernels of a geometry's volume and ports.
 
-    `by_formula`: a scene states its angles and sizes; `from_file`: a table; `from_rotors`: the profile finds all.
-    `source` is where its equations are, where that is not the section's own.
+    `by_formula`: a scene states angles and sizes of a formula; `from_file`: a table; `from_rotors`: the rotor profile
+    determines everything. `source` is the source of its equations where that is not the section's own.
     """
 
     by_formula: bool = False
@@ -90,14 +90,14 @@ class PaperLaw(Law):
     """The formulas of the paper (M16 to M18)."""
 
     def volume(self, geometry: Geometry) -> VolumeKernels:
-        """Return M16."""
+        """Return the paper's volume law (M16)."""
         law = geometry.settings.volume
         values = {"V_max": law.max or 0.0, "V_min": law.dead, "phi_A": float(law.phi_A or 0.0)}
         breakpoints = (values["phi_A"], LIFE - values["phi_A"])
         return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, breakpoints)
 
     def suction(self, geometry: Geometry) -> AreaLaw:
-        """Return M17."""
+        """Return the paper's law of the suction port (M17)."""
         law = geometry.settings.suction_port
         assert law is not None  # checked with the scene
         phi_B, area = float(law.phi_B or 0.0), float(law.area or 0.0)
@@ -105,7 +105,7 @@ class PaperLaw(Law):
         return AreaLaw(paper_law.suction_area, {"S_suc": area, "phi_B": phi_B}, breakpoints, rows)
 
     def discharge(self, geometry: Geometry) -> AreaLaw:
-        """Return M18."""
+        """Return the paper's law of the discharge port (M18)."""
         law = geometry.settings.discharge_port
         assert law is not None  # checked with the scene
         opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
@@ -118,7 +118,7 @@ class TableLaw(Law):
     """A spline through the rows of a file (M14)."""
 
     def volume(self, geometry: Geometry) -> VolumeKernels:
-        """Return M14, scaled so that its maximum is the swept volume."""
+        """Return the table's volume (M14), scaled so that its maximum is the swept volume."""
         law = geometry.settings.volume
         angles, volumes = read_curve(str(law.file), "volume_m3")
         tables = {"volume_curve": (angles, volumes * (geometry.swept_volume / np.max(volumes)))}
@@ -126,13 +126,13 @@ class TableLaw(Law):
         return VolumeKernels(volume, volume_slope, {"V_min": law.dead}, ends, tables, rows)
 
     def suction(self, geometry: Geometry) -> AreaLaw:
-        """Return M14."""
+        """Return the table of the suction port (M14)."""
         law = geometry.settings.suction_port
         assert law is not None  # checked with the scene
         return _rows(*read_curve(str(law.file), "area_m2"))
 
     def discharge(self, geometry: Geometry) -> AreaLaw:
-        """Return M14, moved to the built-in volume ratio if one is stated (M394)."""
+        """Return the table of the discharge port (M14), moved to the built-in volume ratio if one is stated (M394)."""
         law, ratio = geometry.settings.discharge_port, geometry.settings.built_in_volume_ratio
         assert law is not None  # checked with the scene
         rows = read_curve(str(law.file), "area_m2")
@@ -140,10 +140,13 @@ class TableLaw(Law):
 
 
 class ProfileLaw(PaperLaw):
-    """What the profile of the rotors gives (docs/reference/rotors.md); the paper's of a port beside another volume."""
+    """Laws from the rotor profile (docs/reference/rotors.md).
+
+    Those of the paper for a port beside another volume law.
+    """
 
     def volume(self, geometry: Geometry) -> VolumeKernels:
-        """Return what the rotors enclose."""
+        """Return the volume that the rotors enclose."""
         profile = geometry.profile
         assert profile is not None  # its own law is that of the volume
         table, values = profile.volume, {"V_min": geometry.settings.volume.dead_of(profile.swept)}
@@ -151,11 +154,11 @@ class ProfileLaw(PaperLaw):
         return VolumeKernels(*laws, values, table.ends, tables, table.breakpoints)
 
     def suction(self, geometry: Geometry) -> AreaLaw:
-        """Return what the lobes leave open at the suction end."""
+        """Return the area that the lobes leave open at the suction end."""
         return super().suction(geometry) if geometry.profile is None else _laid(geometry.profile.suction)
 
     def discharge(self, geometry: Geometry) -> AreaLaw:
-        """Return what the lobes leave open at the discharge end."""
+        """Return the area that the lobes leave open at the discharge end."""
         return super().discharge(geometry) if geometry.profile is None else _laid(geometry.profile.discharge)
 
 
@@ -167,7 +170,7 @@ LAWS: dict[str, Law] = {
 
 
 class ByLaw:
-    """A section of a scene that says by which law it is read."""
+    """A section of a scene that names the law by which it is read."""
 
     law: str
 
@@ -178,23 +181,23 @@ class ByLaw:
 
     @property
     def by_formula(self) -> bool:
-        """Tell whether the section states angles and sizes of a formula."""
+        """Whether the section states angles and sizes of a formula."""
         return self.read_by.by_formula
 
     @property
     def from_file(self) -> bool:
-        """Tell whether a table is read."""
+        """Whether the section names a table."""
         return self.read_by.from_file
 
     @property
     def from_rotors(self) -> bool:
-        """Tell whether the profile of the rotors finds all."""
+        """Whether the rotor profile determines everything."""
         return self.read_by.from_rotors
 
 
 @kernel
 def volume(phi, TAB, volume_curve, V_min):
-    """Return the chamber volume [m³]: dead volume plus the table's."""
+    """Return the chamber volume [m³]: dead volume plus the table's value."""
     return V_min + table_value(phi, TAB, volume_curve)
 
 

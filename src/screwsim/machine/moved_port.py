@@ -1,8 +1,8 @@
-"""A tabulated discharge port moved to a built-in volume ratio: where it opens changes, where it shuts does not.
+"""A tabulated discharge port moved to a built-in volume ratio: its opening moves, its closing does not.
 
-The end of discharge is where the lobes leave the end face, whatever the port is cut to; a larger ratio cuts its opening
-edge later. So the rows up to the widest are turned as a whole until the chamber has the volume that the ratio asks for,
-and the port is the smaller of these and of the rows behind the widest (docs/model.md, M394). Units SI.
+Discharge ends where the lobes leave the end face, however the port is cut; a larger ratio cuts its opening edge later.
+So the rows up to the widest are shifted as a whole until the chamber has the volume of that ratio where they begin, and
+the port is the smaller of these and of the rows after the widest (docs/model.md, M394). Units SI.
 """
 
 import math
@@ -15,13 +15,16 @@ from screwsim.machine.protocol import VolumeKernels
 from screwsim.numerics.spline import pack_curve, shut, table_value
 
 PATH = "machine.built_in_volume_ratio"
-LAST = math.radians(10.0)  # before the end of discharge, in which no port opens any more (as `Rotors.discharge_angle`)
-FINE = 1e-13  # [rad], to which an angle is found
+LAST = math.radians(10.0)  # a port opens at least this long before the end of discharge (see `Rotors.discharge_angle`)
+FINE = 1e-13  # relative accuracy to which an angle is found
 Array = np.ndarray
 
 
 def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float) -> float | None:
-    """Return the angle [rad] at which it has its volume at `closes` over a ratio; None where none is before `end`."""
+    """Return the angle [rad] at which the volume is that at `closes` over a ratio.
+
+    None where there is none before `end`.
+    """
     rows = np.linspace(closes, end, 65)
     values = volume.along(rows)[0]
     wanted = float(values[0]) / ratio
@@ -36,9 +39,9 @@ def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float
 
 
 def moved(angles: Array, areas: Array, opens: float | None, ratio: float) -> tuple[Array, Array]:
-    """Return a table of areas [m²] over angles [rad] whose opening is moved to `opens`, what ratio asks for.
+    """Return a table of areas [m²] over angles [rad] with its opening shifted to `opens`, as the volume ratio requires.
 
-    Raises UsageError, in one line with the remedy, where the table cannot be moved so far.
+    Raises UsageError, in one line with the remedy, where the table cannot be shifted so far.
     """
     widest = int(np.argmax(areas))
     before = np.flatnonzero(shut(areas)[:widest])
@@ -64,7 +67,7 @@ def moved(angles: Array, areas: Array, opens: float | None, ratio: float) -> tup
 
 
 def _first(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Return the angle [rad] in an interval from which on something holds."""
+    """Return the first angle [rad] of an interval at which a condition holds, which it then does up to the end."""
     while high - low > FINE * high:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if holds(middle) else (middle, high)
@@ -72,7 +75,7 @@ def _first(holds: Callable[[float], bool], low: float, high: float) -> float:
 
 
 def _curve(angles: Array, areas: Array) -> Callable[[float], float]:
-    """Return the spline of a table (M14), constant beside it."""
+    """Return the spline of a table (M14), constant beyond its ends."""
     if len(angles) == 1:
         return lambda angle: float(areas[0])
     packed = pack_curve(angles, areas)
@@ -80,7 +83,7 @@ def _curve(angles: Array, areas: Array) -> Callable[[float], float]:
 
 
 def _with_start(angles: Array, areas: Array, start: float) -> tuple[Array, Array]:
-    """Return a table that is shut from `start` [rad] on to its first row."""
+    """Return a table that is shut from `start` [rad] up to its first row."""
     if start >= angles[0]:
         return angles, areas
     return np.insert(angles, 0, start), np.insert(areas, 0, areas[0])

@@ -1,9 +1,9 @@
-"""Laws from a rotor profile: volume, ports and leakage paths, laid on the angle axis on which the cycle is solved.
+"""Laws from a rotor profile: volume, ports and leakage paths on the angle axis on which the cycle is solved.
 
-A chamber's true life is no whole number of lobe pitches, nor is the angle at which its suction closes; the solver meets
-neighbours a whole number of pitches apart. So suction closes at k pitches, and the life is as much longer as makes it
-whole. Before its birth and after its end a chamber is idle: it keeps its dead volume, nothing is open, and its charge
-waits for the next life. That is exact, not an approximation (docs/reference/rotors.md). Units SI.
+Neither a chamber's true life nor the angle at which its suction closes is a whole number of lobe pitches, but the
+solver needs neighbours to be whole pitches apart. So suction closes at k pitches, and the life is extended to a whole
+number of pitches. Before its birth and after its end a chamber is idle: it keeps its dead volume, nothing is open, and
+its charge waits for the next life. That is exact, not an approximation (docs/reference/rotors.md). Units SI.
 """
 
 import math
@@ -22,14 +22,14 @@ from screwsim.machine.rotors.settings import SlideValve
 from screwsim.machine.settings import TwinScrew
 from screwsim.numerics.spline import LEAST
 
-BIRTH = math.radians(20.0)  # over which a path opens that is longer than nothing at the birth of a chamber
-BEFORE_CLOSING = np.radians((2.0, 0.5, 0.1))  # steps end there: a port that shuts leaves a layer that no error shows
-AFTER_OPENING = np.radians((2.0, 5.0, 10.0, 20.0))  # and there, beside the chamber behind whose pressure leaps
+BIRTH = math.radians(20.0)  # angle over which a path opens whose length is not zero at the chamber's birth
+BEFORE_CLOSING = np.radians((2.0, 0.5, 0.1))  # steps end there: error control misses the layer before a port closes
+AFTER_OPENING = np.radians((2.0, 5.0, 10.0, 20.0))  # and there, next to a chamber whose pressure jumps as it opens
 
 _NO_SUCTION = "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"
 _SHUT = "machine.built_in_volume_ratio: {:.4g} leaves the discharge port no opening (choose a smaller ratio)"
 
-# the paths of each kind of gap: those of one group and of one offset make one interface
+# the paths of each kind of gap: those of one group with the same offset form one interface
 PATHS = {
     TIP_GAP: (("male_tip", "female_tip"),),
     CONTACT_GAP: (("sealing_line", "sealing_line_over_tip"),),
@@ -40,9 +40,9 @@ PATHS = {
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """What lies between a chamber and the one `offset` pitches behind it, over the angle of the trailing one.
+    """The gap between a chamber and the one `offset` pitches behind it, over the angle of the trailing one.
 
-    table: length [m] for a clearance, or area [m²] of the blow-hole.
+    table: length [m] of a clearance, or area [m²] of the blow-hole.
     """
 
     offset: int
@@ -56,7 +56,7 @@ class Laid:
     rotors: Rotors
     curves: Curves
     life: float
-    injection: float  # suction closes, the volume is largest
+    injection: float  # where suction closes and the volume is largest
     born: float
     swept: float
     volume: Table
@@ -64,7 +64,7 @@ class Laid:
     discharge: Table
     interfaces: Mapping[str, tuple[Interface, ...]]  # by kind of gap
     slot: Table | None = None  # of machine.slide_valve, to suction
-    moved: bool = False  # whether that slide is
+    moved: bool = False  # whether that slide is away from full load
 
     @property
     def ends(self) -> float:
@@ -78,12 +78,12 @@ class Laid:
 
     @property
     def volume_ratio(self) -> float | None:
-        """Volume where a slide's slot is passed over that where the port opens; None where the slide is not moved."""
+        """Volume where a slide's slot has been passed over that where the port opens; None for a slide at full load."""
         return closed_in(self.rotors, self.curves)[1] if self.moved else None
 
 
 def lay(machine: TwinScrew) -> Laid:
-    """Return the curves of a machine with a profile; raise UsageError with one line a fault."""
+    """Return the curves of a machine with a profile; raise UsageError with one line per fault."""
     profile, ratio = machine.profile, machine.built_in_volume_ratio
     if profile is None or ratio is None:
         raise UsageError("\n".join(map(str, _missing(machine))))
@@ -114,7 +114,7 @@ def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideV
 
 
 def _slot(curve: Curve, born: float) -> Table:
-    """Return the area of a slide's slot; nothing over the whole life where the slide is not moved."""
+    """Return the area of a slide's slot; zero over the whole life where the slide is at full load."""
     if curve.value.max() > 0.0:
         return area_table(curve, born)
     ends = curve.angle[[0, -1]] + born
@@ -129,13 +129,13 @@ def _port(parts: Mapping[str, Curve], born: float, shut: str) -> Table:
 
 
 def _summed(curves: Sequence[Curve]) -> Curve:
-    """Return the sum of curves of the same rows, nothing below zero."""
+    """Return the sum of curves with the same rows, cut off at zero."""
     first = curves[0]
     return replace(first, value=np.maximum(np.sum([curve.value for curve in curves], axis=0), 0.0))
 
 
 def _interfaces(curves: Curves, groups: Sequence[Sequence[str]], born: float) -> tuple[Interface, ...]:
-    """Return the paths of an effect, those of one group and offset together, as far as both chambers live."""
+    """Return the paths of a kind of gap while both chambers live, those of one group and offset added up."""
     by_offset: dict[tuple[int, int], list[Path]] = {}
     for path in curves.paths:
         for i, kinds in enumerate(groups):
@@ -151,7 +151,7 @@ def _interfaces(curves: Curves, groups: Sequence[Sequence[str]], born: float) ->
 
 
 def _alive(path: Path, closes: float) -> Curve:
-    """Return a path from the birth of its trailing chamber on; if it is longer than nothing there, it opens over 20°.
+    """Return a path from the birth of its trailing chamber on; one with a length there opens over 20°.
 
     A path on the suction side opens over the 20° before the suction of the leading chamber closes: until then it lies
     between two chambers at suction pressure.
@@ -176,7 +176,7 @@ def _missing(machine: TwinScrew) -> list[Fault]:
 
 
 def check_profile_law(machine: TwinScrew) -> list[Fault]:
-    """Return the faults of a machine whose volume comes from its profile: what is missing, rotors that cannot be."""
+    """Return the faults of a machine whose volume comes from its profile: missing keys, impossible rotors."""
     if not machine.volume.from_rotors:
         what = f"is not used: machine.volume.law is {machine.volume.law} (write law: profile there, or remove this)"
         return [Fault("machine.profile", what)] if machine.profile is not None else []

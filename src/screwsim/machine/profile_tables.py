@@ -1,8 +1,8 @@
-"""Curves of rotors as the tables that the cycle is solved with: smooth between breakpoints, where steps shall end.
+"""Curves of rotors as tables for the solution of the cycle: smooth between the breakpoints, where steps end.
 
-V is the cubic that has V and dV/dφ of the rotors at its rows; an area has differences of its rows on each side of a
-kink. So what the integrator meets between two breakpoints is smooth, and dV/dφ is the derivative of V. A step ends at
-each breakpoint where a curve bends enough to be seen (docs/reference/rotors.md). Units SI, angles in rad.
+V is the cubic spline with the rotors' V and dV/dφ at its rows; the slopes of an area are differences of its rows, taken
+separately on each side of a kink. So every curve is smooth between two breakpoints, and dV/dφ is the derivative of V. A
+step ends at each breakpoint where a curve bends enough to matter (docs/reference/rotors.md). Units SI, angles in rad.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from screwsim.machine.rotors.rotors import Rotors
 from screwsim.numerics.spline import LEAST, differences, side_slopes
 
 DEG = math.radians(1.0)
-EVERY = 2  # row of the curves' 0.5° that the tables keep
-BEYOND = 1.0 * DEG  # a last interval of zeros: at the end of a cubic its rounding would be left open
-BEND = 0.02  # jump of d²V/dφ² over V_max [1/rad²] below which steps go on across it
-KINK = 0.2  # the same of an area's slope over its largest value [1/rad]
-STEEP = 8.0  # change of an area's slope from row to row over its largest value [1/rad]: where a jump begins and ends
+EVERY = 2  # the tables keep every second row of the curves, which are 0.5° apart
+BEYOND = 1.0 * DEG  # length of a last interval of zeros, so that a cubic's rounding does not leave an opening
+BEND = 0.02  # jump of d²V/dφ² over V_max [1/rad²] below which no step ends there
+KINK = 0.2  # the same for a jump of an area's slope over its largest value [1/rad]
+STEEP = 8.0  # change of an area's slope between rows over its largest value [1/rad] that marks the ends of a jump
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A curve over the scene's angle [rad], its slopes at both ends of each interval, and where steps shall end."""
+    """A curve over the scene's angle [rad], its slopes at both ends of each interval, and where steps end."""
 
     angle: Array
     value: Array
@@ -50,13 +50,13 @@ class Table:
         return replace(self, value=factor * self.value, slope=factor * self.slope)
 
     def landing(self, angles: Iterable[float]) -> Table:
-        """Return the table with steps that end at some more angles [rad], as far as they lie between its ends."""
+        """Return the table with further angles [rad] at which steps end, as far as they lie between its ends."""
         first, last = self.ends
         return replace(self, breakpoints=tuple(sorted({*self.breakpoints, *(x for x in angles if first < x < last)})))
 
 
 def volume_table(curves: Curves, rotors: Rotors, born: float) -> Table:
-    """Return V over the scene's angle: cubics that have V and dV/dφ of the rotors at every row."""
+    """Return V over the scene's angle: cubics with the rotors' V and dV/dφ at every row."""
     rows, value = curves.volume.angle[::EVERY], curves.volume.value[::EVERY].copy()
     slope = rotors.volume_slope(rows + rotors.start)
     value[[0, -1]] = slope[[0, -1]] = 0.0

@@ -1,4 +1,4 @@
-"""What a kind of machine brings: settings, geometry, what effects may ask of it, and sizes that can be.
+"""What a kind of machine provides: settings, geometry, what effects may use of it, and bounds of its sizes.
 
 Source: screwsim, docs/how-to/adding-a-machine.md.
 """
@@ -14,33 +14,33 @@ from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.spline import pack_curve, shut
 
-# what a machine may offer, and what effects need of it
-PORTS = "ports"  # laws of their areas: `suction_law`, `discharge_law`
+# features that a machine may offer and an effect may need
+PORTS = "ports"  # area laws: `suction_law`, `discharge_law`
 TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP = "tip gap", "contact-line gap", "blow-hole", "end-face gap"
-GAPS = frozenset({TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP})  # of which `interfaces` tells
-OIL = "oil"  # is injected into the chambers
-HOLES = "holes"  # in the housing, which the chambers pass: lengths of life and angles of the twin screw's axis
-ROTORS = "screw rotors"  # a male and a female one, with their settings and symbols
+GAPS = frozenset({TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP})  # returned by `interfaces`
+OIL = "oil"  # injected into the chambers
+HOLES = "holes"  # in the housing, passed by the chambers, at angles like a twin screw's
+ROTORS = "screw rotors"  # a male and a female rotor, with their settings and symbols
 CYLINDER = "cylinder"  # one chamber with a bore, valves and rings
 
-# scales of a machine, against which sizes of effects are held
+# length scales of a machine, to which sizes of effects are compared
 LOBE = "height of a lobe"
 DIAMETER, SQUARE = "rotor diameter", "square of the rotor diameter"
 SPAN = "rotor diameter and length together"
 SHELL = "both bores and their ends"
-WIDEST = 350.0  # of the shell: an ideal machine has ports some hundred times too wide to throttle
+WIDEST = 350.0  # largest area over the shell's: an ideal machine may have ports far too wide to throttle
 BORE, PISTON = "bore", "area of the piston"
 
 
-COMPRESSOR, EXPANDER = "compressor", "expander"  # what `machine.mode` says
+COMPRESSOR, EXPANDER = "compressor", "expander"  # options of `machine.mode`
 
 
 @dataclass(frozen=True)
 class AreaLaw:
-    """A port area: kernel, numbers behind its arguments [SI], breakpoints [rad], tables (angle [rad], area [m²]).
+    """A port area: kernel, values of its arguments [SI], breakpoints [rad], tables (angle [rad], area [m²]).
 
-    `rows` are angles [rad] between which the area only rises or only falls, and the areas there: what a port does at
-    which angle is read from them, never from the breakpoints, which tell no more than where steps end.
+    `rows` are angles [rad] between which the area is monotone, and the areas there. When a port opens or is widest is
+    read from these, never from the breakpoints, which only say where steps end.
     """
 
     area: Kernel
@@ -48,7 +48,7 @@ class AreaLaw:
     breakpoints: tuple[float, ...]
     rows: tuple[Any, Any]
     tables: Mapping[str, Any] = field(default_factory=dict)
-    own_breakpoints: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+    own_breakpoints: tuple[float, ...] = ()  # those that matter to this chamber, not to its neighbours
 
     @cached_property
     def widest(self) -> float:
@@ -58,7 +58,7 @@ class AreaLaw:
 
     @cached_property
     def opens(self) -> float | None:
-        """Angle up to which the port is shut before it is widest [rad]; None where it is open from the start on."""
+        """Angle up to which the port is shut before its widest [rad]; None where it is open from the first row on."""
         angles, areas = self.rows
         before = np.flatnonzero(shut(areas)[: int(np.argmax(areas))])
         return float(angles[before[-1]]) if len(before) else None
@@ -66,19 +66,19 @@ class AreaLaw:
 
 @dataclass(frozen=True)
 class VolumeKernels:
-    """The volume law: V(φ) and dV/dφ from the same numbers; with `mirror` [rad] they are those at mirror − φ."""
+    """The volume law: V(φ) and dV/dφ from the same numbers; with `mirror` [rad] they are evaluated at mirror − φ."""
 
     volume: Kernel
     slope: Kernel
     values: Mapping[str, float]
     breakpoints: tuple[float, ...]
     tables: Mapping[str, Any] = field(default_factory=dict)
-    own_breakpoints: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+    own_breakpoints: tuple[float, ...] = ()  # those that matter to this chamber, not to its neighbours
     mirror: float | None = None
 
     @cached_property
     def known(self) -> dict[str, Any]:
-        """What stands behind the arguments of the kernels, tables packed into one array."""
+        """Values of the kernels' arguments, with all tables packed into one array."""
         TAB, start = np.zeros(1), {}
         for name, curve in self.tables.items():
             start[name] = float(len(TAB))
@@ -97,11 +97,11 @@ class VolumeKernels:
 
 
 class MachineSettings(Protocol):
-    """What a scene says of a machine: a frozen dataclass of `screwsim.inputs.declare` fields, in SI units.
+    """The settings of a machine in a scene: a frozen dataclass of `screwsim.inputs.declare` fields, in SI units.
 
-    `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `finds_gaps` says in words what
-    finds lengths and neighbours of the gaps, empty where formulas of the effects do; `counts_otherwise` tells whether
-    those formulas' angles mean nothing here.
+    `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `finds_gaps` names in words
+    what determines lengths and neighbours of the gaps, empty where formulas of the effects do; `counts_otherwise` says
+    whether the angles of those formulas have no meaning for this machine.
     """
 
     kind: str
@@ -111,24 +111,24 @@ class MachineSettings(Protocol):
 
     @property
     def expands(self) -> bool:
-        """Tell whether it runs backwards, as an expander (M150)."""
+        """Whether the machine runs backwards, as an expander (M150)."""
         return self.mode == EXPANDER
 
     def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
+        """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""
         return {}
 
     def surface_speed(self, omega: float) -> float:
-        """Return the speed that moves the gas [m/s] at a speed [rad/s]."""
+        """Return the speed of the surfaces that move the gas [m/s] at a speed [rad/s]."""
         raise NotImplementedError
 
 
 class MachineGeometry(Protocol):
-    """What model and effects ask of a machine. Angles [rad] are those of a chamber, from its birth at 0 to `life`.
+    """What model and effects need to know of a machine. Angles [rad] are a chamber's, from its birth at 0 to `life`.
 
-    A chamber is born every `pitch`, a whole share of the life; suction ends, and the trapped mass is taken, at
-    `injection_angle`, a whole number of pitches. `volume_law` gives V(φ) > 0 and its exact slope, and ends as it
-    begins. What has a default here a machine need not bring.
+    A chamber is born every `pitch`; the life is a whole number of pitches. Suction ends, and the trapped mass is taken,
+    at `injection_angle`, also a whole number of pitches. `volume_law` gives V(φ) > 0 and its exact slope, and V(life) =
+    V(0). A machine need not define what has a default here.
     """
 
     settings: Any
@@ -164,21 +164,24 @@ class MachineGeometry(Protocol):
 
     @property
     def expands(self) -> bool:
-        """Tell whether the machine runs backwards, as an expander (M150)."""
+        """Whether the machine runs backwards, as an expander (M150)."""
         return False
 
     @property
     def discharge_opens(self) -> float | None:
-        """Angle at which the discharge port opens, or an expander's inlet closes [rad]; None without such."""
+        """Angle at which the discharge port opens, or an expander's inlet closes [rad].
+
+        None where there is no such angle.
+        """
         return None
 
     @property
     def inlet_closes(self) -> float | None:
-        """Angle at which the inlet of an expander closes [rad]; None without that port, or where it never closes."""
+        """Angle at which the inlet of an expander closes [rad]; None for others, or where it never closes."""
         return self.discharge_opens if self.expands else None
 
     def widest_discharge(self) -> float:
-        """Return the angle up to which the highest pressure is looked for [rad]."""
+        """Return the angle up to which the peak pressure is searched for [rad]."""
         return self.life
 
     def suction_law(self) -> AreaLaw:
@@ -190,23 +193,27 @@ class MachineGeometry(Protocol):
         raise NotImplementedError
 
     def interfaces(self, gap: str) -> tuple[Any, ...] | None:
-        """Return the gaps (`profile_law.Interface`) of a kind, as TIP_GAP; None: formulas of the effects give them."""
+        """Return the gaps (`profile_law.Interface`) of a kind such as TIP_GAP.
+
+        None: formulas of the effects define them.
+        """
         return None
 
     def wall_speed(self, gap: str) -> float:
-        """Return the mean speed at which a wall slides over the gaps of a kind towards the chamber behind (M256).
+        """Return the mean speed at which a wall slides past the gaps of a kind towards the chamber behind (M256).
 
-        Over `surface_speed`, perpendicular to the gap's line; 0 where none does, or where it is not known.
+        It is over `surface_speed` and perpendicular to the gap's line; 0 where no wall slides, or where it is not
+        known.
         """
         return 0.0
 
     @property
     def profile(self) -> Any:
-        """What a profile of screw rotors gives by angle; None where there is none."""
+        """The curves that a profile of screw rotors gives by angle; None without a profile."""
         return None
 
     def male_slope(self, angle: np.ndarray) -> np.ndarray | None:
-        """Return the part of dV/dφ [m³/rad] that the male of two screw rotors displaces; None where it is not known."""
+        """Return the part of dV/dφ [m³/rad] that the male of two screw rotors displaces; None where it is unknown."""
         return None
 
     @property
@@ -216,12 +223,12 @@ class MachineGeometry(Protocol):
 
     @property
     def outcomes(self) -> tuple[float, ...]:
-        """Numbers that tell machines apart whose laws are all in tables."""
+        """Numbers that distinguish machines whose laws are all in tables."""
         return ()
 
 
 class Measure(NamedTuple):
-    """A scale of a machine [SI], by its settings, and what so many of it are in words: 'of the bore'."""
+    """A length, area or volume scale of a machine [SI] from its settings, and its name in words: 'of the bore'."""
 
     of: Callable[[Any], float]
     what: str
@@ -229,11 +236,11 @@ class Measure(NamedTuple):
 
 @dataclass(frozen=True)
 class Size:
-    """A size at a path of a scene: its share of `of` [SI] is at most `most`, and hardly outside `usual`."""
+    """A size at a path of a scene: over a scale `of` [SI] it must not exceed `most`, and is unusual outside `usual`."""
 
     path: str
     of: Callable[[Any], float]
-    what: str  # `of` is, in words
+    what: str  # the scale, in words
     most: float
     usual: tuple[float, float]
     remedy: str = "a smaller one; is the unit right?"
@@ -241,7 +248,7 @@ class Size:
 
 @dataclass(frozen=True)
 class Speed:
-    """What moves at `surface_speed`, in words; the speed [m/s] at most, the one that it hardly exceeds, and why."""
+    """What moves at `surface_speed`, in words; the highest speed [m/s], the highest usual one, and the reason."""
 
     what: str
     most: float
@@ -254,11 +261,11 @@ class MachineKind:
     """One kind of machine: a module of its own with a variable MACHINE.
 
     `settings` is the type of its settings, `geometry` makes a `MachineGeometry` of them, `check` returns their faults.
-    `offers` is what effects may ask of it. `sizes` and `speed` bound what can be, `tables` the largest area of a table,
-    `scales` are those against which effects hold sizes of their own.
-    `called` are other words for it, `chamber` is its chamber in words; `dead_volume` returns path and size [m³] of what
-    is left of a chamber, no path where a table holds it. `derived` fills in what of the settings follows from what they
-    state in its place, and `stated` yields what they state twice, or not at all: asked before anything else.
+    `offers` are the features that effects may need. `sizes` and `speed` bound what is possible, `tables` the largest
+    area of a table; `scales` are those to which effects compare sizes of their own. `called` are other words for the
+    kind, `chamber` is its chamber in words. `dead_volume` returns path and size [m³] of the volume left in a chamber,
+    an empty path where a table holds it. `derived` fills in settings that follow from others stated in their place, and
+    `stated` yields the faults of settings that are stated twice or not at all; it is called before anything else.
     """
 
     settings: type

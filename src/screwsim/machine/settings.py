@@ -1,4 +1,4 @@
-"""What a scene says of a twin-screw machine (typed, SI units), and the checks that its geometry demands."""
+"""The settings of a twin-screw machine in a scene (typed, SI units), and the checks of its geometry."""
 
 import math
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ class VolumeLaw(ByLaw):
         return self.dead_of(self.max or 0.0)
 
     def dead_of(self, swept: float) -> float:
-        """Return the dead volume [m³] beside a swept volume [m³]."""
+        """Return the dead volume [m³] for a swept volume [m³]."""
         return 1e-4 * swept if self.min is None else self.min
 
 
@@ -85,7 +85,7 @@ class Displacement:
 
     @property
     def volume(self) -> float:
-        """What is displaced by a revolution [m³]."""
+        """Volume displaced per revolution [m³]."""
         return TURN * self.flow / self.at
 
 
@@ -129,29 +129,29 @@ class TwinScrew(MachineSettings):
         return TURN / self.male_lobes
 
     def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
+        """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""
         names = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
         return {name: float(getattr(self, name)) for name in names}
 
     def surface_speed(self, omega: float) -> float:
-        """Return the speed that moves gas and oil [m/s]: that of the male rotor's tips."""
+        """Return the speed of the male rotor's tips [m/s], the surfaces that move gas and oil."""
         return 0.5 * self.rotor_diameter * omega
 
     @property
     def finds_gaps(self) -> str:
-        """What finds lengths and neighbours of the gaps; empty where formulas of the effects do."""
+        """What determines lengths and neighbours of the gaps, in words; empty where formulas of the effects do."""
         return "machine.volume.law: profile" if self.volume.from_rotors else ""
 
     @property
     def counts_otherwise(self) -> bool:
-        """Tell whether the table of the volume counts another life than 720° with oil injected at 360°."""
+        """Whether the volume table has another life than 720°, or another injection angle than 360°."""
         return (self.volume.life or LIFE, self.volume.injection_angle or TURN) != (LIFE, TURN)
 
 
 def _inside(
     path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, end: str = "]"
 ) -> Iterator[Fault]:
-    """Yield an angle that is missing, or outside (low, high] or, with `end` ')', (low, high)."""
+    """Yield a fault for an angle that is missing, or outside (low, high] or, with `end` ')', (low, high)."""
     if value is None:
         yield Fault(path, f"is missing (law: paper needs it; give an angle between {low_text} and {high_text})")
     elif not (value > low and (value <= high * (1 + 1e-12) if end == "]" else value < high)):
@@ -160,7 +160,7 @@ def _inside(
 
 
 def check_twin_screw(machine: TwinScrew) -> list[Fault]:
-    """Return the faults of the geometry: ranges of φ_A, φ_B, φ_dis, φ_C (0 excluded: it divides), missing fields."""
+    """Return the faults of the geometry: missing fields, and φ_A, φ_B, φ_dis, φ_C out of range (0 is a divisor)."""
     parts = {name: getattr(machine, name) for name in ("volume", "suction_port", "discharge_port")}
     laws = {name: law for name, law in parts.items() if law is not None}
     angles = (fault for name, law in laws.items() if law.by_formula for fault in _angles(name, law))
@@ -168,7 +168,7 @@ def check_twin_screw(machine: TwinScrew) -> list[Fault]:
 
 
 def _angles(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fault]:
-    """Yield the angles of a law of the paper that are missing, or outside their range."""
+    """Yield the angles of a paper law that are missing or outside their range."""
     path = f"machine.{name}"
     if isinstance(law, VolumeLaw):
         yield from _inside(f"{path}.phi_A", law.phi_A, 0.0, TURN, "0 deg", "360 deg")
@@ -183,7 +183,7 @@ def _angles(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator
 
 
 def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fault]:
-    """Yield what a law lacks, and what is given beside it that belongs to another."""
+    """Yield keys that a law needs and lacks, and those given that belong to another law."""
     path = f"machine.{name}"
     if law.from_file and law.file is None:
         yield Fault(f"{path}.file", "is missing (law: table needs a CSV file)")
@@ -200,7 +200,7 @@ def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fa
 
 
 def _life(machine: TwinScrew) -> Iterator[Fault]:
-    """Yield the faults of the angles of a chamber's life: whole pitches, and laws that fit together."""
+    """Yield the faults of the angles of a chamber's life: fractions of pitches, laws that do not fit together."""
     volume, pitch, good = machine.volume, machine.pitch, True
     for field in ("life", "injection_angle"):
         angle, what = getattr(volume, field), ""

@@ -1,7 +1,7 @@
 """What a twin-screw scene states other than by lengths and angles: displacement, family of rotors, volume ratio.
 
-What follows is filled in as `Derived` values, anew whenever a case of a sweep changes what it follows from. A scene
-that states the same thing twice is refused: nothing is overruled in silence. Units SI.
+Quantities that follow are filled in as `Derived` values, and again whenever a case of a sweep changes what they follow
+from. A scene that states the same thing twice is refused: nothing is overridden silently. Units SI.
 """
 
 import math
@@ -28,11 +28,11 @@ LENGTHS = (
     "root_radius",
     "file",
 )
-OPENING = 5.0 / 16.0  # (φ_C − φ_dis) over half of the port's life: how fast that of rotors (b) opens
+OPENING = 5.0 / 16.0  # (φ_C − φ_dis) over half of the port's open angle, as of rotors (b)
 
 
 def own(value: Any) -> Any:
-    """Return a value that the scene states itself; None of one that follows."""
+    """Return a value that the scene itself states; None for one that is derived."""
     return None if is_derived(value) else value
 
 
@@ -41,7 +41,7 @@ def _opened_by_ratio(machine: TwinScrew) -> bool:
 
 
 def derived(machine: TwinScrew) -> TwinScrew:
-    """Return a machine with all that follows from what it states; as it is where `stated_faults` has a word."""
+    """Return a machine with all derived values filled in; unchanged where `stated_faults` finds a fault."""
     profile = machine.profile
     otherwise = profile is not None and profile.family is not None
     otherwise = otherwise or machine.displacement is not None or _opened_by_ratio(machine)
@@ -66,7 +66,7 @@ def _lobed(machine: TwinScrew) -> TwinScrew:
 
 
 def _sized(machine: TwinScrew) -> TwinScrew:
-    """Return a machine with its diameter and length, or the volume of a chamber, from a displacement."""
+    """Return a machine whose diameter and length, or chamber volume, follow from a displacement."""
     profile, stated = machine.profile, machine.displacement
     family = None if profile is None or profile.family is None else FAMILIES[profile.family]
     if stated is not None and not machine.volume.from_rotors:
@@ -97,7 +97,7 @@ def _of_size(profile: Profile, diameter: float) -> Profile:
 
 @lru_cache(maxsize=64)
 def unit_volume(name: str, wrap: float) -> float:
-    """Return the largest volume of one chamber over D² L of a family with that wrap [rad]: no size changes it."""
+    """Return the largest chamber volume over D² L of a family with a wrap [rad], which does not depend on the size."""
     from screwsim.machine.rotors.rotors import make_rotors  # here: rotors take long to import
 
     family = FAMILIES[name]
@@ -120,17 +120,18 @@ def _opened(machine: TwinScrew) -> TwinScrew:
 def opening_angle(machine: TwinScrew, ratio: float) -> float:
     """Return the angle [rad] at which a chamber has its largest volume over a ratio: M16 inverted, or a table searched.
 
-    Dead volume included, as `built_in_volume_ratio` of a result is; the life's end where there is no such angle.
+    Volumes include the dead volume, as in the result's `built_in_volume_ratio`. The life's end where there is no such
+    angle.
     """
     law = machine.volume
     if law.from_file:
         try:
             found = Geometry(machine).opening_angle(ratio)
-        except UsageError:  # told where files are checked
+        except UsageError:  # reported where files are checked
             found = 0.75 * LIFE
         return LIFE if found is None else found
     largest, c = law.max or 0.0, float(law.phi_A or 0.0) / TURN
-    left = ((largest + law.dead) / ratio - law.dead) / largest  # of the bump, M15
+    left = ((largest + law.dead) / ratio - law.dead) / largest  # value of the bump, M15
     if left <= 0.0:
         return LIFE
     x = 2.0 - math.sqrt(c * left) if left < c else 1.0 + math.sqrt((1.0 - left) * (1.0 - c))
@@ -141,7 +142,7 @@ def opening_angle(machine: TwinScrew, ratio: float) -> float:
 
 
 def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
-    """Yield what is stated twice, and what nothing states."""
+    """Yield faults of quantities that are stated twice, or not at all."""
     yield from _of_family(machine)
     yield from _of_displacement(machine)
     by_family = machine.profile is not None and machine.profile.family is not None and machine.volume.from_rotors
@@ -219,22 +220,22 @@ def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
 
 
 def _late(machine: TwinScrew, ratio: float) -> Iterator[Fault]:
-    """Yield a ratio that opens the port of the paper's law where there is no time left."""
+    """Yield a fault of a ratio that opens the paper's port too late."""
     if opening_angle(_sized(machine), ratio) > LIFE - LAST:
         what = f"{ratio:.4g} leaves the port less than 10 deg before the end of discharge"
         yield Fault(PATH, f"{what} (choose a smaller ratio)")
 
 
 def table_port_faults(machine: TwinScrew) -> list[Fault]:
-    """Return why a tabulated discharge port cannot be moved to the built-in volume ratio."""
+    """Return why a tabulated discharge port cannot be moved to the built-in volume ratio; empty where it can."""
     port, law = machine.discharge_port, machine.volume
     if port is None or port.file is None or (law.from_file and (law.file is None or not law.max)):
-        return []  # what is missing is told elsewhere
+        return []  # missing keys are reported elsewhere
     if law.by_formula and not (law.max and law.phi_A is not None and 0.0 < law.phi_A <= TURN):
         return []
     try:
         Geometry(machine).discharge_law()
     except UsageError as error:
         path, _, what = str(error).partition(": ")
-        return [Fault(path, what)] if path == PATH else []  # of a file that cannot be read others tell
+        return [Fault(path, what)] if path == PATH else []  # unreadable files are reported elsewhere
     return []

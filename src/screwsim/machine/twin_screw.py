@@ -1,4 +1,4 @@
-"""Twin-screw machines: what they offer to effects, and what of their sizes can be."""
+"""Twin-screw machines: what they offer to effects, and the bounds of their sizes."""
 
 import math
 from operator import attrgetter
@@ -12,8 +12,8 @@ from screwsim.machine.stated import derived, stated_faults, table_port_faults
 
 
 def _a_turn(machine: TwinScrew) -> float:
-    """Return what one chamber [m³] can have of both bores: as many pass in a turn as there are male lobes."""
-    both = 0.5 * math.pi * machine.rotor_diameter**2 * machine.rotor_length  # of the male's size
+    """Return the volume [m³] of both bores per male lobe: the share that one chamber can have, as z1 pass in a turn."""
+    both = 0.5 * math.pi * machine.rotor_diameter**2 * machine.rotor_length  # both of the male's size
     return both / machine.male_lobes
 
 
@@ -28,7 +28,7 @@ def _square(machine: TwinScrew) -> float:
 
 
 def _lobe(machine: TwinScrew) -> float:
-    """Return about the height [m] of a lobe."""
+    """Return the approximate height [m] of a lobe."""
     return 0.2 * machine.rotor_diameter
 
 
@@ -47,7 +47,7 @@ _SIZES = (
         "machine.volume.max",
         _a_turn,
         _HOLDS,
-        2.0,  # a female rotor larger than the male has more room
+        2.0,  # a female rotor larger than the male leaves more volume
         (0.03, 0.6),
         "a smaller volume, or a larger rotor_diameter or rotor_length; is the unit right?",
     ),

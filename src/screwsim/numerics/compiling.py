@@ -1,6 +1,6 @@
-"""What a compilation means for people: said on stderr the first time, because it takes a while.
+"""Messages on stderr about compilation, which takes a while the first time.
 
-It is said when something is found to be missing, and so not when all is there.
+They are printed when something turns out to be missing, and so not when everything is cached.
 """
 
 import json
@@ -14,11 +14,11 @@ from typing import Any
 from screwsim.numerics.folder import tell
 from screwsim.numerics.store import keep, read
 
-TIMES = "compile-times.json"  # [s] by kind, that the last one took on this machine
+TIMES = "compile-times.json"  # [s] by kind: duration of the last compilation on this machine
 
 
 class _Wait:
-    """A stretch of work within which something may have to be compiled first."""
+    """A stretch of work during which something may have to be compiled first."""
 
     def __init__(self, kind: str, what: str, usual: str) -> None:
         self._kind, self._what, self._usual = kind, what, usual
@@ -33,7 +33,7 @@ class _Wait:
             self.end()
 
     def begin(self) -> None:
-        """Say that something is compiled, once."""
+        """Print once that something is being compiled."""
         if self._began is None:
             last = _times().get(self._kind)
             expected = (
@@ -43,14 +43,14 @@ class _Wait:
             self._began = time.perf_counter()
 
     def end(self) -> None:
-        """Say how long it took."""
+        """Print how long it took."""
         if self._began is not None:
             seconds = time.perf_counter() - self._began
             tell(f"compiled in {seconds:.1f} s")
             keep(TIMES, json.dumps(_times() | {self._kind: seconds}).encode())
 
 
-_whole: ContextVar[str] = ContextVar("whole", default="")  # what the wait is one part of
+_whole: ContextVar[str] = ContextVar("whole", default="")  # the larger task that the wait is part of
 _now: ContextVar[_Wait | None] = ContextVar("now", default=None)
 
 
@@ -59,16 +59,16 @@ def _times() -> dict[str, float]:
 
 
 def announced(kind: str, what: str, usual: str) -> AbstractContextManager[None]:
-    """Say on stderr that `what` is compiled, where something within must be, and how long one of its kind takes.
+    """Print on stderr that `what` is compiled, if something within has to be, and how long its kind takes.
 
-    `usual` says that in words where none was compiled here before.
+    `usual` is that duration in words, where none has been compiled here before.
     """
     return _Wait(kind, what, usual)
 
 
 @contextmanager
 def one_of(kind: str, number: int, count: int, what: str) -> Iterator[None]:
-    """Say of each wait within that it belongs to one of some parts: '(fluid 2 of 4: R513A)'."""
+    """Add to each message within that it belongs to one of several parts: '(fluid 2 of 4: R513A)'."""
     before = _whole.set(f" ({kind} {number} of {count}: {what})" if count > 1 else "")
     try:
         yield
@@ -77,7 +77,7 @@ def one_of(kind: str, number: int, count: int, what: str) -> Iterator[None]:
 
 
 def begins() -> None:
-    """Take note that something is missing and compiled now."""
+    """Note that something is missing and about to be compiled."""
     wait = _now.get()
     if wait is not None:
         wait.begin()
@@ -88,7 +88,7 @@ _own = threading.local()
 
 @contextmanager
 def again() -> Iterator[None]:
-    """Take note that what runs is compiled once more, for speed: in silence, and none of a solution's time."""
+    """Mark a recompilation of running code for speed: silent, and not counted in the time of a solution."""
     before, started, waits = seconds_again(), time.perf_counter(), _now.set(None)
     try:
         yield
@@ -98,10 +98,10 @@ def again() -> Iterator[None]:
 
 
 def seconds_again() -> float:
-    """Return how long [s] this thread has compiled for speed what it had compiled before."""
+    """Return the time [s] that this thread has spent on recompiling for speed."""
     return getattr(_own, "seconds", 0.0)
 
 
 def clock() -> float:
-    """Return the seconds [s] of a clock that stands still while this thread compiles again what it had compiled."""
+    """Return the time [s] of a clock that stands still while this thread recompiles for speed."""
     return time.perf_counter() - seconds_again()

@@ -1,7 +1,7 @@
-"""The cubic spline through points, of one cubic over its first two intervals and one over its last two.
+"""The cubic spline through points, with one cubic over the first two intervals and one over the last two (not a knot).
 
-As scipy's CubicSpline has it ("not a knot"), to the bit where a processor fuses no operations; here, since
-scipy.interpolate takes longer to import than a run to solve.
+It equals scipy's CubicSpline to the bit where a processor fuses no operations; it is here because scipy.interpolate
+takes longer to import than a run takes to solve.
 
 Source: C. de Boor, A Practical Guide to Splines, Springer 2001, ch. IV.
 """
@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 def slopes(x: Array, y: Array) -> Array:
-    """Return the derivative at each of four points or more, at which the spline's curvature has no jump."""
+    """Return the derivatives at four or more points for which the spline's curvature is continuous."""
     step, d_first, d_last = np.diff(x), x[2] - x[0], x[-1] - x[-3]
     secant = np.diff(y) / step
     above, diagonal, below = np.empty(len(x) - 1), np.empty(len(x)), np.empty(len(x) - 1)
@@ -26,9 +26,12 @@ def slopes(x: Array, y: Array) -> Array:
 
 
 def _tridiagonal(below: list[float], diagonal: list[float], above: list[float], right: list[float]) -> Array:
-    """Return the solution of a tridiagonal system, rows exchanged as LAPACK's gtsv does; the lists are used up."""
+    """Return the solution of a tridiagonal system, with row exchanges as in LAPACK's gtsv.
+
+    The lists are overwritten.
+    """
     n = len(diagonal)
-    second = [0.0] * n  # two to the right of the diagonal, where rows were exchanged
+    second = [0.0] * n  # second superdiagonal, filled where rows were exchanged
     for i in range(n - 1):
         if abs(diagonal[i]) >= abs(below[i]):
             factor = below[i] / diagonal[i]
@@ -48,7 +51,7 @@ def _tridiagonal(below: list[float], diagonal: list[float], above: list[float], 
 
 
 def coefficients(x: Array, y: Array) -> Array:
-    """Return the polynomials of the intervals from their left ends, rows of falling powers from the cube."""
+    """Return the polynomials of the intervals from their left ends; rows in falling powers, beginning with the cube."""
     step, slope = np.diff(x), slopes(x, y)
     secant = np.diff(y) / step
     bend = (slope[:-1] + slope[1:] - 2.0 * secant) / step
@@ -56,17 +59,17 @@ def coefficients(x: Array, y: Array) -> Array:
 
 
 def at_points(x: Array, rows: Array) -> Array:
-    """Return the values at the points of polynomials of the intervals, rows of falling powers."""
+    """Return the values at the points of piecewise polynomials, given by rows in falling powers."""
     return np.append(rows[-1], _at_the_end(rows[:, -1], x[-1] - x[-2]))
 
 
 def slopes_at_points(x: Array, rows: Array) -> Array:
-    """Return the derivatives at the points of polynomials of the intervals, rows of falling powers."""
+    """Return the derivatives at the points of piecewise polynomials, given by rows in falling powers."""
     return np.append(rows[-2], _at_the_end(rows[:, -1], x[-1] - x[-2], derived=True))
 
 
 def integral(x: Array, rows: Array) -> Array:
-    """Return the continuous integral of polynomials of the intervals that is 0 at the first point, rows likewise."""
+    """Return the continuous integral of piecewise polynomials, 0 at the first point, as rows in falling powers."""
     found = np.append(rows / np.arange(float(len(rows)), 0.0, -1.0)[:, None], np.zeros((1, rows.shape[1])), axis=0)
     for i in range(1, rows.shape[1]):
         found[-1, i] = _at_the_end(found[:, i - 1], x[i] - x[i - 1])
@@ -74,7 +77,7 @@ def integral(x: Array, rows: Array) -> Array:
 
 
 def _at_the_end(falling: Array, s: float, derived: bool = False) -> float:
-    """Return the value of a polynomial, or its derivative, terms summed from the lowest power."""
+    """Return the value of a polynomial, or of its derivative, summed from the lowest power."""
     value, power = 0.0, 1.0
     for exponent, each in enumerate(falling[::-1].tolist()):
         if exponent or not derived:

@@ -1,15 +1,15 @@
-"""Derivatives of kernels, made from their source: forward mode, statement by statement, branch by branch.
+"""Derivatives of kernels, generated from their source: forward mode, statement by statement, branch by branch.
 
-`tangent(kernel, by)` returns a kernel of the same arguments that returns the value and its derivatives by the named
-ones. What does not depend on them is left as it stands; a branch is differentiated where it runs, so that a kink has
-the slope of the side that the kernel itself takes. Any argument can be a seed: states today, a scene's numbers as well.
+`tangent(kernel, by)` returns a kernel with the same arguments that returns the value and its derivatives by the named
+ones. Statements that do not depend on these are copied; a branch is differentiated where it stands, so that a kink has
+the slope of the side that the kernel itself takes. Any argument can be a seed: a state, or a number of the scene.
 
 A kernel may assign, branch, loop, unpack, call kernels and the functions of `math`, and read arrays; statements may
-write into arrays that move along. Derivatives are tested against differences for all kernels of scalars
+write into arrays that have tangents of their own. Derivatives are tested against differences for all kernels of scalars
 (tests/numerics/test_derivative.py).
 
-Within a statement the derivatives by the variables in it come first, and each argument's through these: a statement's
-own derivatives are worked out once, however many arguments there are.
+Within a statement the derivatives by its variables come first, and those by the seeds follow through these: a
+statement's own partial derivatives are computed once, however many seeds there are.
 
 Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chs. 3 (forward mode) and 10.2
 (statement-level preaccumulation).
@@ -39,14 +39,14 @@ from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
 
 @lru_cache(maxsize=256)
 def tangent(item: Kernel, by: tuple[str, ...], arrays: tuple[str, ...] = ()) -> Kernel:
-    """Return the kernel that returns a kernel's value and its derivatives by arguments of it.
+    """Return the kernel that returns a kernel's value and its derivatives by some of its arguments.
 
-    Of a kernel that returns several values: all of them, then their derivatives by the first argument named, then those
-    by the second. It is compiled into its callers where the kernel is, or where that is asked for. Raises TypeError,
-    which names the kernel, for what cannot be differentiated.
+    For a kernel that returns several values: first all of them, then their derivatives by the first named argument,
+    then those by the second, and so on. Raises TypeError, which names the kernel, for source that cannot be
+    differentiated.
 
-    `arrays` are arguments that move along: the kernel returned takes behind the others, for each, an array of how much
-    every number of it does; `ALONG` in `by` stands for the derivative that they make together.
+    `arrays` are arguments with tangents of their own: the returned kernel takes, after the other arguments, an array of
+    derivatives for each; `ALONG` in `by` stands for the derivative along all of them together.
     """
     missing = [name for name in (*by, *arrays) if name not in (*item.arguments, *([ALONG] if arrays else []))]
     if missing or not by:
@@ -58,11 +58,11 @@ def tangent(item: Kernel, by: tuple[str, ...], arrays: tuple[str, ...] = ()) -> 
 
 
 class Forward:
-    """Differentiates statements by seeds; `active` holds which variables depend on which of them.
+    """Differentiates statements by seeds; `active` holds the seeds on which each variable depends.
 
-    `given` are derivatives that are not made but stated, by variable and seed; what is `held` depends on nothing.
-    Numbers that are read of `arrays` move with the seed `ALONG`, by what stands in the array beside it (`slope_name`);
-    what is written into them is written there with its derivative.
+    `given` are derivatives that are stated rather than generated, by variable and seed; `held` variables depend on
+    nothing. Elements of `arrays` have a derivative by the seed `ALONG`, stored in an array beside each (`slope_name`);
+    a value that is written into them is written together with its derivative.
     """
 
     def __init__(
@@ -80,12 +80,12 @@ class Forward:
         self.active: Active = {name: (name,) for name in by}
         for name in dict.fromkeys(name for name, _ in self.given):
             self.active[name] = tuple(seed for seed in by if (name, seed) in self.given or name == seed)
-        self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are 1 or -1 wherever they are read
+        self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are always 1 or -1
         taken = {node.id for node in nodes(*body) if isinstance(node, ast.Name)} | set(by)
         self.pairs = list(assigned(body))
         names = [name for some, _ in self.pairs for name in some]
         self.once = {name for name in names if names.count(name) == 1}
-        self.whole = set(by) & set(names)  # seeds that are assigned to: variables like others
+        self.whole = set(by) & set(names)  # seeds that are reassigned, and so are variables like others
         self.once -= self.whole
         self.active |= dict.fromkeys(arrays, (ALONG,))
         find_active(self.active, self.pairs, by, self.given, held)
@@ -93,11 +93,11 @@ class Forward:
         self.uses = self._partials.uses  # kernels that the new statements call, by name
 
     def statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
-        """Return the statements with the derivatives of all that they set."""
+        """Return the statements together with the derivatives of all variables that they set."""
         return [new for statement in body for new in self._statement(statement)]
 
     def slope(self, name: str, seed: str) -> Expression | None:
-        """Return the derivative of a variable by a seed; None where that is nothing."""
+        """Return the derivative of a variable by a seed; None where it is zero."""
         if name in self._partials.read:
             return self._partials.read[name] if seed == ALONG else None
         if seed not in self.active.get(name, ()):
@@ -135,14 +135,17 @@ class Forward:
         raise self._partials.fail(f"it has {ast.unparse(node).splitlines()[0]!r}")
 
     def _assignment(self, name: str, value: Expression) -> list[ast.stmt]:
-        """Return statements that set a variable and its derivatives; these first, as they may need its old value."""
+        """Return statements that set a variable and its derivatives.
+
+        The latter first, as they may need its old value.
+        """
         before: list[ast.stmt] = []
         plain, slopes = self._partials.expression(value, before)
         found = self._by_seeds(slopes, self.active.get(name, ()), before, name)
         own: list[ast.stmt] = []
         after: list[ast.stmt] = []
         for seed, slope in found.items():
-            if (name, seed) in self.given:  # which may be stated by the new value
+            if (name, seed) in self.given:  # a given derivative may depend on the new value
                 after.append(assign(slope_name(name, seed), self.given[name, seed]))
             elif name in self.once and is_unit(slope):
                 self.plain[name, seed] = slope
@@ -151,13 +154,13 @@ class Forward:
         return [*before, *own, assign(name, plain), *after]
 
     def _moves(self, target: ast.Subscript) -> bool:
-        """Tell whether a number is one of an array that moves."""
+        """Tell whether a target is an element of an array that has a tangent."""
         return isinstance(target.value, ast.Name) and target.value.id in self.arrays and is_element(target.slice)
 
     def _storing(
         self, target: ast.Subscript, value: Expression, stored: Callable[[ast.Subscript, Expression], ast.stmt]
     ) -> list[ast.stmt]:
-        """Return statements that store a number in an array that moves, and its derivative beside it."""
+        """Return statements that store a number in an array that has a tangent, together with its derivative."""
         before: list[ast.stmt] = []
         plain, slopes = self._partials.expression(value, before)
         array = ast.unparse(target.value)
@@ -166,7 +169,7 @@ class Forward:
         return [*before, stored(beside, slope), stored(target, plain)]
 
     def _by_seeds(self, slopes: Slopes, seeds: Sequence[str], before: list[ast.stmt], stem: str) -> Slopes:
-        """Return the derivative by each seed, through the variables of a statement."""
+        """Return the derivatives by each seed, by the chain rule over the variables of a statement."""
         if len(seeds) > 1:
             slopes = {
                 name: self._partials.kept(slope, before, f"{stem}_by_{_word(name)}") for name, slope in slopes.items()
@@ -193,7 +196,7 @@ class Forward:
             by_seeds = self._by_seeds(slopes, self.active.get(name, ()), before, name)
             new += [(slope_name(name, seed), slope) for seed, slope in by_seeds.items()]
             new.append((name, plain))
-        if isinstance(value, ast.Tuple):  # which may exchange variables: all is read before anything is set
+        if isinstance(value, ast.Tuple):  # it may swap variables: everything is read before anything is set
             held = [(name, self._partials.fresh("new")) for name, _ in new]
             before += [assign(keep, slope) for (_, keep), (_, slope) in zip(held, new, strict=True)]
             new = [(name, ast.Name(keep, ast.Load())) for name, keep in held]
@@ -214,12 +217,12 @@ class Forward:
 
 
 def _word(text: str) -> str:
-    """Return what can be part of a name: of a number of an array, the words of its text."""
+    """Return text that can be part of a name; for an element of an array, the words of its expression."""
     return re.sub(r"\W+", "_", text).strip("_")
 
 
 class _OfKernel(Forward):
-    """Differentiates one kernel by arguments of it."""
+    """Differentiates one kernel by some of its arguments."""
 
     def __init__(
         self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...], arrays: tuple[str, ...] = ()
@@ -232,7 +235,7 @@ class _OfKernel(Forward):
         self.once -= self.whole
 
     def written(self) -> tuple[str, dict[str, Any]]:
-        """Return the text of the tangent, and what it uses."""
+        """Return the text of the tangent, and the kernels and constants that it uses."""
         first = [
             assign(slope_name(name, seed), ast.Constant(float(name == seed)))
             for name in self.item.arguments
@@ -250,6 +253,6 @@ class _OfKernel(Forward):
         for node in nodes(function):
             if isinstance(node, ast.Name) and node.id in self.known and node.id not in self.uses:
                 self.uses[node.id] = self.known[node.id]
-        for module in ("math", "np"):  # which every text has
+        for module in ("math", "np"):  # available in every text
             self.uses.pop(module, None)
         return unparsed(function) + "\n", self.uses

@@ -1,13 +1,13 @@
-"""How the errors of a scene's figures may be estimated: by which finer solutions, one after the other.
+"""The ways to estimate the errors of a scene's figures: which finer solutions are tried, one after the other.
 
-Another one is an entry here, and what it does as an estimate of `solve.estimate`.
+A new way is an entry here, with its implementation as an estimate in `solve.estimate`.
 """
 
 from typing import NamedTuple
 
 
 class Estimated(NamedTuple):
-    """A word of `numerics.error`: the estimates that it tries (`solve.estimate.ESTIMATES`), and how it is told."""
+    """An option of `numerics.error`: the estimates that it tries (`solve.estimate.ESTIMATES`), and its description."""
 
     by: tuple[str, ...]
     text: str

@@ -1,4 +1,4 @@
-"""Expressions as text that is worked out: what `derivative` puts together of a kernel's source."""
+"""Expressions as syntax trees: the pieces that `derivative` assembles from a kernel's source."""
 
 import ast
 import copy
@@ -7,14 +7,14 @@ from typing import Any
 
 from screwsim.numerics.kernel import nodes
 
-ALONG = "along"  # the seed of arrays that move: by how much, stands in an array beside each
-FLAT = {"floor", "ceil", "trunc"}  # functions of math whose derivative is nothing
+ALONG = "along"  # the seed of arrays that have tangents; an array beside each holds its derivatives
+FLAT = {"floor", "ceil", "trunc"}  # functions of math whose derivative is zero
 Expression = ast.expr
 Slopes = dict[str, Expression]  # by variable, within a statement
 
 
 def read(text: str, **parts: Expression) -> Expression:
-    """Return an expression from its text; names in it stand for other expressions."""
+    """Return an expression from its text, with names in it replaced by other expressions."""
 
     class Put(ast.NodeTransformer):
         def visit_Name(self, node: ast.Name) -> Any:
@@ -23,7 +23,7 @@ def read(text: str, **parts: Expression) -> Expression:
     return Put().visit(ast.parse(text, mode="eval").body)
 
 
-# of each function of math: its derivative by its argument u, where v is its value
+# derivative of each function of math by its argument u, where v is its value
 SLOPES = {
     "sqrt": "0.5 / v if v > 0.0 else 0.0",
     "exp": "v",
@@ -46,7 +46,7 @@ SLOPES = {
 
 
 def each(slope: Callable[[str], Expression | None], *known: Slopes) -> Slopes:
-    """Return what a function gives for every variable of some derivatives, where it is not nothing."""
+    """Return {variable: slope(variable)} for every variable of some derivatives, leaving out None."""
     names = dict.fromkeys([name for some in known for name in some])
     return {name: found for name in names if (found := slope(name)) is not None}
 
@@ -80,17 +80,17 @@ def _is(node: Expression | None, value: float) -> bool:
 
 
 def is_unit(node: Expression) -> bool:
-    """Tell whether an expression is 1 or -1."""
+    """Tell whether an expression is the constant 1 or -1."""
     return _is(node, 1.0) or (isinstance(node, ast.UnaryOp) and _is(node.operand, 1.0))
 
 
 def is_element(index: Expression) -> bool:
-    """Tell whether an index is that of one number of an array."""
+    """Tell whether an index selects a single element of an array."""
     return not isinstance(index, ast.Slice | ast.Tuple)
 
 
 def slope_name(name: str, seed: str) -> str:
-    """Return the name of a variable's derivative by a seed, and of the array by which another moves along."""
+    """Return the name of a variable's derivative by a seed; for an array, that of the array of its derivatives."""
     return f"{name}__{seed}"
 
 
@@ -101,7 +101,7 @@ def negative(node: Expression) -> Expression:
 
 
 def added(a: Expression | None, b: Expression | None, minus: bool = False) -> Expression | None:
-    """Return a + b, or a − b, of derivatives of which either may be nothing."""
+    """Return a + b, or a − b, of derivatives, either of which may be None for zero."""
     if b is None:
         return a
     if a is None:
@@ -112,7 +112,7 @@ def added(a: Expression | None, b: Expression | None, minus: bool = False) -> Ex
 
 
 def product(slope: Expression | None, factor: Expression | None) -> Expression | None:
-    """Return a derivative times a factor, left out where that is one."""
+    """Return a derivative times a factor, without factors of one; None where either is None for zero."""
     if slope is None or factor is None:
         return None
     if _is(slope, 1.0):

@@ -1,7 +1,7 @@
-"""The user's own folder for what can be made again: nobody else's, and nobody else may write there.
+"""The user's own cache folder, which belongs to nobody else and in which nobody else may write.
 
-Compiled code that is loaded is code that is run. So what is kept is taken only from a folder that belongs to the user;
-where there is none, from a private one that ends with the process that made it.
+Loading compiled code means running it. So cached files are only taken from a folder that belongs to the user; where
+there is none, a private one takes its place, which is removed when the process that made it ends.
 """
 
 import atexit
@@ -16,8 +16,8 @@ from pathlib import Path
 
 CHOSEN = "SCREWSIM_CACHE"
 PRIVATE = "SCREWSIM_PRIVATE_CACHE"  # the private folder, for the processes that this one starts
-NOWHERE = "-"  # in its place: not even that could be made
-OTHERS = 0o022  # mode of what group or world may write
+NOWHERE = "-"  # value of it where not even a private folder could be made
+OTHERS = 0o022  # mode bits: writable by group or world
 SHARED = "others may write there"
 REMEDY = f"name a folder of your own with {CHOSEN}"
 
@@ -26,7 +26,7 @@ _told: set[str] = set()
 
 
 def tell(text: str) -> None:
-    """Say a line on stderr, where there is one that takes it."""
+    """Print a line on stderr, if that is possible."""
     with contextlib.suppress(OSError, ValueError):
         if sys.stderr is not None:
             print(f"screwsim: {text}", file=sys.stderr, flush=True)
@@ -35,8 +35,8 @@ def tell(text: str) -> None:
 def cache_folder() -> Path | None:
     """Return the user's cache folder (SCREWSIM_CACHE, else XDG_CACHE_HOME/screwsim), made if missing.
 
-    A folder that cannot be made, or is not the user's alone, is told in one line; a private temporary one, shared with
-    the processes that this one starts and removed at its end, takes its place. None: not even that can be made.
+    A folder that cannot be made, or is not the user's alone, is reported in one line; a private temporary one, shared
+    with the processes that this one starts and removed at its end, takes its place. None: not even that can be made.
     """
     chosen = os.environ.get(CHOSEN)
     folder = Path(chosen) if chosen else _usual()
@@ -52,9 +52,9 @@ def cache_folder() -> Path | None:
 
 
 def _usual() -> Path | None:
-    """Return where the folder lies when nobody chose; None where no home is known."""
+    """Return the default path of the folder; None where no home folder is known."""
     caches = os.environ.get("XDG_CACHE_HOME", "")
-    if os.path.isabs(caches):  # by that convention any other is ignored
+    if os.path.isabs(caches):  # that convention ignores relative paths
         return Path(caches) / "screwsim"
     try:
         return Path.home() / ".cache" / "screwsim"
@@ -63,7 +63,7 @@ def _usual() -> Path | None:
 
 
 def _made(folder: Path) -> str:
-    """Make a folder for the user alone, if it is missing; return why it cannot be."""
+    """Make a folder for the user alone if it is missing; return why it cannot be made."""
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except FileExistsError:
@@ -74,7 +74,7 @@ def _made(folder: Path) -> str:
 
 
 def _flaw(folder: Path) -> str:
-    """Return why a folder is not to be used; empty when it is the user's own."""
+    """Return why a folder must not be used; empty where it is the user's own."""
     try:
         link, found = folder.lstat(), folder.stat()
     except OSError as error:
@@ -87,20 +87,20 @@ def _flaw(folder: Path) -> str:
 
 
 def own(found: os.stat_result) -> bool:
-    """Tell whether a file is this user's; elsewhere than on POSIX nobody says."""
+    """Tell whether a file is this user's; always true where there are no user ids (not POSIX)."""
     user = getattr(os, "geteuid", None)
     return user is None or found.st_uid == user()
 
 
 def _close(folder: Path) -> None:
-    """Let nobody else read the usual folder either; older ones could be."""
+    """Make the default folder unreadable for others, which it may not be if it is old."""
     with contextlib.suppress(OSError):
         if os.name == "posix" and stat.S_IMODE(folder.stat().st_mode) != 0o700:
             folder.chmod(0o700)
 
 
 def _private(why: str) -> Path | None:
-    """Return the private temporary folder of this process and those that it starts, told when it is made."""
+    """Return the private temporary folder of this process and its children; print why, when it is made."""
     with _lock:
         known = os.environ.get(PRIVATE, "")
         if known == NOWHERE:
@@ -119,18 +119,18 @@ def _private(why: str) -> Path | None:
 
 
 def _discard(folder: Path, owner: int) -> None:
-    if os.getpid() == owner:  # and not a process forked from it
+    if os.getpid() == owner:  # not in a process forked from it
         shutil.rmtree(folder, ignore_errors=True)
 
 
 def handed_on() -> tuple[str, set[str]]:
-    """Return what a worker process has to know, however it is started: the private folder, and what was told."""
+    """Return what a worker process needs, however it is started: the private folder, and messages printed so far."""
     cache_folder()
     return os.environ.get(PRIVATE, ""), _told
 
 
 def take_over(known: tuple[str, set[str]]) -> None:
-    """Share the private folder of the process that started this one, and tell nothing twice."""
+    """Share the private folder of the parent process, and print none of its messages again."""
     folder, told = known
     if folder:
         os.environ[PRIVATE] = folder
@@ -138,7 +138,7 @@ def take_over(known: tuple[str, set[str]]) -> None:
 
 
 def refused(folder: Path, error: OSError) -> None:
-    """Tell once that nothing more is kept: what is compiled serves this command from memory."""
+    """Print once that the cache cannot be written, so that compiled code only serves this command."""
     if str(folder) not in _told:
         _told.add(str(folder))
         remedy = f"make room or rights there, or {REMEDY}"

@@ -1,7 +1,7 @@
-"""Python's garbage collection, put off while many objects are made that are no garbage: parsed texts, composed scenes.
+"""Python's garbage collection, suspended while many objects are made that are not garbage: syntax trees, scenes.
 
-The tree of a text has some hundred thousand objects, made one after the other, without any cycles: every collection on
-the way visits all of them and finds nothing. Without it a text is read in half the time.
+The tree of a text has some hundred thousand objects, made one after the other, without any cycles: every collection
+meanwhile visits all of them and finds nothing. Without it a text is parsed in half the time.
 """
 
 import gc
@@ -16,7 +16,7 @@ _was_on = False
 
 @contextmanager
 def no_search() -> Iterator[None]:
-    """Search for no garbage meanwhile, in any thread; where it was off before, it stays off."""
+    """Suspend garbage collection within, in all threads; where it was off before, it stays off."""
     global _inside, _was_on
     with _alone:
         if not _inside:

@@ -1,16 +1,16 @@
-"""Histories: states over the angle as the dense output of an integration, read by neighbouring chambers.
+"""Histories: stored trajectories of chamber lives, as dense output of an integration, read by neighbouring chambers.
 
-A history is (times[0…n], dense[n, 4, states]) as `rodas.integrate` fills them.
+A history is (times[0…n], dense[n, 4, states]) as filled by `rodas.integrate`; the independent variable is the angle.
 """
 
 from screwsim.numerics.kernel import kernel
 
-NUDGE = 1e-9  # rad: at a jump the side is chosen on which the middle of the caller's segment lies
+NUDGE = 1e-9  # [rad] at a jump, the side on which the middle of the caller's segment lies is chosen
 
 
 @kernel
 def locate(phi, middle, times, steps, hint):
-    """Return the step that holds phi, searching from `hint`; on a boundary the one on the side of `middle`."""
+    """Return the step that contains phi, searching from `hint`; on a boundary the one on the side of `middle`."""
     x = phi + NUDGE if middle > phi else phi - NUDGE
     i = hint
     if i >= steps or times[i] > x + 0.5:
@@ -41,7 +41,7 @@ def cubic(v0, v1, v2, v3):
 def add_history(times, steps, other_times, other_dense, other_steps, weight, out):
     """Add weight × another history to `out`, the dense form on the steps of `times`.
 
-    A cubic through the values at 0, 1/3, 2/3 and 1 of each step replaces the other's pieces there.
+    In each step a cubic through its values at 0, 1/3, 2/3 and 1 replaces the other history's pieces.
     """
     n = out.shape[2]
     i = 0
@@ -75,7 +75,7 @@ def add_history(times, steps, other_times, other_dense, other_steps, weight, out
 
 @kernel
 def states_at(angles, times, dense, steps, out):
-    """Fill out[i] with the state of a history at increasing angles."""
+    """Fill out[i] with the state of a history at angles[i], which increase."""
     i = 0
     for a in range(angles.shape[0]):
         i = locate(angles[a], angles[a] + 1e-6, times, steps, i)

@@ -1,8 +1,9 @@
-"""The registry of integrators: ours by their coefficients, scipy's as checks, a user's own by the name of a module.
+"""The registry of integrators: our own by their coefficients, scipy's as checks, a user's own by the name of a module.
 
-A Rosenbrock method in the form of `numerics.rodas` is compiled into the model and does all that Rodas4 does. A check
-integrates the coupled chambers from where our own method closed. Another one is a module with a variable INTEGRATOR,
-which a scene names as it names an effect of its own: `numerics.integrator: my_integrators.rodasp`.
+A Rosenbrock method in the form of `numerics.rodas` is compiled into the model and can do everything that Rodas4 does. A
+check integrates all chambers together, starting from the cycle that our own method closed. A user's own integrator is a
+module with a variable INTEGRATOR, named in a scene as an effect of the user's own is: `numerics.integrator:
+my_integrators.rodasp`.
 """
 
 import re
@@ -16,14 +17,15 @@ from screwsim.numerics import rodas, rodas3
 from screwsim.numerics.kernel import constant_text
 from screwsim.numerics.trial import found_in
 
-ROUNDING = 1e-9  # of published coefficients
+ROUNDING = 1e-9  # allowance for rounding of published coefficients
 
 
 @dataclass(frozen=True, eq=False)
 class Rosenbrock:
-    """Coefficients of a method: γ, a_ij, C_ij, c_i, d_i of the stages, c3 and c4 of the dense output, by `rodas`.
+    """Coefficients of a method in the notation of `rodas`: γ, a_ij, C_ij, c_i, d_i; c3 and c4 of the dense output.
 
-    The last two stages stand at the end of the step, which is y + Σ a_5j u_j + u_5, the error's estimate u_5.
+    The last two stages are evaluated at the end of the step, which is y + Σ a_5j u_j + u_5, with the error estimate
+    u_5.
     """
 
     order: int
@@ -47,7 +49,7 @@ class Rosenbrock:
         return np.hstack([self.a, padding]) @ gamma, gamma
 
     def conditions(self) -> list[tuple[int, float, float]]:
-        """Return (order, what a condition of it gives, what it should) up to order 4."""
+        """Return (order, left side, right side) of the order conditions up to order 4."""
         (alpha, gamma), one = self.couplings, np.ones(len(self.a))
         b, beta, at = np.append(self.a[-1], 1.0) @ gamma, alpha + gamma, alpha @ one
         found = [(1, one, 1), (2, beta @ one, 2), (3, at**2, 3), (3, beta @ beta @ one, 6), (4, at**3, 4)]
@@ -55,7 +57,7 @@ class Rosenbrock:
         return [(order, float(b @ each), 1.0 / share) for order, each, share in found]
 
     def _flaw(self) -> str:
-        """Return what the coefficients lack of a method of their order; empty where they lack nothing."""
+        """Return what is wrong with the coefficients for a method of their order; empty where nothing is."""
         n = len(self.nodes)
         shapes = [np.shape(each) for each in (self.a, self.c, self.d, self.dense)]
         if shapes != [(n, n - 1), (n, n - 1), (n,), (2, n)]:
@@ -79,7 +81,7 @@ class Rosenbrock:
 
     @property
     def constants(self) -> dict[str, Any]:
-        """The constants of `rodas` by which methods differ."""
+        """The constants of `rodas` in which methods differ."""
         beta, stages = rodas.quadrature_weights(self.gamma, self.a, self.c), len(self.nodes)
         sizes = {"STAGES": stages, "LAST": stages - 1, "DENSE_STAGES": stages, "POWER": -1.0 / self.order}
         sizes |= {"GAMMA": self.gamma, "A": self.a, "C": self.c, "NODES": self.nodes, "D": self.d, "DENSE": self.dense}
@@ -97,7 +99,7 @@ class Rosenbrock:
 
 @dataclass(frozen=True)
 class Check:
-    """A method of scipy's `solve_ivp`: its name there, or a subclass of OdeSolver; an implicit one takes a Jacobian."""
+    """A method of scipy's `solve_ivp`: its name there, or a subclass of OdeSolver. An implicit one takes a Jacobian."""
 
     method: Any
     implicit: bool = True
@@ -107,13 +109,13 @@ Integrator = Rosenbrock | Check
 RODAS4 = Rosenbrock(rodas.ORDER, rodas.GAMMA, rodas.A, rodas.C, rodas.NODES, rodas.D, rodas.DENSE)
 RODAS3 = Rosenbrock(rodas3.ORDER, rodas3.GAMMA, rodas3.A, rodas3.C, rodas3.NODES, rodas3.D, rodas3.DENSE)
 DEFAULT = "rodas4"
-INTEGRATORS: dict[str, Integrator] = {  # that scenes name
+INTEGRATORS: dict[str, Integrator] = {  # those that scenes can name
     DEFAULT: RODAS4,
     "scipy-radau": Check("Radau"),
     "scipy-bdf": Check("BDF"),
     "scipy-lsoda": Check("LSODA"),
 }
-STUDIED: dict[str, Integrator] = {  # studies alone: it saves next to nothing, and explicit ones are hopeless for work
+STUDIED: dict[str, Integrator] = {  # in studies only: rodas3 saves next to nothing, explicit methods are far too slow
     "rodas3": RODAS3,
     "scipy-rk45": Check("RK45", implicit=False),
     "scipy-dop853": Check("DOP853", implicit=False),
@@ -122,11 +124,11 @@ CHECKS = tuple(name for name, each in (INTEGRATORS | STUDIED).items() if isinsta
 
 
 def find_integrator(name: str) -> Integrator:
-    """Return the integrator of a name; raise KeyError where there is none, ImportError for a dotted one."""
+    """Return the integrator of a name; raise KeyError where there is none, ImportError for a dotted one that fails."""
     return found_in(INTEGRATORS | STUDIED, name, "INTEGRATOR", Rosenbrock, Check)
 
 
 def check_of(name: str) -> Check | None:
-    """Return the check that an integrator is; None for one that closes cycles by itself."""
+    """Return an integrator as a check; None for one that closes cycles by itself."""
     found = find_integrator(name)
     return found if isinstance(found, Check) else None

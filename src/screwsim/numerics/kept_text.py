@@ -1,4 +1,4 @@
-"""Texts of kernels that were written before: read from the cache folder, found by all that they are made of."""
+"""Texts of generated modules, cached in the cache folder under a digest of everything that they are made from."""
 
 import hashlib
 import sys
@@ -11,16 +11,17 @@ from screwsim.numerics import sources, store
 from screwsim.numerics.garbage import no_search
 from screwsim.numerics.kernel import HEADER, Kernel, flatten, spelled
 
-FASTEST = 1  # level of zlib: a sixth of the size, in a millisecond
+FASTEST = 1  # zlib's level: a sixth of the size, in a millisecond
 NO_SLOTS: Mapping[str, str] = MappingProxyType({})
 
 
 def kept_text(by: Sequence[str], kernels: Iterable[Kernel], of: Sequence[Any], write: Callable[[], str]) -> str:
-    """Return the text that `write` returns, as it was kept, or written now and kept.
+    """Return the text that `write` returns, from the cache if it is there, else written and cached now.
 
-    It is made by code in the folders `by` of this package, of kernels and all that they use, and of what has one
-    `repr`: an edit of any of these makes another text. How a tree is spelled is Python's matter, so its version counts.
-    Where the code was edited after this process began, it is not what the folders hold, and nothing is kept.
+    It depends on the code in the folders `by` of this package, on kernels and everything that they use, on the `repr`
+    of the objects `of`, and on Python's version, which determines how trees are unparsed: a change of any of these
+    gives another text. Where the code was edited after this process began, the digest of the folders is not that of the
+    running code, and nothing is cached.
     """
     code = sources.of_folders(*by)
     if code is None:
@@ -46,7 +47,7 @@ def _read(name: str) -> str | None:
 
 
 def flat_module(kernels: Sequence[Kernel], calling: Sequence[Kernel] = (), slots: Mapping[str, str] = NO_SLOTS) -> str:
-    """Return the text of a module of kernels, and of more of them, `calling` what fills their slots."""
+    """Return the text of a module of kernels and of `calling`, kernels whose slots are filled by `slots`."""
 
     def text() -> str:
         found = flatten(kernels)

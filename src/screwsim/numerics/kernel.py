@@ -1,10 +1,10 @@
 """Kernels: scalar functions that run as plain Python and are pasted into one flat compiled module.
 
-A kernel takes and returns floats (or small tuples, or arrays that its caller owns), allocates nothing and keeps
-no state. `flatten` collects kernels with everything that they call or read, renames each to a name of its own
-(`file__function`) and returns the source text. A `Slot` is a name that the generated module must define itself, a
-`Structure` a number of the composition that becomes a constant.
-`written` makes a kernel from generated text, such as the equation of one fluid.
+A kernel takes and returns floats (or small tuples, or arrays that its caller owns), allocates nothing and keeps no
+state. `flatten` collects kernels with everything that they call or read, gives each a unique name (`file__function`)
+and returns the source text. A `Slot` is a function that the generated module must define itself, a `Structure` a number
+of the composition that becomes a constant. `written` makes a kernel from generated text, such as the equation of state
+of one fluid.
 """
 
 import ast
@@ -36,7 +36,7 @@ class Kernel:
         self.__name__ = function.__name__
         code = function.__code__
         self.arguments = code.co_varnames[: code.co_argcount]
-        # now: a file may be edited while we run
+        # read now, since the file may be edited while this process runs
         self.source = source or source_of(function)
         if "while" in self.source and flat_module(function).startswith("user_"):
             self.function, self.source = bounded(function, self.source, self._calls_one)
@@ -45,7 +45,7 @@ class Kernel:
         return self.function(*arguments)
 
     def _calls_one(self, name: str) -> bool:
-        """Tell whether a function that this one calls returns one number: numbers' own, or a kernel without a tuple."""
+        """Tell whether a called function returns a single number: a built-in one, or a kernel without a tuple."""
         called = self.function.__globals__.get(name)
         if called is None:
             return name in ("abs", "min", "max", "float")
@@ -55,12 +55,12 @@ class Kernel:
 
     @cached_property
     def flat_name(self) -> str:
-        """Name in the flat module: the module's (its last part for our own), two underscores, the function's name."""
+        """Name in the flat module: its module's (for our own, the last part), two underscores, the function's."""
         return f"{flat_module(self.function)}__{self.__name__}"
 
 
 def flat_module(function: Callable[..., Any]) -> str:
-    """Return a module's name as part of a flat name; a user's module never shares one with ours."""
+    """Return a module's name as part of a flat name; a user's module never shares one with this package's."""
     name = function.__module__
     return name.rpartition(".")[2] if name.startswith("screwsim.") else "user_" + re.sub(r"\W", "_", name)
 
@@ -68,8 +68,8 @@ def flat_module(function: Callable[..., Any]) -> str:
 def source_of(function: Callable[..., Any]) -> str:
     """Return the text of a function, decorators included.
 
-    `inspect.getsource` reads it token by token, which for all kernels takes a tenth of a second of each start. Here
-    it goes on until a line begins further left, as far as the code knows of lines at least; else that is asked.
+    `inspect.getsource` reads it token by token, which for all kernels takes a tenth of a second at each start. Here the
+    text ends before a line that is indented less; where that is earlier than the code object says, `inspect` is used.
     """
     code = function.__code__
     linecache.checkcache(code.co_filename)
@@ -93,7 +93,7 @@ def _last_line(code: types.CodeType) -> int:
 
 
 class Slot:
-    """A function that the generated module defines; calling it outside says so."""
+    """A function that the generated module defines; calling it outside raises RuntimeError."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -103,7 +103,7 @@ class Slot:
 
 
 class Structure:
-    """A number of what is composed: a constant of the text."""
+    """A number of the composition, which becomes a constant of the text."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -118,10 +118,10 @@ _written: dict[str, Kernel] = {}
 
 
 def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kernel:
-    """Return the kernel of a generated function's text; one text is one kernel, however often it is asked for.
+    """Return the kernel of a generated function's text; the same text always gives the same kernel object.
 
-    `uses` holds the kernels and constants that the text names. The flat name is made of `of` (a fluid, say), a hash
-    of the text and of all it uses, and the function's name: another text never takes the place of this one.
+    `uses` holds the kernels and constants that the text names. The flat name consists of `of` (a fluid, say), a digest
+    of the text and of everything that it uses, and the function's name, so that different texts never share a name.
     """
     uses = dict(uses or {})
     spelled = [
@@ -134,15 +134,15 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
     if key not in _written:
         space: dict[str, Any] = {"math": math, "np": np, "__name__": module, **uses}
         exec(compile(source, f"<{key}>", "exec"), space)
-        _written.setdefault(key, Kernel(space[name], source))  # of two threads that write it, one is first
+        _written.setdefault(key, Kernel(space[name], source))  # if two threads write it, the first one counts
     return _written[key]
 
 
-_parsing = threading.RLock()  # Python 3.11 counts the depth of all threads' texts together and takes that for an error
+_parsing = threading.RLock()  # Python 3.11 adds up the nesting depth of all threads' texts, and may raise an error
 
 
 def parsed(source: str) -> ast.Module:
-    """Return the tree of a text; one thread after the other."""
+    """Return the syntax tree of a text, one thread at a time."""
     with _parsing:
         return ast.parse(source)
 
@@ -152,13 +152,13 @@ _NO_PARTS = {"ctx", "op", "ops", "id", "attr", "name", "arg", "kind", "type_comm
 
 @cache
 def _parts(kind: type[ast.AST]) -> tuple[str, ...]:
-    """Return the fields of a kind of nodes in which others can stand."""
-    fields = () if kind is ast.Constant else getattr(kind, "_fields", ())  # names in lists have none
+    """Return the fields of a node class that can contain other nodes."""
+    fields = () if kind is ast.Constant else getattr(kind, "_fields", ())  # names in lists have no fields
     return tuple(name for name in fields if name not in _NO_PARTS)
 
 
 def nodes(*trees: ast.AST) -> list[Any]:
-    """Return the nodes of trees but operators and contexts, each before its parts: faster than `ast.walk`."""
+    """Return the nodes of trees without operators and contexts, each before its parts; faster than `ast.walk`."""
     found: list[Any] = list(trees)
     for node in found:  # grows
         for name in _parts(type(node)):
@@ -171,10 +171,10 @@ def nodes(*trees: ast.AST) -> list[Any]:
 
 
 def unparsed(node: ast.AST) -> str:
-    """Return the text of a tree that was made here: statements without a line of their own."""
+    """Return the text of a tree that was built here, whose statements have no line numbers."""
     for each in nodes(node):
         if isinstance(each, ast.stmt):
-            each.lineno = 0  # all that `ast.unparse` asks for
+            each.lineno = 0  # the only position that `ast.unparse` needs
     return ast.unparse(node)
 
 
@@ -188,7 +188,7 @@ def constant_text(value: Any) -> str | None:
 
 @lru_cache(maxsize=2048)
 def _renamed(source: str, renames: tuple[tuple[str, str], ...]) -> str:
-    """Rename what the one function of a text uses, and the function itself; drop decorators and annotations."""
+    """Rename the names that the one function of a text uses, and the function; drop decorators and annotations."""
     tree, names = parsed(source), dict(renames)
     for node in nodes(tree):
         if type(node) is ast.Name:
@@ -204,7 +204,7 @@ def _renamed(source: str, renames: tuple[tuple[str, str], ...]) -> str:
 
 
 def spelled(kernels: Iterable[Kernel]) -> str:
-    """Return the digest of kernels and of all that they use: two that differ anywhere are flattened to other texts."""
+    """Return the digest of kernels and everything that they use; kernels that differ anywhere give other texts."""
     found, seen = hashlib.sha256(), set[int]()
     left = list(kernels)
     for item in left:  # grows
@@ -231,11 +231,10 @@ def flatten(
     instance: str = "",
     numbers: Mapping[str, int] | None = None,
 ) -> dict[str, str]:
-    """Return {flat name: source} of kernels and all they use, callees first.
+    """Return {flat name: source} of kernels and everything that they use, callees first.
 
-    `slots` maps a slot's name to the function that fills it; `instance` is added to the names of the kernels
-    that use a slot, so that one method can be compiled for several models in one module. `numbers` are those of the
-    kernels' structure.
+    `slots` maps a slot's name to the function that fills it; `instance` is appended to the names of kernels that use a
+    slot, so that one method can be compiled for several models in one module. `numbers` are the values of `Structure`s.
     """
     found: dict[str, str] = {}
     seen: dict[str, Kernel] = {}
@@ -259,7 +258,7 @@ def flatten(
                 raise TypeError(f"two kernels are called {name}; rename one of them")
             return
         seen[name] = item
-        found[name] = ""  # holds its place; callees come before it
+        found[name] = ""  # placeholder, deleted below, so that callees come first
         renames = {item.__name__: name}
         for used in item.function.__code__.co_names:
             value = item.function.__globals__.get(used)

@@ -5,7 +5,10 @@ from screwsim.numerics.kernel import kernel
 
 @kernel
 def lu_factor(M, pivots, n):
-    """Factor the n×n matrix M in place, rows permuted by `pivots`, pivots inverted; one of zero leaves infinities."""
+    """Factor the n×n matrix M in place, with row permutations in `pivots` and inverted pivots.
+
+    A zero pivot gives inf.
+    """
     for k in range(n):
         p = k
         for i in range(k + 1, n):
@@ -27,7 +30,7 @@ def lu_factor(M, pivots, n):
 
 @kernel
 def lu_solve(M, pivots, b, n):
-    """Solve with the factors of `lu_factor`, b in place."""
+    """Solve a linear system with the factors of `lu_factor`, b in place."""
     for k in range(n):
         p = pivots[k]
         if p != k:

@@ -1,25 +1,25 @@
-"""Loops of a user's own kernels that may never end: refused where that is plain, bounded where it is not.
+"""Loops of a user's own kernels that may never end: refused where that is certain, limited otherwise.
 
-Compiled code cannot be interrupted from within, and a cycle that waits for it says nothing. A `while` whose condition
-reads nothing that the loop changes, and that nothing leaves, is refused. Any other of a kernel that returns one number
-counts its rounds. Where they are more than `MOST_ROUNDS` in one call it raises an error while the machine is built;
-compiled it returns what is no number, which fails the case and is told with the effect and the angle. An integrator,
-which returns several, may take as many steps as it likes.
+Compiled code cannot be interrupted from within, and a cycle that waits for it prints nothing. A `while` whose condition
+reads nothing that the loop changes, and that nothing leaves, is refused. Every other one, in a kernel that returns a
+single number, counts its iterations. Beyond `MOST_ROUNDS` in one call it raises an error while the machine is built;
+compiled it returns NaN, which fails the case with a message that names effect and angle. An integrator, which returns
+several values, may take as many steps as it likes.
 """
 
 import ast
 from collections.abc import Callable
 from typing import Any
 
-MOST_ROUNDS = 100_000  # of all `while` loops of one call: a tenth of a millisecond, of a law that is asked 10 000 times
+MOST_ROUNDS = 100_000  # iterations of a call's `while` loops, 0.1 ms in all; a law is called 10 000 times
 ROUNDS = "rounds_of_its_loops"
 
 
 def bounded(function: Callable[..., Any], source: str, returns_one: Callable[[str], bool]) -> tuple[Any, str]:
-    """Return a kernel's function and text with its `while` loops bounded, as they are where nothing is to be bounded.
+    """Return a kernel's function and text with its `while` loops limited; unchanged where there is nothing to limit.
 
-    `returns_one` tells of a function it calls whether that returns one number. As plain Python it raises RuntimeError,
-    compiled it returns no number. Raise TypeError for a loop that cannot end.
+    `returns_one` tells whether a function that the kernel calls returns a single number. Beyond the limit the function
+    raises RuntimeError, and the text returns NaN. Raise TypeError for a loop that cannot end.
     """
     first = function.__code__.co_firstlineno
     tree = ast.parse(source)
@@ -50,12 +50,12 @@ def bounded(function: Callable[..., Any], source: str, returns_one: Callable[[st
 
 
 def _counted(otherwise: str) -> list[ast.stmt]:
-    """Return the statements that count a round, and do something else from too many on."""
+    """Return statements that count an iteration, and execute `otherwise` beyond the limit."""
     return ast.parse(f"{ROUNDS} += 1\nif {ROUNDS} > {MOST_ROUNDS}:\n    {otherwise}").body
 
 
 def _endless(loop: ast.While) -> bool:
-    """Tell whether nothing leaves a loop and nothing in it changes what its condition reads."""
+    """Tell whether nothing leaves a loop, and nothing in it changes what its condition reads."""
     inside = [node for each in loop.body for node in ast.walk(each)]
     if any(isinstance(node, ast.Return | ast.Break | ast.Raise) for node in inside):
         return False
@@ -63,14 +63,14 @@ def _endless(loop: ast.While) -> bool:
     if isinstance(loop.test, ast.Constant):
         return bool(loop.test.value)
     if any(isinstance(node, ast.Call | ast.Subscript | ast.Attribute) for node in condition):
-        return False  # what it reads may change elsewhere
+        return False  # the condition may change elsewhere
     read = {node.id for node in condition if isinstance(node, ast.Name)}
     changed = {node.id for node in inside if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
     return not read & changed
 
 
 def _one_number(returned: ast.expr | None, returns_one: Callable[[str], bool]) -> bool:
-    """Tell whether an expression is certainly one float."""
+    """Tell whether an expression is certainly a single float."""
     match returned:
         case ast.Constant(value=float()) | ast.BinOp() | ast.UnaryOp(operand=ast.BinOp() | ast.Name()) | ast.Name():
             return True

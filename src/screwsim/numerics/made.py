@@ -1,7 +1,7 @@
-"""Feedback unknowns: numbers that a cycle makes and that act back on it. They are closed together with the states.
+"""Feedback unknowns: numbers that a cycle determines and that act back on it, found together with its states.
 
-One turn maps them to the next. They are compared and mixed in coordinates: most of them as logarithms, as the states
-are, the others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
+A turn maps their present values to new ones. They are compared and mixed in coordinates: most as logarithms, like the
+states, the others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
 """
 
 from collections.abc import Sequence
@@ -10,18 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 
 Array = np.ndarray
-LEAST = 1e-300  # of what must be positive for its logarithm
-FLOOR = 1e-4  # what a change counts against at the least, where an entry does not say
+LEAST = 1e-300  # least argument of a logarithm
+FLOOR = 1e-4  # default of the least value to which a change is relative
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One number that the cycle makes.
+    """One feedback unknown.
 
-    A positive one goes in its logarithm and its change is relative, with `floor` the least that it counts against; one
-    that exceeds −`shift` does so together with that. Where `scale` is given the number is any, and its change counts
-    over that scale. `of` names the entry, an amount, without which this one has no meaning: where that is at its floor
-    or below, neither counts.
+    A positive one is represented by its logarithm, and its change is relative to its value, or to `floor` where it is
+    smaller; one that only exceeds −`shift` is represented by the logarithm of value + shift. With `scale` the number
+    may have either sign, and its change is relative to that scale. `of` names another entry, an amount, without which
+    this one has no meaning: where that amount is at or below its floor, neither counts.
     """
 
     name: str
@@ -32,13 +32,13 @@ class Entry:
 
 
 class Entries:
-    """A vector of numbers that the cycle makes, and how they are compared and mixed."""
+    """A vector of feedback unknowns, with the rules for comparing and mixing them."""
 
     def __init__(self, entries: Sequence[Entry]) -> None:
         self.entries = tuple(entries)
         self.names = tuple(entry.name for entry in entries)
         self.linear = np.array([entry.scale is not None for entry in entries], bool)
-        self._mixed = bool(self.linear.any())  # or all in logarithms
+        self._mixed = bool(self.linear.any())  # else all are logarithms
         self.scales = np.array([1.0 if entry.scale is None else entry.scale for entry in entries])
         self.floors = np.array([entry.floor for entry in entries])
         self.shifts = np.array([entry.shift for entry in entries])
@@ -48,16 +48,19 @@ class Entries:
         return len(self.entries)
 
     def change(self, new: Array, old: Array) -> float:
-        """Return the largest change, each over its own measure."""
+        """Return the largest change, each relative to its own scale."""
         sizes = np.maximum(old + self.shifts, self.floors)
         changes = np.abs(new - old) / (np.where(self.linear, self.scales, sizes) if self._mixed else sizes)
         for what, amount in self.carried:
             if max(new[amount], old[amount]) <= self.floors[amount]:
-                changes[what] = 0.0  # the temperature of next to nothing
+                changes[what] = 0.0  # such as the temperature of a negligible amount
         return float(changes.max())
 
     def coordinates(self, values: Array) -> Array:
-        """Return what is mixed: logarithms, or values over their scale; an amount too small to count is its floor."""
+        """Return the coordinates that are mixed: logarithms, or values over their scale.
+
+        Negligible amounts are at their floor.
+        """
         found = np.log(np.maximum(values + self.shifts, LEAST))
         if self._mixed:
             found = np.where(self.linear, values / self.scales, found)
@@ -67,7 +70,7 @@ class Entries:
         return found
 
     def values(self, coordinates: Array, raw: Array) -> Array:
-        """Return the values of coordinates; amounts too small to count keep their raw values."""
+        """Return the values of coordinates; negligible amounts keep their raw values."""
         if self._mixed:
             powers = np.exp(np.where(self.linear, 0.0, coordinates)) - self.shifts
             found = np.where(self.linear, coordinates * self.scales, powers)
@@ -79,6 +82,6 @@ class Entries:
         return found
 
     def possible(self, values: Array) -> Array:
-        """Return values of which none that goes in its logarithm is below nothing."""
+        """Return values in which none that is represented by a logarithm is below its lower bound."""
         found = np.maximum(values + self.shifts, LEAST) - self.shifts
         return np.where(self.linear, values, found) if self._mixed else found

@@ -1,4 +1,4 @@
-"""Expressions with their derivatives by the variables in them: operators, choices, functions of `math`, kernels."""
+"""Expressions with their partial derivatives by the variables in them: operators, choices, functions, kernels."""
 
 import ast
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -30,9 +30,9 @@ Active = dict[str, tuple[str, ...]]  # the seeds on which each variable depends,
 class Partials:
     """Differentiates the expressions of one text by the variables in them.
 
-    `active` holds which variables depend on a seed, `known` what names of the text mean, `taken` the names in use;
-    `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these. `arrays` move with the seed
-    `ALONG`: `read` holds what was read of them, by its text, and the derivative of that.
+    `active` holds the seeds on which variables depend, `known` the meaning of the text's names, `taken` the names in
+    use; `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these. `arrays` have tangents
+    with the seed `ALONG`: `read` maps the text of each element that was read to its derivative.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Partials:
         self._count = 0
 
     def fresh(self, stem: str) -> str:
-        """Return a name that nothing has."""
+        """Return a name that is not in use."""
         self._count += 1
         name = f"{stem}_{self._count}"
         while name in self.taken:
@@ -61,11 +61,11 @@ class Partials:
         return name
 
     def fail(self, what: str) -> TypeError:
-        """Return the error that names the kernel and what of it cannot be differentiated."""
+        """Return the error that names the kernel and the part that cannot be differentiated."""
         return TypeError(f"kernel {self.name} cannot be differentiated: {what}")
 
     def expression(self, node: Expression, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
-        """Return an expression and its derivatives by its variables; what both need is set in statements before."""
+        """Return an expression and its derivatives by its variables; common parts are set in statements `before`."""
         if not seeds_of(node, self.active):
             return node, {}
         match node:
@@ -91,7 +91,7 @@ class Partials:
         raise self.fail(f"it has {ast.unparse(node)!r}")
 
     def kept(self, value: Expression, before: list[ast.stmt], stem: str = "part") -> Expression:
-        """Return an expression that can be read again and again: a name or a constant."""
+        """Return an expression that may be repeated: a name or a constant."""
         if isinstance(value, ast.Name | ast.Constant) or is_unit(value):
             return value
         name = stem if "_by_" in stem and stem not in self.taken else self.fresh(stem)
@@ -131,7 +131,7 @@ class Partials:
     def _choice(
         self, test: Expression, body: Expression, orelse: Expression, before: list[ast.stmt]
     ) -> tuple[Expression, Slopes]:
-        """Return what one of two expressions gives; only the one that is taken is evaluated."""
+        """Return the value of a conditional expression; only the branch that is taken is evaluated."""
         name = self.fresh("part")
         ways: list[list[ast.stmt]] = [[], []]
         found = [self.expression(side, way) for side, way in zip((body, orelse), ways, strict=True)]
@@ -164,7 +164,7 @@ class Partials:
         return self.values(node, before, 1)[0]
 
     def _extreme(self, name: str, arguments: Sequence[Expression], before: list[ast.stmt]) -> tuple[Expression, Slopes]:
-        """Return the least or largest of several, as Python takes it: the first of equal ones."""
+        """Return the smallest or largest of several expressions, for equal ones the first, as in Python."""
         first, *others = arguments
         if len(others) > 1:
             others = [ast.Call(ast.Name(name, ast.Load()), others, [])]
@@ -176,7 +176,7 @@ class Partials:
         return value, each(lambda one: ast.IfExp(test, db.get(one) or none, da.get(one) or none), da, db)
 
     def values(self, node: Expression, before: list[ast.stmt], count: int) -> list[tuple[Expression, Slopes]]:
-        """Return the values that a kernel's call gives, and their derivatives."""
+        """Return the values that a call of a kernel returns, and their derivatives."""
         seeded = bool(seeds_of(node, self.active))
         names = [self.fresh("part") for _ in range(count)]
         plain = [ast.Name(name, ast.Load()) for name in names]
@@ -198,7 +198,7 @@ class Partials:
         itself: Slopes = {ALONG: ast.Constant(1.0)}
         moving += [(ALONG, itself)] if whole else []
         by, arrays = tuple(name for name, _ in moving), tuple(called.arguments[i] for i in whole)
-        alias = "_by_".join([node.func.id, "_".join([*by, *arrays])])  # two kernels may have one name of their own
+        alias = "_by_".join([node.func.id, "_".join([*by, *arrays])])  # two kernels may have the same name of their own
         self.uses[alias] = self.tangent(called, by, arrays)
         parts = [[self.fresh("by") for _ in range(count)] for _ in moving]
         changes = [ast.Name(slope_name(name, ALONG), ast.Load()) for name in whole.values()]
@@ -215,7 +215,7 @@ class Partials:
         return [(one, each(lambda name, k=k: slope(k, name), *every)) for k, one in enumerate(plain)]
 
     def returned(self, node: ast.Call) -> int:
-        """Return how many values a kernel gives."""
+        """Return the number of values that a called kernel returns."""
         called = self.known.get(node.func.id) if isinstance(node.func, ast.Name) else None
         if not isinstance(called, Kernel):
             return 1
@@ -230,7 +230,7 @@ def find_active(
     given: Collection[tuple[str, str]],
     held: Collection[str],
 ) -> None:
-    """Let every variable depend on what any assignment to it depends on, until nothing is added."""
+    """Extend `active`: a variable depends on every seed on which an assignment to it depends, until nothing changes."""
     while True:
         before = dict(active)
         for names, value in pairs:
@@ -248,7 +248,7 @@ def find_active(
 
 
 def seeds_of(node: ast.AST, active: Mapping[str, tuple[str, ...]]) -> set[str]:
-    """Return the seeds on which an expression depends; what decides a branch or an index does not count."""
+    """Return the seeds on which an expression depends, ignoring conditions and indices."""
     if isinstance(node, ast.Name):
         return set(active.get(node.id, ()))
     if isinstance(node, ast.Compare | ast.BoolOp):

@@ -1,6 +1,6 @@
-"""The shape-preserving cubic of Fritsch and Butland, as scipy's PchipInterpolator has it, to the bit.
+"""The shape-preserving cubic of Fritsch and Butland, equal to scipy's PchipInterpolator to the bit.
 
-Here, since scipy.interpolate takes longer to import than most of what a run reads from it.
+It is here because scipy.interpolate takes longer to import than most of what a run reads from it.
 
 Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300–304; slopes at the ends by C. Moler,
 Numerical Computing with MATLAB, SIAM 2004, ch. 3.6.
@@ -14,9 +14,9 @@ Array = np.ndarray
 
 
 def slopes(x: Array, y: Array) -> Array:
-    """Return the derivative at each point: of the neighbouring secants the harmonic mean, 0 at a top or a bottom.
+    """Return the derivative at each point: the harmonic mean of the neighbouring secants, 0 at a maximum or a minimum.
 
-    Raise ValueError for points that are no curve.
+    Raise ValueError for points that do not form a curve.
     """
     if len(x) < 2 or len(x) != len(y) or not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
         raise ValueError("a curve needs two points or more, all of them numbers")
@@ -39,7 +39,7 @@ def slopes(x: Array, y: Array) -> Array:
 
 
 def _at_an_end(h_0: float, h_1: float, m_0: float, m_1: float) -> float:
-    """Return the one-sided derivative of three points, held to the shape of the last interval."""
+    """Return the one-sided derivative from three points, limited to the shape of the end interval."""
     found = ((2.0 * h_0 + h_1) * m_0 - h_0 * m_1) / (h_0 + h_1)
     if np.sign(found) != np.sign(m_0):
         return 0.0
@@ -49,7 +49,7 @@ def _at_an_end(h_0: float, h_1: float, m_0: float, m_1: float) -> float:
 
 
 def coefficients(x: Array, y: Array) -> Array:
-    """Return the coefficients of the powers of x − x_i, one row an interval, the constant first."""
+    """Return the coefficients of the powers of x − x_i, one row per interval, the constant first."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     slope, step = slopes(x, y), np.diff(x)
     secant = np.diff(y) / step
@@ -58,7 +58,7 @@ def coefficients(x: Array, y: Array) -> Array:
 
 
 class Pchip:
-    """The curve through points, read at one place after the other; beyond the ends the outer cubics go on."""
+    """The curve through points, evaluated at single places; beyond the ends the outer cubics are continued."""
 
     def __init__(self, x: Array, y: Array) -> None:
         self._x: list[float] = np.asarray(x, float).tolist()

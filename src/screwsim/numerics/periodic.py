@@ -1,4 +1,4 @@
-"""Acceleration of a periodic fixed point by Anderson's method (type II, Walker & Ni 2011), whatever the states mean."""
+"""Acceleration of a fixed-point iteration by Anderson's method (type II, Walker & Ni 2011), for states of any kind."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ Array = np.ndarray
 
 
 class Anderson:
-    """Weights of the last images of a fixed-point map, from the last `depth` + 1 pairs (point, image)."""
+    """Mixing of the images of a fixed-point map, from the last `depth` + 1 pairs (point, image)."""
 
     def __init__(self, depth: int, regularisation: float = 1e-10) -> None:
         self.depth = depth
@@ -15,18 +15,18 @@ class Anderson:
         self.images: list[Array] = []
 
     def restart(self) -> None:
-        """Forget the past."""
+        """Forget all pairs."""
         self.residuals.clear()
         self.images.clear()
 
     def mix(self, point: Array, image: Array) -> tuple[Array, Array]:
-        """Return the weights after `point` was mapped to `image`, and the weighted sum of the kept images."""
+        """Return the weights after `point` was mapped to `image`, and the weighted sum of the stored images."""
         weights = self.weights(point, image)
         self.images = [*self.images, image][-len(weights) :]
         return weights, weights @ np.array(self.images)
 
     def weights(self, point: Array, image: Array) -> Array:
-        """Return the weights (sum 1, newest last) of the kept images that make the smallest linear residual."""
+        """Return the weights (sum 1, newest last) of the stored images that minimise the linear residual."""
         self.residuals.append(image - point)
         if len(self.residuals) > self.depth + 1:
             self.residuals.pop(0)
@@ -40,7 +40,7 @@ class Anderson:
             share = np.linalg.solve(gram, steps @ kept[-1])
         except np.linalg.LinAlgError:
             return self._only_newest()
-        if not np.abs(share).max() <= 1e3:  # not finite, too
+        if not np.abs(share).max() <= 1e3:  # also where they are not finite
             return self._only_newest()
         weights = np.append(share, 1.0)
         weights[1:] -= share

@@ -1,12 +1,12 @@
-"""Results that follow from objects shared by many cases, and values of one object: found once, without looking into it.
+"""Caches keyed by the identity of objects: results that follow from shared objects, and values of one object.
 
 `functools.lru_cache` hashes its arguments, which for a section of a scene costs more than most of the results that are
-`Remembered`. Here objects are known by their address, and are held for as long as their results are remembered. They
-must never change.
+`Remembered`. Here objects are identified by their address, and are kept alive as long as their results. They must never
+change.
 
-`once` finds a value of an object when it is first asked for. `functools.cached_property` of Python 3.11 takes a lock
-for each, which costs more than most of these values; from 3.12 on there is none. Two threads that ask at once may both
-find it, and find the same.
+`once` computes a value of an object when it is first read. `functools.cached_property` of Python 3.11 takes a lock for
+each, which costs more than most of these values; from 3.12 on it takes none. Two threads that read it at the same time
+may both compute it, with the same result.
 """
 
 from collections.abc import Callable
@@ -15,18 +15,18 @@ from sys import version_info
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 Value = TypeVar("Value")
-MOST = 64
+MOST = 64  # results that are kept, by default
 
 
 class Remembered(Generic[Value]):
-    """A function of objects that is asked but once for the same ones; what it raises is raised every time."""
+    """A function of objects that is evaluated once for the same ones; exceptions are not cached."""
 
     def __init__(self, function: Callable[..., Value], most: int = MOST) -> None:
         self._function, self._most = function, most
         self._known: dict[tuple[int, ...], tuple[tuple[Any, ...], Value]] = {}
 
     def __call__(self, *objects: Any) -> Value:
-        """Return what the function returns."""
+        """Return the function's result, from the cache if it is there."""
         key = tuple(map(id, objects))
         known = self._known.get(key)
         if known is not None:
@@ -52,7 +52,7 @@ else:
             self._name = name
 
         def __get__(self, of: Any, owner: type | None = None) -> Any:
-            """Return the value, which then stands in the object itself."""
+            """Return the value, which is then stored in the object itself."""
             if of is None:
                 return self
             value = of.__dict__[self._name] = self._found(of)

@@ -1,7 +1,7 @@
-"""Arrays in memory that is used again once nobody holds it any more.
+"""Arrays in memory that is reused once nobody holds it any more.
 
-An allocator may return large arrays to the system, which then has to map their pages anew: in a virtual machine that
-takes as long as filling them. Whoever holds an array, or a view of it, holds its memory.
+An allocator may return large arrays to the system, which then has to map their pages again: in a virtual machine that
+takes as long as filling them. Memory is in use as long as an array, or a view of it, exists.
 """
 
 import mmap
@@ -11,21 +11,21 @@ from math import prod
 
 import numpy as np
 
-PRIVATE = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}  # each fork its own
+PRIVATE = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}  # private to a fork
 
 
 Array = np.ndarray
-LEAST = 1 << 14  # numbers from which on this pays
-MOST = 1 << 23  # numbers kept by a thread, 64 MiB
-WIDER = 1.25  # room of a new block, over what is asked: pages that are never written cost nothing
+LEAST = 1 << 14  # least size, in numbers, for which this pays
+MOST = 1 << 23  # most numbers kept by a thread, 64 MiB
+WIDER = 1.25  # size of a new block over the requested one: pages that are never written cost nothing
 
 
 def _references(blocks: list[Array]) -> list[int]:
-    """Return how many references there are to each block, those of this list and of the count itself among them."""
+    """Return the reference count of each block, including those of this list and of the call itself."""
     return [sys.getrefcount(block) for block in blocks]
 
 
-FREE = _references([np.empty(1)])[0]  # to a block that nobody holds: how many is Python's matter
+FREE = _references([np.empty(1)])[0]  # count of a block that nobody holds, which depends on Python's version
 
 
 class _Kept(threading.local):
@@ -39,7 +39,7 @@ _kept = _Kept()
 
 
 def empty(*shape: int) -> Array:
-    """Return an array of floats, of whatever stood there before."""
+    """Return an array of floats with arbitrary content."""
     size = prod(shape)
     if size < LEAST:
         return np.empty(shape)
@@ -51,21 +51,22 @@ def empty(*shape: int) -> Array:
         best = np.empty(int(WIDER * size))
         blocks.append(best)
         while sum(each.size for each in blocks) > MOST:
-            del blocks[0]  # who holds it goes on to do so
+            del blocks[0]  # it stays alive while somebody holds it
     return best[:size].reshape(shape)
 
 
 def zeros(*shape: int) -> Array:
-    """Return an array of nothing."""
+    """Return an array of zeros."""
     found = empty(*shape)
     found.fill(0.0)
     return found
 
 
 def room(*shape: int) -> Array:
-    """Return zeros of a shape, in pages of their own.
+    """Return an array of zeros in pages of its own.
 
-    numpy's would be as cheap the first time only: what the allocator was given back it writes over, all of it.
+    numpy's would be as cheap the first time only: memory that the allocator has got back it has to overwrite
+    completely.
     """
     count = prod(shape)
     pages = mmap.mmap(-1, max(count, 1) * np.dtype(float).itemsize, **PRIVATE)

@@ -1,22 +1,28 @@
 """Rodas4: a stiffly accurate, L-stable Rosenbrock method of order 4(3) with six stages and dense output of order 3.
 
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.7 (RODAS,
-first set of coefficients). Form of the stages: (1/(γh) − J) u_i = f(φ + c_i h, y + Σ a_ij u_j) + Σ C_ij u_j/h
-+ h d_i f_φ; the step is y + Σ_{j<5} a_5j u_j + u_5 + u_6, its error estimate u_6.
+first set of coefficients). Form of the stages: (1/(γh) − J) u_i = f(φ + c_i h, y + Σ a_ij u_j) + Σ C_ij u_j/h + h d_i
+f_φ; the step is y + Σ_{j<5} a_5j u_j + u_5 + u_6, its error estimate u_6.
 
-Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they reduce to one weighted sum,
-q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
-the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
+Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they reduce to one weighted sum, q += h [Σ β_i
+g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for the system
+enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by ten slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
-derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_breakpoint` (jumps of the state),
-`lands` (whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the
-size of a step's error; huge for a state that cannot be: a smaller step is tried), `share_in_phase` (the share of a step
-after which the equations change their form, 1 where they do not: the step is made again that long), `conserve` (closes
-the balances of an accepted step, in its end and its quadratures), `keep_port_states` (fills columns of the dense output
-beyond the states), `jump` (changes the state from which the next step begins where that is due, and tells whether the
-integration may go on; that a step ends there is the work of `share_in_phase`). Steps land on breakpoints and keep their
-size across them. STATES and QUADRATURES, their numbers, are constants of the text, so that short loops are unrolled.
+The model is connected by ten slots:
+- `surroundings`: everything that depends on φ alone;
+- `rates`;
+- `jacobian`: rates and their derivatives by the state and by φ, from the surroundings at φ and at φ + δ;
+- `at_breakpoint`: jumps of the state;
+- `lands`: whether one step may take the whole rest of a segment, from the surroundings at both ends;
+- `error_size`: the size of a step's error; huge for an impossible state, so that a smaller step is tried;
+- `share_in_phase`: the share of a step after which the equations change their form, 1 where they do not; the step is
+  repeated with that length;
+- `conserve`: closes the balances of an accepted step, in its end and its quadratures;
+- `keep_port_states`: fills columns of the dense output beyond the states;
+- `jump`: changes the state from which the next step begins where an event is due, and tells whether the integration may
+  go on; `share_in_phase` makes a step end there.
+Steps land on breakpoints and keep their size across them. STATES and QUADRATURES, their numbers, are constants of the
+text, so that short loops are unrolled.
 """
 
 import math
@@ -44,8 +50,8 @@ QUADRATURES: Any = Structure("QUADRATURES")
 GAMMA = 0.25
 ORDER = 4
 STAGES = 6
-LAST = STAGES - 1  # the stage that is the error of a step
-DENSE_STAGES = 5  # that the dense output is made of
+LAST = STAGES - 1  # the stage that is the error estimate of a step
+DENSE_STAGES = 5  # number of stages that enter the dense output
 A = np.array(
     (
         (0.0, 0.0, 0.0, 0.0, 0.0),
@@ -86,19 +92,19 @@ def quadrature_weights(gamma: float, a: np.ndarray, c: np.ndarray) -> np.ndarray
 
 BETA = quadrature_weights(GAMMA, A, C)
 BETA_D = float(BETA @ D)
-POWER = -1.0 / ORDER  # of the error, by which the next step is scaled
+POWER = -1.0 / ORDER  # exponent of the error in the factor of the next step
 
-TAKEN, REFUSED, EVALUATED, JACOBIANS = range(4)  # what is counted: steps, refused ones, calls of `rates`, Jacobians
+TAKEN, REFUSED, EVALUATED, JACOBIANS = range(4)  # counters: steps, rejected steps, calls of `rates`, Jacobians
 OK = 0
 STEP_TOO_SMALL = 1
 TOO_MANY_STEPS = 2
 TOO_MANY_JUMPS = 3
-ANGLE_STEP = 1e-6  # rad, for differences of what is smooth over the angle
-GROWTH = 2.5  # of a step over the last: faster growth jumps into regions that no error estimate has seen
-LONGEST = math.pi / 3.0  # a step: a stiff one that a port closes along sees neither its area nor its error
-SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
-AT_FIRST = 1e-7  # of that step, from an angle of none, where it is no rounding: next to no oil meets much at once ...
-NO_MORE = 1e-6  # ... up to this angle [rad]
+ANGLE_STEP = 1e-6  # [rad] for finite differences over the angle
+GROWTH = 2.5  # largest ratio of successive steps: faster growth jumps into regions that no error estimate has seen
+LONGEST = math.pi / 3.0  # longest step: over a closing port a longer, stiff one would see neither area nor error
+SMALLEST = 1e-13  # shortest step over the angle: shorter ones mean that rates are not finite or not solvable
+AT_FIRST = 1e-7  # factor on that limit at angle zero, where a tiny amount of oil may change within very short steps ...
+NO_MORE = 1e-6  # ... [rad] growing to 1 at this angle
 
 
 @kernel
@@ -173,8 +179,8 @@ def keep(step, phi, h, n, nq, y, y1, q, u, times, dense, quads):
 def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
     """Integrate y and the quadratures q (both in place) over the breakpoints; return (status, φ reached, next step).
 
-    Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_port_states`), kept[0] = steps so far (readable
-    by the slots while integrating); adds to counts (TAKEN …).
+    Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_port_states`), and kept[0], the number of steps
+    so far, which the slots may read while integrating; adds to counts (TAKEN …).
     """
     n = STATES
     nq = QUADRATURES
@@ -194,7 +200,7 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
     M = np.empty((n, n))
     pivots = np.empty(n, np.int64)
     h = h_start
-    longest = math.inf  # a step to where the equations change; what follows goes on with h
+    longest = math.inf  # length of a step to where the equations change; later steps go on with h
     phi = breakpoints[0]
     step = 0
     kept[0] = 0
@@ -264,11 +270,11 @@ def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, tim
 
 @kernel
 def dense_value(theta, y0, y1, c3, c4):
-    """Return the dense output at the share theta of a step."""
+    """Return the dense output at the fraction theta of a step."""
     return y0 * (1.0 - theta) + theta * (y1 + (1.0 - theta) * (c3 + theta * c4))
 
 
 @kernel
 def dense_slope(theta, y0, y1, c3, c4):
-    """Return the derivative by theta of the dense output."""
+    """Return the derivative of the dense output by theta."""
     return y1 - y0 + (1.0 - 2.0 * theta) * c3 + (2.0 - 3.0 * theta) * theta * c4

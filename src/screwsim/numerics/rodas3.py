@@ -1,8 +1,8 @@
 """Rodas3: order 3(2) in four stages, in the form of `rodas`, to measure what the order of the method is worth.
 
 Coefficients: E. Hairer, G. Wanner, Solving ODEs II (Springer 1996); A. Sandu et al., Atmos. Environ. 31 (1997) 3459.
-The method has no dense output of its own order: of the four conditions on weights b(θ) two depend on the others but at
-θ = 0 and 1. `dense_weights` meets the two of order 2 and, of order 3, the one of quadratures.
+The method has no dense output of its own order: of the four conditions on weights b(θ) two are dependent on the others
+except at θ = 0 and 1. `dense_weights` satisfies the two of order 2 and, of order 3, that of quadratures.
 """
 
 import numpy as np

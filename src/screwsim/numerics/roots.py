@@ -1,6 +1,6 @@
-"""A zero between two places, as scipy's brentq finds it, to the bit; and many zeros at once, by calls of all of them.
+"""A zero between two places, as found by scipy's brentq to the bit; and many zeros at once, with vectorised calls.
 
-Here, since scipy.optimize takes longer to import than the zeros of a run to find.
+It is here because scipy.optimize takes longer to import than the zeros of a run take to find.
 
 Source: R. P. Brent, Algorithms for Minimization without Derivatives, Prentice-Hall 1973, ch. 4, with hyperbolic
 extrapolation in place of the inverse quadratic one (J. C. P. Bus, T. J. Dekker, ACM Trans. Math. Softw. 1 (1975)); many
@@ -13,12 +13,12 @@ from math import copysign, inf
 
 import numpy as np
 
-RTOL = 8.881784197001252e-16  # four times the rounding of a float
-MOST = 100  # steps
+RTOL = 8.881784197001252e-16  # four times the rounding unit of a float
+MOST = 100  # most steps
 
 
 def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2e-12, rtol: float = RTOL) -> float:
-    """Return where a function passes zero, within xtol + rtol |x|; raise ValueError where both ends have one sign."""
+    """Return a zero of a function within xtol + rtol |x|; raise ValueError where both ends have the same sign."""
     x_before, x = float(low), float(high)
     f_before, f_x = f(x_before), f(x)
     if f_before == 0.0:
@@ -41,7 +41,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
             return x
         tried = inf
         if abs(step_before) > delta and abs(f_x) < abs(f_before):
-            with suppress(ZeroDivisionError):  # places or values that rounding makes equal
+            with suppress(ZeroDivisionError):  # places or values may be equal by rounding
                 tried = _tried((x_before, x, x_across), (f_before, f_x, f_across))
         if 2.0 * abs(tried) < min(abs(step_before), 3.0 * abs(half) - delta):
             step_before, step = step, tried
@@ -54,7 +54,7 @@ def brentq(f: Callable[[float], float], low: float, high: float, xtol: float = 2
 
 
 def _tried(x: tuple[float, float, float], f: tuple[float, float, float]) -> float:
-    """Return the step to where a line, or a hyperbola, through the last places passes zero."""
+    """Return the step to the zero of the line, or the hyperbola, through the last places."""
     (x_before, x_now, x_across), (f_before, f_now, f_across) = x, f
     if x_before == x_across:
         return -f_now * (x_now - x_before) / (f_now - f_before)
@@ -67,9 +67,9 @@ def _tried(x: tuple[float, float, float], f: tuple[float, float, float]) -> floa
 def bracketed(
     f: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, share: float, least: np.ndarray
 ) -> np.ndarray:
-    """Return where functions pass zero between places, NaN where none does; `f` is asked for all of them at once.
+    """Return zeros of functions between places, NaN where there is no change of sign; `f` evaluates all at once.
 
-    Each is within a share of their distance, or where its function is less than `least`.
+    Each is found within a share of the interval's length, or to where its function is smaller than `least`.
     """
     x, other, third = np.array(low, float), np.array(high, float), np.array(high, float)
     f_x, f_other = f(x), f(other)
@@ -92,13 +92,13 @@ def bracketed(
 
 
 def _chosen(open_: np.ndarray, of: tuple[np.ndarray, np.ndarray, np.ndarray], old: np.ndarray) -> np.ndarray:
-    """Return the first of two where they are the same, else the second; the old one where nothing is open."""
+    """Return the first of two where `same` holds, else the second; the old value where a search is finished."""
     same, first, second = of
     return np.where(open_, np.where(same, first, second), old)
 
 
 def _share_of(x: tuple[np.ndarray, ...], f: tuple[np.ndarray, ...]) -> np.ndarray:
-    """Return how far to go from the first place to the second: by inverse quadratic interpolation, or a half."""
+    """Return the fraction of the way from the first place to the second: inverse quadratic interpolation, or a half."""
     (x1, x2, x3), (f1, f2, f3) = x, f
     with np.errstate(all="ignore"):
         xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)

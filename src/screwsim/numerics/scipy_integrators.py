@@ -1,7 +1,7 @@
 """scipy's integrators over breakpoints, an independent check of our own: Radau, BDF, LSODA; RK45, DOP853 for studies.
 
-Each segment between them is integrated by itself. Tolerances are relative to the state; quadratures are states here,
-with an absolute tolerance from their scale.
+Each segment between breakpoints is integrated by itself. Tolerances are relative to the state; quadratures are states
+here, with an absolute tolerance from their scale.
 """
 
 import warnings
@@ -18,7 +18,7 @@ Array = np.ndarray
 
 
 class Path:
-    """An integrated path: times, dense[step] = (y0, y1, c3, c4) as `rodas.keep` stores them, end values, calls."""
+    """An integrated path: times, dense[step] = (y0, y1, c3, c4) as stored by `rodas.keep`, counts, a message."""
 
     def __init__(self) -> None:
         self.times: list[float] = []
@@ -28,7 +28,7 @@ class Path:
         self.message = ""
 
     def add(self, t: Array, y: Array, slopes: Array) -> None:
-        """Add accepted steps with Hermite's cubic between them."""
+        """Append accepted steps, with Hermite cubics as dense output."""
         if not self.times:
             self.times.append(float(t[0]))
         for i in range(len(t) - 1):
@@ -43,9 +43,10 @@ Slopes = Callable[[float, float, Array], Array]
 
 
 class Events(Protocol):
-    """What may happen to the state within a segment: scipy's terminal events from a point on, and what they change.
+    """Events of the state within a segment: scipy's terminal events, and the changes of state that they cause.
 
-    `least` is of each state the size below which its error counts as that of so much: what may be zero has one.
+    `least` holds for each state the size to which its error is relative where the state is smaller; a state that may be
+    zero needs one.
     """
 
     least: Array
@@ -66,9 +67,9 @@ def integrate(
 ) -> tuple[Array, Array, Path]:
     """Integrate y and the quadratures (appended to it in `rates`) over the breakpoints; return y, q and the path.
 
-    `rates(t, middle, y)` returns both slopes in one vector, `jacobian` their derivatives by y. The Jacobian is given
-    because scipy's own differences overflow for quadratures, on which nothing depends. `path.message` is empty when
-    the end was reached.
+    `rates(t, middle, y)` returns the derivatives of both in one vector, `jacobian` their derivatives by y. The Jacobian
+    is supplied because scipy's own differences overflow for quadratures, on which nothing depends. `path.message` is
+    empty where the end was reached.
     """
     from scipy.integrate import solve_ivp
 
@@ -116,9 +117,9 @@ def integrate(
 
 @cache
 def _method(method: Any) -> Any:
-    """Return the method for `solve_ivp`, by name or its class; for scipy's own implicit ones LAPACK is called as it is.
+    """Return the method for `solve_ivp`, by name or class; scipy's own implicit ones are made to call LAPACK directly.
 
-    What scipy calls it by looks at each matrix and right side again and again, which takes several times as long.
+    scipy's wrappers inspect each matrix and right-hand side again and again, which takes several times as long.
     """
     from scipy.integrate import BDF, Radau
 
@@ -146,7 +147,7 @@ def _factored(A: Array) -> tuple[Array, Array]:
         raise ValueError("derivatives are not finite")
     lu, pivots, info = factor(A, overwrite_a=True)
     if info > 0:
-        warnings.warn("the equations of a step are singular", LinAlgWarning, stacklevel=2)  # as scipy says it
+        warnings.warn("the equations of a step are singular", LinAlgWarning, stacklevel=2)  # as scipy does
     return lu, pivots
 
 

@@ -1,6 +1,6 @@
-"""What a scene says of the numerical solution, and which ways of closing a word of it tries, one after the other.
+"""The settings of the numerical solution in a scene, and the ways of closing a cycle that each option tries in turn.
 
-Another one is an entry here, and what it does as a way of `cycle.ways`.
+A new option is an entry here, with its implementation as a way of `cycle.ways`.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
 
 
 class Closing(NamedTuple):
-    """A word of `numerics.closing`: the ways that it tries (`cycle.ways`), whether fallbacks follow, how it is told."""
+    """An option of `numerics.closing`: the ways that it tries (`cycle.ways`), its text, whether fallbacks follow."""
 
     ways: tuple[str, ...]
     text: str
@@ -44,5 +44,5 @@ class NumericsSettings:
 
     @property
     def estimates(self) -> bool:
-        """Tell whether the error of each figure is estimated."""
+        """Whether the error of each figure is estimated."""
         return bool(ERRORS[self.error].by)

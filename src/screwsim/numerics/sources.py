@@ -1,7 +1,7 @@
-"""What code is at work: digests of this package's sources, and of the modules of the user's own.
+"""Digests of the code at work: of this package's sources, and of the user's own modules.
 
-The version of a checkout says nothing; the texts do. Those of the user's own are noted when they are imported: what
-lies on disk may be edited while a process goes on with what it has.
+The version of a checkout does not identify its code; the texts do. Those of the user's own are recorded when they are
+imported, since files may be edited while a process goes on with what it has imported.
 """
 
 import ast
@@ -21,8 +21,8 @@ from typing import Any
 import screwsim
 
 _SHOWS = ("cli", "printing", "report")  # folders of the package that change no result
-_LETTERS = 16  # of a digest: enough to tell texts apart
-_TICK = 0.01  # [s] by which the clock of a file system may lag
+_LETTERS = 16  # length of a digest, enough to distinguish texts
+_TICK = 0.01  # [s] possible lag of a file system's clock
 _noted: dict[str, tuple[Any, Mapping[str, str]]] = {}
 
 
@@ -36,9 +36,9 @@ def of_package() -> str:
 
 @cache
 def of_folders(*names: str) -> str | None:
-    """Return the digest of the sources in some folders of this package, as this process has imported them.
+    """Return the digest of the sources in some folders of this package, as imported by this process.
 
-    None where that is not known: one was written after the package began to be imported.
+    None where that is unknown, because one was written after the import of the package began.
     """
     root = Path(__file__).parents[1]
     files = [file for name in names for file in (root / name).rglob("*.py")]
@@ -56,37 +56,40 @@ def _of_files(root: Path, files: Iterable[Path]) -> str:
 
 
 def digest(content: bytes) -> str:
-    """Return the digest of the content of a file, however its lines end."""
+    """Return the digest of a file's content, whatever its line ends."""
     return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()[:_LETTERS]
 
 
 def note(name: str, made: Any) -> None:
-    """Take note of the texts of a user's module that was imported now; `made` is what another import makes anew."""
+    """Record the texts of a user's module that has just been imported.
+
+    `made` is the object that a new import replaces.
+    """
     if name not in _noted or _noted[name][0] is not made:
         top = name.partition(".")[0]
         found: dict[str, str] = {}
-        if top != "screwsim":  # of which `of_package` tells
+        if top != "screwsim":  # covered by `of_package`
             _add(name, top, found)
         _noted[name] = made, found
 
 
 def made_of(name: str) -> Any:
-    """Return what a user's module that is noted defines."""
+    """Return the object that a recorded user's module defines."""
     return _noted[name][0]
 
 
 def noted() -> dict[str, Any]:
-    """Return {module: what it made} of the user's modules that were noted."""
+    """Return {module: object that it defines} of the recorded user's modules."""
     return {name: made for name, (made, _) in _noted.items()}
 
 
 def of_module(name: str) -> Mapping[str, str]:
-    """Return {file: digest} of a user's module as it was noted, and of what of the user's own it imports."""
+    """Return {file: digest} of a user's module as it was recorded, and of the user's own modules that it imports."""
     return _noted[name][1]
 
 
 def _add(name: str, top: str, found: dict[str, str]) -> None:
-    """Add a module, the packages around it and what it imports, where they are the user's own."""
+    """Add a module, the packages around it and the modules that it imports, as far as they are the user's own."""
     spec = _spec(name)
     if spec is None or not _is_own(spec, top):
         return
@@ -104,7 +107,7 @@ def _add(name: str, top: str, found: dict[str, str]) -> None:
 
 
 def _imported(content: bytes, package: str) -> Iterator[str]:
-    """Yield the names of all modules that a text may import; nothing of what is no text."""
+    """Yield the names of all modules that a text may import; none where it is not Python."""
     try:
         tree = ast.parse(importlib.util.decode_source(content))
     except (SyntaxError, ValueError):
@@ -120,7 +123,7 @@ def _imported(content: bytes, package: str) -> Iterator[str]:
 
 
 def _spec(name: str) -> ModuleSpec | None:
-    """Return where a module comes from, without importing what is not the user's own."""
+    """Return where a module comes from, without importing anything that is not the user's own."""
     loaded = sys.modules.get(name)
     if loaded is not None:
         return loaded.__spec__
@@ -142,7 +145,7 @@ def _is_own(spec: ModuleSpec, top: str) -> bool:
 
 @cache
 def _installed() -> tuple[Path, ...]:
-    """Return the folders of Python and of what is installed for it."""
+    """Return the folders of Python and of the packages that are installed for it."""
     paths = sysconfig.get_paths()
     found = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
     return tuple(Path(path) for path in (*found, *site.getsitepackages(), site.getusersitepackages()))

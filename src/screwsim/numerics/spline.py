@@ -2,8 +2,8 @@
 
 Where slopes are known the cubics are Hermite's through values and slopes, which may differ on both sides of a row.
 
-A curve is packed into one array as [n, x_0 … x_{n-1}, c_0 … c_{4(n-1)-1}], where interval i has the polynomial
-c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the table the curve is constant.
+A curve is packed into one array as [n, x_0 … x_{n-1}, c_0 … c_{4(n-1)-1}], where interval i has the polynomial c[4i] +
+c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the table the curve is constant.
 """
 
 import math
@@ -19,9 +19,9 @@ from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
 
 Array = np.ndarray
-LEAST = 1e-9  # of its largest value: where a curve of areas is below it, it is nothing
-SEEN = 0.02  # of the largest value: a turn of a curve by less than that counts as none
-NARROW = math.radians(15.0)  # turns of a curve that lie closer than that are what a step could leap over
+LEAST = 1e-9  # area over the largest one below which it counts as zero
+SEEN = 0.02  # change over the largest value below which a reversal of a curve is ignored
+NARROW = math.radians(15.0)  # distance of two reversals of a curve below which a step could jump over them
 
 
 def read_curve(path: str, column: str) -> tuple[Array, Array]:
@@ -34,7 +34,7 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=32)
 def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array]:
-    """Read a curve; `_stamp` tells a file from what it was before."""
+    """Read a curve; `_stamp` changes when the file does."""
     with usable("name an existing CSV file", path):
         rows = read_sheet(path).columns("angle_deg", column)
     angles, values = [], []
@@ -54,26 +54,26 @@ def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array
         raise UsageError(f"{path}: has {len(angles)} rows; a curve needs at least 3")
     curve = np.array(angles), np.array(values)
     for each in curve:
-        each.setflags(write=False)  # many hold them
+        each.setflags(write=False)  # shared by many callers
     return curve
 
 
 def shut(areas: Array) -> np.ndarray:
-    """Tell which areas are none beside the largest."""
+    """Return which areas are negligible beside the largest."""
     return np.asarray(areas) <= LEAST * np.max(areas)
 
 
 def edges(angles: Array, areas: Array) -> tuple[float, ...]:
-    """Return the rows [rad] at which a table of areas opens or has shut; zeros beside them tell nothing."""
+    """Return the rows [rad] at which a table of areas opens or has closed: zeros next to an open row."""
     none = shut(areas)
     beside = np.append(~none[1:], False) | np.append(False, ~none[:-1])
     return tuple(np.asarray(angles)[none & beside].tolist())
 
 
 def features(angles: Array, areas: Array) -> tuple[float, ...]:
-    """Return the rows [rad] between which no step shall leap: `edges`, and tops and bottoms near another of these.
+    """Return the rows [rad] over which no step may jump: `edges`, and maxima and minima close to another of these.
 
-    A step over a bump that it does not look into sees no error; a broad one it cannot miss.
+    A step over a bump whose inside it does not sample sees no error; a broad bump cannot be missed.
     """
     found = edges(angles, areas)
     turns = _turns(np.asarray(areas)) if found or np.ptp(areas) > 0.0 else []
@@ -83,9 +83,9 @@ def features(angles: Array, areas: Array) -> tuple[float, ...]:
 
 
 def to_and_fro(x: Array, y: Array) -> tuple[float, float]:
-    """Return by how much of its largest slope that of a table jumps one way and back from row to row, at most; where.
+    """Return the largest back-and-forth jump of a table's slope between rows, over its largest slope, and where it is.
 
-    A corner of a curve jumps once: the smaller of two jumps that follow each other counts.
+    At a corner of a curve the slope jumps only once, so the smaller of two successive opposite jumps counts.
     """
     slope = np.diff(y) / np.diff(x)
     jumps, steepest = np.diff(slope), float(np.abs(slope).max())
@@ -97,7 +97,7 @@ def to_and_fro(x: Array, y: Array) -> tuple[float, float]:
 
 
 def _turns(areas: Array) -> list[int]:
-    """Return the rows of tops and bottoms from which areas turn by `SEEN` of the largest."""
+    """Return the rows of maxima and minima after which areas change by more than `SEEN` of the largest."""
     least, found, top, bottom = SEEN * float(np.max(areas)), [], 0, 0
     rising = falling = False
     for i, area in enumerate(areas.tolist()):
@@ -112,9 +112,9 @@ def _turns(areas: Array) -> list[int]:
 
 
 def pack_curve(x: Array, y: Array, slope: Array | None = None) -> Array:
-    """Return the packed shape-preserving C1 spline through (x, y); with slopes, the cubics that have them.
+    """Return the packed shape-preserving C1 spline through (x, y); with slopes, the Hermite cubics that have them.
 
-    slope: derivatives at both ends of each interval, shape (n − 1, 2); a curve with kinks has two at a row.
+    slope: derivatives at both ends of each interval, shape (n − 1, 2); at a kink a row has two different ones.
     """
     rows = pchip.coefficients(x, y) if slope is None else _hermite(x, y, slope)
     return np.concatenate([[float(len(x))], x, rows.ravel()])
@@ -130,7 +130,7 @@ def _hermite(x: Array, y: Array, slope: Array) -> Array:
 def differences(x: Array, y: Array, breakpoints: Sequence[float]) -> Array:
     """Return the derivatives at both ends of each interval, shape (n − 1, 2), of a curve smooth between breakpoints.
 
-    Differences of second order, one-sided at the rows that lie on a breakpoint (within 1e-9).
+    Second-order differences, one-sided at the rows that lie on a breakpoint (within 1e-9).
     """
     step = np.diff(x)
     secant = np.diff(y) / step
@@ -144,9 +144,9 @@ def differences(x: Array, y: Array, breakpoints: Sequence[float]) -> Array:
 
 
 def side_slopes(x: Array, y: Array, breakpoints: Sequence[float]) -> Array:
-    """Return `differences`, limited so that Hermite's cubics rise and fall with the rows and nowhere else.
+    """Return `differences`, limited so that the Hermite cubics are monotone wherever the rows are.
 
-    Source: Fritsch & Carlson 1980. Off the breakpoints the slopes on both sides of a row are the same.
+    Source: Fritsch & Carlson 1980. Except at breakpoints the slopes on both sides of a row are equal.
     """
     found, secant = differences(x, y, breakpoints), (np.diff(y) / np.diff(x))[:, None]
     found = np.where(found * secant > 0.0, np.sign(secant) * np.minimum(np.abs(found), 3.0 * np.abs(secant)), 0.0)

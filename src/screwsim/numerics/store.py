@@ -1,7 +1,7 @@
-"""What can be made again, kept in the cache folder: sound and ours, or not there at all.
+"""The cache folder's files: each is either intact and written by this user, or treated as absent and made again.
 
-Every file begins with the digest of its name and content, and every line of a file of lines with its own: what a full
-disk, a crash or a fault of the disk left of them is taken for nothing, and made anew.
+Every file begins with the digest of its name and content, and every line of a file of lines with its own: remains of a
+full disk, a crash or a disk error are ignored, and made again.
 """
 
 import contextlib
@@ -14,11 +14,11 @@ from pathlib import Path
 from screwsim.numerics.folder import cache_folder, own, refused
 
 DIGEST = 32  # [byte]
-OF_A_LINE = 16  # [characters] of a line's digest
+OF_A_LINE = 16  # [characters] length of a line's digest
 
 
 def read(name: str) -> bytes | None:
-    """Return what was kept under a name; None where there is nothing sound that this user wrote."""
+    """Return the content stored under a name; None where there is nothing intact that this user wrote."""
     folder = cache_folder()
     held = None if folder is None else _bytes_of(folder / name)
     if folder is None or held is None:
@@ -30,19 +30,19 @@ def read(name: str) -> bytes | None:
 
 
 def keep(name: str, content: bytes) -> None:
-    """Keep a content under a name, for this process and others; what the system refuses is told once, and not kept."""
+    """Store a content under a name, for this process and others; a failure is reported once, and nothing is stored."""
     _write(name, _digest(name, content) + content)
 
 
 def keep_text(name: str, text: str) -> None:
-    """Keep a text as it is, to be read by people."""
+    """Store a text as it is, for people to read."""
     folder, content = cache_folder(), text.encode()
     if folder is not None and _bytes_of(folder / name) != content:
         _write(name, content)
 
 
 def drop(name: str) -> None:
-    """Remove what was kept under a name."""
+    """Remove the content stored under a name."""
     folder = cache_folder()
     if folder is not None:
         with contextlib.suppress(OSError):
@@ -50,7 +50,7 @@ def drop(name: str) -> None:
 
 
 def _bytes_of(path: Path) -> bytes | None:
-    """Return all bytes of a file that this user wrote; None where there is none."""
+    """Return all bytes of a regular file that this user wrote; None where there is none."""
     try:
         with open(path, "rb", opener=_unlinked) as stream:
             found = os.fstat(stream.fileno())
@@ -60,7 +60,7 @@ def _bytes_of(path: Path) -> bytes | None:
 
 
 def _unlinked(path: str, flags: int) -> int:
-    """Open a file and no symbolic link, and wait for nobody."""
+    """Open a file without following a symbolic link and without waiting."""
     return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
 
 
@@ -82,9 +82,9 @@ def _write(name: str, content: bytes) -> None:
 
 
 def read_lines(name: str, full: int) -> list[str]:
-    """Return the lines of a file as they lie there, oldest first; one of `full` bytes or more is begun anew.
+    """Return the lines of a file unchecked, oldest first; a file of `full` bytes or more is removed, to be begun anew.
 
-    To look at each takes longer than to read them all: `sound` does it, where a line is used.
+    Checking each line takes longer than reading them all: `sound` does it where a line is used.
     """
     folder = cache_folder()
     held = None if folder is None else _bytes_of(folder / name)
@@ -96,17 +96,17 @@ def read_lines(name: str, full: int) -> list[str]:
 
 
 def sound(line: str) -> str | None:
-    """Return what was appended as a line; None for one that is torn or damaged."""
+    """Return the text that was appended as a line; None for a line that is torn or damaged."""
     digest, _, text = line.partition(" ")
     return text if digest == _digest_of_line(text) else None
 
 
 def append_line(name: str, line: str, full: int) -> None:
-    """Append a line, whole, to a file below `full` bytes; what the system refuses is not kept."""
+    """Append a whole line to a file of less than `full` bytes; a failure is ignored."""
     folder = cache_folder()
     if folder is None:
         return
-    # the first break ends what another left torn
+    # the leading line break ends a line that another process left torn
     content = f"\n{_digest_of_line(line)} {line}\n".encode()
     with contextlib.suppress(OSError):
         flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)

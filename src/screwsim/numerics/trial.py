@@ -1,4 +1,4 @@
-"""Try a call in a child process first: what kills a process kills that one, and is told."""
+"""Trial of a call in a child process: if it kills that process, this one survives and reports it."""
 
 import ctypes
 import importlib
@@ -16,26 +16,26 @@ from screwsim.numerics import sources
 T = TypeVar("T")
 _DONE = b"."
 PR_SET_PDEATHSIG = 1  # of Linux's prctl
-DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR", "GAS")  # what a module of the user's own may define
+DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR", "GAS")  # variables that a user's own module may define
 
 
 def own_module(name: str) -> ModuleType:
-    """Return a module of the user's own, imported and noted; raise ImportError where that ends the process."""
+    """Return a user's own module, imported and recorded; raise ImportError where importing it ends the process."""
     how = "" if name in sys.modules else how_it_died(lambda: importlib.import_module(name))
     if how:
         raise ImportError(f"a process that imported it died {how}")
     try:
         module = importlib.import_module(name)
-    except SystemExit as error:  # would end this program, too, and say nothing
+    except SystemExit as error:  # would end this program silently, too
         raise ImportError(f"it ends the program, by SystemExit: {error}") from error
     sources.note(name, next((vars(module)[each] for each in DEFINED if each in vars(module)), None))
     return module
 
 
 def found_in(registry: Mapping[str, T], name: str, defined: str, *kinds: type) -> T:
-    """Return what a registry has under a name, or a module of the user's own, by its dotted name, as `defined`.
+    """Return the entry of a registry, or for a dotted name the variable `defined` of a user's own module.
 
-    Raise KeyError where there is none, ImportError where a dotted one is not there.
+    Raise KeyError where there is none, ImportError where a dotted one cannot be imported or defines none.
     """
     if "." not in name:
         return registry[name]
@@ -46,9 +46,9 @@ def found_in(registry: Mapping[str, T], name: str, defined: str, *kinds: type) -
 
 
 def how_it_died(call: Callable[[], object]) -> str:
-    """Return how a child process died over a call; '' where it came to its end, however that was.
+    """Return how a child process died during a call; '' where the call ended, normally or by an exception.
 
-    '' as well where no child can be tried: beside other threads, whose locks a fork would copy, or without a fork.
+    Also '' where no child can be tried: beside other threads, whose locks a fork would copy, or without fork.
     """
     if sys.platform != "linux" or threading.active_count() > 1:
         return ""
@@ -76,10 +76,10 @@ def how_it_died(call: Callable[[], object]) -> str:
 
 
 def _be_child(call: Callable[[], object], writes: int) -> NoReturn:
-    """Call, say that it came to its end, and end; an exception comes again in the parent, which tells it."""
+    """Call, report the end to the parent, and exit; an exception occurs again in the parent, which reports it."""
     try:
         _end_with_parent()
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is printed comes again, too
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # printed text is printed again by the parent
         call()
     except BaseException:  # noqa: BLE001 - as said
         pass
@@ -89,7 +89,7 @@ def _be_child(call: Callable[[], object], writes: int) -> NoReturn:
 
 
 def _end_with_parent() -> None:
-    """Have this process killed when its parent ends, however that is: what it tries may never end by itself."""
+    """Have this process killed when its parent ends in any way, since the call that it tries may never end."""
     parent = os.getppid()
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if parent == 1 or os.getppid() != parent:  # it ended before

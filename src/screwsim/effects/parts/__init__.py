@@ -1,1 +1,1 @@
-"""What effects are made of: parts that they declare (`effects.base` has all of them), laws that several share."""
+"""What effects are made of: the parts that they declare (all are in `effects.base`), and laws that several share."""

@@ -1,4 +1,4 @@
-"""What all gaps share: a clearance, a flow coefficient, and a table in place of the built-in area.
+"""What all gaps share: a clearance, a flow coefficient, and a table that may replace the built-in area.
 
 Source: screwsim. The paper gives (19) for the housing tips and refers to Amosov et al. (1977, not available) for the
 profile and end-face gaps; the forms used here for those two are ours (docs/model.md, M20–M22).
@@ -17,7 +17,7 @@ from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import features, read_curve, table_value
 
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
-BIRTH = 20.0 * pi / 180.0  # over which a gap opens that would be open when its trailing chamber is born
+BIRTH = 20.0 * pi / 180.0  # angle over which a gap opens that would already be open at its trailing chamber's birth
 COUNTS_720 = "has a formula that counts a life of 720 deg, which the volume's table has not"
 
 
@@ -102,10 +102,10 @@ def ramp(phi, start, full, fall, end):
 
 
 def gap_path(parameters, area, values, *, breakpoints, offset, corners=(), use_table=True, slides=None) -> FlowPath:
-    """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table.
+    """Return the flow path of a gap between chambers `offset` pitches apart, from its area kernel or from its table.
 
-    `corners` [rad] are those of a built-in area's slope; `slides` is the speed of the housing over it, over that of
-    the tips; None where none slides (M256).
+    `corners` [rad] are those of a built-in area's slope. `slides` is the speed of the housing past the gap over the tip
+    speed; None where no wall slides (M256).
     """
     tables = {}
     if use_table and parameters.area_file is not None:
@@ -127,7 +127,7 @@ def _between(parameters, area, values, slides, **others) -> FlowPath:
 def profile_paths(parameters, interfaces, gap=None, factor=1.0, slides=None) -> list[FlowPath]:
     """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor.
 
-    `slides` as of `gap_path`, across a lobe.
+    `slides` is as for `gap_path`, and applies to the gaps across a lobe.
     """
     area, values = (table_area, {}) if gap is None else (length_area, {"gap": gap})
     found = []
@@ -141,7 +141,7 @@ def profile_paths(parameters, interfaces, gap=None, factor=1.0, slides=None) -> 
 def check_gap(
     name: str, parameters, facts, size: str = "", example: str = "", what: str = "", tabled: bool = True
 ) -> Iterator[Fault]:
-    """Yield what a gap lacks beside the machine's law: its size, or a table where the formula has no meaning.
+    """Yield what a gap lacks apart from the machine's law: its size, or a table where the formula has no meaning.
 
     size: name of the length or area behind the built-in area; tabled: whether a table replaces all of it.
     """
@@ -159,7 +159,7 @@ def check_gap(
 
 
 def check_formula(path: str, facts) -> Iterator[Fault]:
-    """Yield why a size that only a formula uses is given in vain: beside a profile, or a table of another life."""
+    """Yield why a size that only the formula uses has no meaning: with a profile, or with a table of another life."""
     if facts.machine.finds_gaps:
         yield Fault(path, f"is given beside {facts.machine.finds_gaps}, which finds it by angle (remove it)")
     elif facts.machine.counts_otherwise:
@@ -175,6 +175,6 @@ def port_path(parameters, law, to) -> FlowPath:
 
 
 def check_port(name: str, facts) -> Faults:
-    """Yield that the machine has no law of a port (`name`: of the effect and of the machine's section)."""
+    """Yield a fault where the machine has no law of a port (`name`: of the effect and of the machine's section)."""
     if getattr(facts.machine, name, facts.machine) is None:
         yield Fault(f"effects.{name}", f"needs the section machine.{name} (write it, or remove the effect)")

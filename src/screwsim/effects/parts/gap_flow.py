@@ -1,16 +1,16 @@
 """Flow models of a gap with a clearance: the paper's nozzle, with friction of the gas, sealed by oil, or full of oil.
 
-What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al.
-(M190, M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with
-inertia and laminar friction (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and leaks there
-as a viscous film, without gas; through the rest gas flows as through a nozzle (M250–M252). Where the housing slides
-over the gap it drags oil along, from the chamber ahead to that behind (M256–M258).
+What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al. (M190,
+M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with inertia and
+laminar friction (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and leaks there as a viscous
+film without gas; through the rest gas flows as through a nozzle (M250–M252). Where the housing slides past the gap it
+drags oil along, from the chamber ahead to that behind (M256–M258).
 Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
 viscosity of a mixture, which differ a hundredfold; of the film, textbook (plane Poiseuille and Couette flow).
-Assumptions: of all models but `oil_film` walls at rest; constant viscosities, the gas's at suction pressure and the
-warmer of suction gas and injected oil where it is not stated, the oil's that of its supply; no heat passes from oil to
-gas inside the gap. Of `oil_film`: the share that is full follows the oil per gas of the upstream chamber, of what is
-dragged that of the chamber ahead, all of it from the stated `filled_from` on, for which there is no measurement.
+Assumptions: walls at rest, except in `oil_film`; constant viscosities: the gas's, unless stated, at suction pressure
+and the warmer of suction gas and injected oil, the oil's that of its supply; no heat passes from oil to gas inside the
+gap. Of `oil_film`: the share that is full follows the oil per gas of the upstream chamber, for dragged oil that of the
+chamber ahead, and reaches one at the stated `filled_from`, for which there is no measurement.
 Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, filled_from, wall_speed.
 """
 
@@ -24,17 +24,17 @@ from screwsim.inputs.faults import Fault, UsageError
 
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
 MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
-Held = Callable[[Any, float | None], Resistance]  # of a gap's parameters and the wall's speed, as `resistance` has them
+Held = Callable[[Any, float | None], Resistance]  # of a gap's parameters and the wall's speed (see `resistance`)
 
 
 class FlowModel(NamedTuple):
-    """A flow model of a gap: what holds back a nozzle's flow there, and what a scene states for it.
+    """A flow model of a gap: the resistance that it adds to a nozzle, and what a scene states for it.
 
-    `key` is the parameter that it alone asks for, with an `example`. `gas`: it asks for the gas's viscosity, `oil`: for
-    oil that is carried and has one; `walls`: a wall that slides over the gap drags oil along.
+    `key` is the parameter that this model alone takes, with an `example`. `gas`: it needs the gas's viscosity; `oil`:
+    it needs carried oil with a viscosity; `walls`: a wall that slides past the gap drags oil along.
     """
 
-    held: Held | None = None  # None: nothing holds it back, and nothing is asked for
+    held: Held | None = None  # None: the plain nozzle, without parameters
     key: str = ""
     example: str = ""
     gas: bool = True
@@ -76,23 +76,23 @@ MODELS = {
 
 
 def resistance(parameters: Any, slides: float | None = None) -> Resistance | None:
-    """Return what holds back a nozzle's flow in a gap; None with the plain nozzle.
+    """Return the resistance of a gap by its flow model; None for the plain nozzle.
 
-    `slides` is the speed of the wall that drags oil through it, over that of the tips, where none is stated; None where
-    no wall does.
+    `slides` is the speed of the wall that drags oil through the gap over the tip speed, used where none is stated; None
+    where no wall does.
     """
     held = MODELS[parameters.model].held
     return None if held is None else held(parameters, slides)
 
 
 def sealed(rule: str, gap: float, passage: float) -> Resistance:
-    """Return what holds back a mixture of gas and oil in a clearance [m] that is `passage` [m] deep (M192, M193)."""
+    """Return the resistance of a gas–oil mixture in a clearance `gap` [m] that is `passage` [m] deep (M192, M193)."""
     title = f"mixture of gas and oil, viscosity by {rule} (M192, M193)"
     return Resistance(MIXTURES[rule], {"gap": gap, "passage": passage}, title)
 
 
 def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
-    """Return the viscosities [Pa s] that a gap's flow model needs."""
+    """Return the viscosities [Pa s] that a gap's flow model takes, by the names of the kernel's arguments."""
     model = MODELS[parameters.model]
     if model.held is None:
         return {}
@@ -107,7 +107,7 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
 
 
 def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
-    """Yield what a gap's flow model lacks, or is given without a meaning."""
+    """Yield keys that a gap's flow model needs and lacks, and those that have no meaning with it."""
     path, word = f"effects.{name}", parameters.model
     model, own = MODELS[word], [each for each in MODELS.values() if each.key]
     if model.held is None:
@@ -137,7 +137,7 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
 
 
 def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
-    """Yield that the gas's viscosity is neither stated nor known."""
+    """Yield a fault where the gas's viscosity is neither stated nor known."""
     if parameters.gas_viscosity is None:
         try:
             transport(facts.gas.name, 1e4, 400.0)
@@ -146,7 +146,7 @@ def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
 
 
 def oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
-    """Yield what a flow model that asks for oil lacks."""
+    """Yield what a flow model that needs oil lacks."""
     if facts.oil is None:
         yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose nozzle_friction)")
         return

@@ -1,4 +1,4 @@
-"""What correlations of heat transfer ask of the gas: conductivity, viscosity, Pr; stated, or CoolProp's at a state.
+"""Transport properties of the gas for heat transfer correlations: as stated, or CoolProp's at one state.
 
 Source: screwsim. They are constant over the cycle: at the stated reference state, else at suction pressure and the
 warmer of suction gas and injected oil.
@@ -15,7 +15,7 @@ STATE = ("reference_pressure", "reference_temperature")
 
 
 def gas_numbers(parameters, around: Around, names: Sequence[str] = GAS) -> dict[str, float]:
-    """Return those named of conductivity [W/(m K)], viscosity [Pa s] and Prandtl number. Raises UsageError."""
+    """Return the named ones of conductivity [W/(m K)], viscosity [Pa s] and Prandtl number. Raises UsageError."""
     stated: dict[str, float] = {name: getattr(parameters, name) for name in names}
     if None not in stated.values():
         return stated
@@ -26,7 +26,7 @@ def gas_numbers(parameters, around: Around, names: Sequence[str] = GAS) -> dict[
 
 
 def gas_faults(path: str, parameters, fluid: str, names: Sequence[str] = GAS) -> Iterator[Fault]:
-    """Yield what is stated twice of the gas, or by half, and what CoolProp does not know of its transport."""
+    """Yield gas properties stated twice or in part only, and a gas whose transport CoolProp does not know."""
     stated, state = ([name for name in some if getattr(parameters, name) is not None] for some in (names, STATE))
     if stated and len(stated) < len(names):
         missing = next(name for name in names if name not in stated)

@@ -1,15 +1,15 @@
-"""Inverter of a motor: what it loses by frequency and current, and what the motor then loses by speed and torque.
+"""Inverter of a motor: its loss by frequency and current, and the loss of the motor by speed and torque.
 
-What: f is the speed over that of the motor's rated frequency, i the torque over the rated one, which the current that
-makes torque follows. P_i = ℓ [c_0 + c_1 i + (1 − c_0 − c_1) i f/0.9] (M431): what runs on without load, what switching
-and conducting lose, and what rectifier and choke lose of the power. ℓ is the loss at 90 % of the frequency and all of
-the current, which EU 2019/1781 has makers state; or the points that it has them state are fitted (M432). The motor
-loses ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; of a motor stated by
-a table 1 + r times what that says.
+What: f is the speed over that of the motor's rated frequency, i the torque over the rated one, to which the
+torque-producing current is proportional. P_i = ℓ [c_0 + c_1 i + (1 − c_0 − c_1) i f/0.9] (M431): the loss without load,
+that of switching and conduction, and that of rectifier and choke. ℓ is the loss at 90 % of the frequency and full
+current, which EU 2019/1781 has makers state; or the law is fitted to the points that it has them state (M432). The
+motor's loss is ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; for a motor
+given by a table, 1 + r times the table's loss.
 Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
 estimated; r is 0.15 up to 90 kW as we know IEC TS 60034-30-2, whose text was not at hand.
-Assumptions: torque and current in proportion, no weakening of the field: above rated speed a warning says so; the loss
-heats nothing that the machine sees.
+Assumptions: torque and current in proportion, no field weakening: above rated speed there is a warning; the loss heats
+nothing that the machine's model sees.
 Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
 """
 
@@ -26,11 +26,11 @@ from screwsim.inputs.declare import file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, usable
 
-FREQUENCY = 0.9  # of the point at which the loss is stated
+FREQUENCY = 0.9  # relative frequency of the point at which the loss is stated
 IRON = 1.5
 COLUMNS = "speed", "current", "loss"
-FEWEST, POOR = 5, 0.1  # rows of a file, and what a fit may leave of its largest loss
-WEAK = 1.02  # of the rated speed, above which the field would be weakened
+FEWEST, POOR = 5, 0.1  # fewest rows of a file; largest deviation of its fit, over the largest loss
+WEAK = 1.02  # speed over the rated one above which the field would be weakened
 
 
 @dataclass(frozen=True)
@@ -61,13 +61,13 @@ class Turning(NamedTuple):
 
 
 def turning(inverter: Inverter, power: float, rated: float, omega: float) -> Turning:
-    """Return how a motor of a rated power [W] turns that gives a power [W] while the rotor turns at omega [rad/s]."""
+    """Return speed and torque of a motor of a rated power [W] that gives `power` [W] at a rotor speed omega [rad/s]."""
     speed = omega / inverter.rated_speed
     return Turning(speed, abs(power) / rated / speed)
 
 
 def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
-    """Return what an inverter loses [W]: standing, by current, by its square, and by current and frequency (M431)."""
+    """Return the terms of an inverter's loss [W]: constant, by current, its square, and current × frequency (M431)."""
     if inverter.points_file is not None:
         return fitted(read_points(inverter.points_file))
     assert inverter.loss is not None  # checked
@@ -83,12 +83,12 @@ def inverter_loss(terms: tuple[float, float, float, float], at: Turning) -> floa
 
 
 def motor_share(constant_share: float, at: Turning) -> float:
-    """Return a motor's loss, of a sine, over that at its rated point (M433)."""
+    """Return a motor's loss on a sinusoidal supply over that at its rated point (M433)."""
     return constant_share * at.speed**IRON + (1.0 - constant_share) * at.torque**2
 
 
 def read_points(path: str) -> list[tuple[float, float, float]]:
-    """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where there are none."""
+    """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where the file has none."""
     with usable(f"name a CSV file with the columns {', '.join(COLUMNS)}"):
         cells = read_sheet(path).columns(*COLUMNS)
     try:
@@ -101,7 +101,10 @@ def read_points(path: str) -> list[tuple[float, float, float]]:
 
 
 def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float, float]:
-    """Return the four terms that fit a maker's points best (M432); raise UsageError where they tell no such law."""
+    """Return the four terms that fit a maker's points best (M432).
+
+    Raise UsageError where they determine no such law.
+    """
     f, i, loss = np.array(rows).reshape(-1, 3).T
     terms = np.stack([np.ones_like(i), i, i * i, i * f], axis=1)
     if len(rows) < FEWEST or np.linalg.matrix_rank(terms) < terms.shape[1]:
@@ -117,7 +120,7 @@ def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float,
 
 
 def _check_course(terms: tuple[float, float, float, float], slack: float) -> None:
-    """Raise UsageError where a fitted loss is not above 0, or falls by more than a slack [W] as the current grows."""
+    """Raise UsageError where a fitted loss is not above 0, or falls by more than `slack` [W] as the current grows."""
     for speed in (0.0, 1.0):
         course = [inverter_loss(terms, Turning(speed, current)) for current in np.linspace(0.0, 1.0, 21)]
         highest = np.maximum.accumulate(course)
@@ -130,7 +133,7 @@ def _check_course(terms: tuple[float, float, float, float], slack: float) -> Non
 
 
 def told(inverter: Inverter, at: Turning) -> tuple[str, ...]:
-    """Return what a warning says of a motor beyond its rated speed."""
+    """Return the warning of a motor beyond its rated speed, empty within it."""
     if at.speed <= WEAK:
         return ()
     what = f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed"
@@ -138,7 +141,7 @@ def told(inverter: Inverter, at: Turning) -> tuple[str, ...]:
 
 
 def faults(inverter: Inverter, path: str) -> Faults:
-    """Yield what an inverter lacks, or has twice."""
+    """Yield keys that an inverter lacks, or that state the same twice."""
     if inverter.points_file is not None:
         if inverter.loss is not None:
             yield Fault(f"{path}.loss", f"is given beside {path}.points_file, which has it (remove one of the two)")

@@ -1,13 +1,14 @@
-"""A check valve between a plenum and its line: shut against the flow, open while the plenum presses against it.
+"""A check valve between a plenum and its line: shut against the flow, open while the plenum's pressure is the higher.
 
-What: a disc without mass that its weight or a soft spring holds down lifts as far as holds the pressure difference at
-the cracking pressure, and is an orifice where it is fully open (M220). What a plenum does behind it, over a pitch: what
-the chambers give is stored, or leaves through the valve into an endless line (M221); and the pressure at which a
-machine that delivers nothing stands against the valve (M222).
+What: a massless disc, held down by its weight or a soft spring, lifts just so far that the pressure difference stays at
+the cracking pressure; fully open it is an orifice (M220). Response of the plenum over a pitch: the flow from the
+chambers is stored, or leaves through the valve into an infinite line (M221). Also the pressure at which a machine that
+delivers nothing stalls against the valve (M222).
 Source: textbook orifice; periodic solution by Fourier collocation (L. N. Trefethen, Spectral Methods in MATLAB, SIAM
-2000, ch. 3) and Newton's method. Derivatives of trigonometric polynomials are skew, the valve's law is monotone: there
-is one solution.
-Flows and pressures here count along the valve: on the suction side both are those of M184 with the other sign.
+2000, ch. 3) and Newton's method. Differentiation of trigonometric polynomials is skew-symmetric and the valve's law is
+monotone, so there is exactly one solution.
+
+Flows and pressures here count along the valve: on the suction side both have the opposite sign of those of M184.
 """
 
 import math
@@ -20,17 +21,17 @@ from screwsim.inputs.declare import quantity
 from screwsim.machine.drive.collocation import differentiation, resampled
 
 Array = np.ndarray
-POINTS = 65  # of a pitch; odd, so that no harmonic is its own alias
-MOST_POINTS = 300  # of a pitch, above which no more are taken
-RESOLVED = 1e-5  # of the mean flow: a change of the least flow below which its angles are enough
-FINE = 8  # times the angles of a curve, among which its lowest value is looked for first
-AROUND = np.linspace(-1.0, 1.0, 9)  # places about the lowest one at which a curve is read again ...
-REFINED = 3  # ... so many times
+POINTS = 65  # angles of a pitch; odd, so that no harmonic is its own alias
+MOST_POINTS = 300  # angles of a pitch above which they are not doubled again
+RESOLVED = 1e-5  # change of the least flow, over the mean flow, below which the angles are fine enough
+FINE = 8  # factor by which a curve's angles are refined for the first search of its lowest value
+AROUND = np.linspace(-1.0, 1.0, 9)  # places around the lowest one at which the curve is evaluated again ...
+REFINED = 3  # ... this many times
 MOST_STEPS = 60
 CONVERGED = 1e-11  # residual over the largest flow
-LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
-MOST_CHANGE = 0.4  # of what drives the leaks, by which a shut plenum's pressure changes in a turn
-LEAST_ACROSS = 0.002  # of its pressure, that counts as driving them at least
+LEAST_SHARE = 1e-4  # smallest damping factor of a Newton step; below it the step is taken regardless
+MOST_CHANGE = 0.4  # largest change of a shut plenum's pressure in a turn, over the pressure that drives the leaks
+LEAST_ACROSS = 0.002  # least pressure that counts as driving them, over the plenum's pressure
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Valve:
     pressure: float = quantity("pressure_difference", "that opens it, and holds it open", 0.0, ge=0.0)
 
     def drop(self, flow: Array, rho: float) -> tuple[Array, Array]:
-        """Return the pressure [Pa] that an open valve takes of flows [kg/s], and its slope by the flow (M220)."""
+        """Return the pressure drop [Pa] of an open valve at flows [kg/s], and its derivative by the flow (M220)."""
         if self.area is None:
             return np.full(flow.shape, self.pressure), np.zeros(flow.shape)
         orifice = flow**2 / (2.0 * rho * self.area**2)
@@ -50,7 +51,7 @@ class Valve:
 
 
 class Behind(NamedTuple):
-    """What a plenum works against: its capacity [kg/Pa], its line's impedance [Pa s/kg], lobe frequency, ρ."""
+    """What a valve connects: capacity of the plenum [kg/Pa], impedance of the line [Pa s/kg], lobe frequency, ρ."""
 
     capacity: float
     impedance: float
@@ -59,25 +60,25 @@ class Behind(NamedTuple):
 
 
 class Passed(NamedTuple):
-    """A pitch at `POINTS` even angles: flow through the valve [kg/s] and pressure of the plenum beyond its line's."""
+    """A pitch at evenly spaced angles: flow through the valve [kg/s], the plenum's pressure less its line's [Pa]."""
 
     flow: Array
     pressure: Array
 
 
 def through(valve: Valve, given: Array, behind: Behind, points: int = POINTS, start: Array | None = None) -> Passed:
-    """Return what a valve lets pass of the flow `given` [kg/s] to its plenum over a pitch; its mean is positive (M221).
+    """Return the flow through a valve over a pitch for a flow `given` [kg/s] to its plenum, of positive mean (M221).
 
-    capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0. At so many even angles (odd);
-    sought from a `start` of the flow.
+    capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0, at `points` (odd) evenly spaced
+    angles. `start` is the first guess of the flow.
     """
     w, mean = resampled(np.asarray(given), points), float(np.mean(given))
     D = behind.capacity * behind.frequency * differentiation(2.0 * np.pi, points)
-    beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure where it is shut
+    beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure when shut
     largest = float(np.max(np.abs(w)))
 
     def residual(z: Array) -> tuple[Array, Array, Array, float]:
-        """Return what is left open, the pressure, the valve's slope, and how much is left at most."""
+        """Return the residual, the pressure, the slope of the valve's drop, and the residual's largest magnitude."""
         u = np.maximum(z, 0.0)
         drop, slope = valve.drop(u, behind.rho)
         p = drop + behind.impedance * u + beyond * np.minimum(z, 0.0)
@@ -103,11 +104,11 @@ def through(valve: Valve, given: Array, behind: Behind, points: int = POINTS, st
 
 
 def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> float:
-    """Return the least flow [kg/s] over a pitch of what `passed` is a first solution of (M221).
+    """Return the least flow [kg/s] over a pitch, `passed` being a first solution (M221).
 
-    The pressure follows the flow, which it holds back, so that its curve is known better than that of the flow: the
-    least flow is that of its lowest value, between the angles, too. With all harmonics of the flow `given`, and with as
-    many more as change it.
+    The pressure is smoother than the flow, so that its curve is better resolved: the least flow is that of the
+    pressure's lowest value, also between the angles. All harmonics of the flow `given` are resolved, and the number of
+    angles is doubled until the result no longer changes.
     """
     found, points, mean = float(passed.flow.min()), max(POINTS, len(given) | 1), float(np.mean(given))
     if found <= 0.0:
@@ -123,7 +124,7 @@ def least_flow(valve: Valve, given: Array, behind: Behind, passed: Passed) -> fl
 
 
 def _flow_at(valve: Valve, above: float, behind: Behind) -> float:
-    """Return the flow [kg/s] that an open valve and its line hold back by so much [Pa]."""
+    """Return the flow [kg/s] at which an open valve and its line together lose `above` [Pa]."""
     held = (above - valve.pressure) / behind.impedance
     if valve.area is None or held**2 <= 2.0 * behind.rho * valve.area**2 * valve.pressure:
         return held
@@ -132,7 +133,7 @@ def _flow_at(valve: Valve, above: float, behind: Behind) -> float:
 
 
 def lowest(curve: Array) -> float:
-    """Return the lowest value of a periodic curve of which these are values at even angles, between them, too."""
+    """Return the lowest value of a periodic curve given at evenly spaced angles, also between them."""
     spectrum, many = np.fft.rfft(curve) / len(curve), FINE * len(curve)
     at, apart = float(np.fft.irfft(spectrum, many).argmin()), 1.0
     spectrum[1:] *= 2.0
@@ -146,9 +147,9 @@ def lowest(curve: Array) -> float:
 
 
 def closed(given: Array, behind: Behind, leaking: float = 0.0) -> Array:
-    """Return the pressure of a plenum whose valve stays shut, beyond its mean [Pa], at `POINTS` angles.
+    """Return the pressure of a plenum whose valve stays shut, relative to its mean [Pa], at `POINTS` angles.
 
-    `leaking` [kg/(Pa s)] times that pressure is what leaks take of the flow `given`.
+    `leaking` [kg/(Pa s)] times that pressure is the flow that leaks take from `given`.
     """
     spectrum = np.fft.rfft(resampled(np.asarray(given), POINTS))
     k = np.arange(1, len(spectrum))
@@ -158,16 +159,16 @@ def closed(given: Array, behind: Behind, leaking: float = 0.0) -> Array:
 
 
 def driving(held: float, across: float) -> float:
-    """Return the pressure across the machine that counts as driving its leaks, over the line's."""
+    """Return the pressure that counts as driving the machine's leaks, over the line's."""
     return abs(across) + LEAST_ACROSS * (1.0 + held)
 
 
 def standing(held: float, flow: Array, answering: float, across: float) -> float:
-    """Return the mean pressure over the line's, less one, of a plenum whose valve stays shut, from that held (M222).
+    """Return the next mean relative offset of a plenum whose valve stays shut, from the present one `held` (M222).
 
-    It changes as long as the chambers' flow [kg/s] into it has a mean, by that over what moves, until nothing passes in
-    the mean. `answering` is the flow with which what is open to the plenum answers a doubled pressure. Leaks grow with
-    what drives them, the pressure `across` the machine (over the line's), so that a share of that is the right step.
+    It changes until the chambers' flow [kg/s] into the plenum has no mean; the step is that mean over the flow in
+    motion. `answering` is the flow by which the open chambers respond to a doubled pressure. Leaks grow with the
+    pressure `across` the machine (over the line's), so the step is proportional to that.
     """
     moved = float(np.mean(np.abs(flow))) + answering
     share = float(np.mean(flow)) / moved if moved > 0.0 else 0.0

@@ -11,10 +11,10 @@ from screwsim.fluid.settings import oil_temperature
 
 @dataclass(frozen=True)
 class SuctionChange:
-    """What lies between suction line and machine (M160, M161).
+    """A change of state between suction line and machine (M160, M161).
 
-    A throttle leaves `pressure_ratio` of the pressure, or what the losses of a `package` leave; of what is sucked the
-    share `returned` is delivered gas, mixed in before it.
+    A throttle leaves `pressure_ratio` of the pressure; with `package` the pressure losses of a package apply. The share
+    `returned` of the gas that the machine sucks is delivered gas, mixed in before the throttle.
     """
 
     pressure_ratio: float = 1.0
@@ -24,15 +24,15 @@ class SuctionChange:
 
 @dataclass(frozen=True)
 class SuctionLine:
-    """What flows back into the suction line stays in it, mixes with what is sucked in and comes back (M270)."""
+    """What flows back into the suction line stays in it, mixes with the suction gas and is sucked in again (M270)."""
 
 
 @dataclass(frozen=True)
 class LineLeak:
     """A leak from the discharge line to the suction line beside the chambers, of an effective area [m²] (M274).
 
-    Needs a `SuctionLine`, to which its gas and oil come. With a `resistance` the share of the nozzle's flow passes that
-    this lets (M300); its share alone counts, `values` are further numbers that it asks for.
+    Needs a `SuctionLine`, which takes up its gas and oil. A `resistance` lets only its share of the nozzle flow pass
+    (M300; its film and drag are not used); `values` are further numbers that the share takes.
     """
 
     area: float
@@ -42,9 +42,9 @@ class LineLeak:
 
 @dataclass(frozen=True)
 class SuctionHeat:
-    """Heat [W] that the gas takes up on its way to the machine, by shaft power [W] and speed [rad/s] (M275).
+    """Heat [W] into the gas on its way to the machine, as a function of shaft power [W] and speed [rad/s] (M275).
 
-    Needs a `SuctionLine`, into which the warmed gas comes.
+    Needs a `SuctionLine`, into which the warmed gas flows.
     """
 
     power: Callable[[float, float], float]
@@ -52,10 +52,10 @@ class SuctionHeat:
 
 @dataclass(frozen=True)
 class Separator:
-    """Where gas and oil of the discharge line meet and part, and what cools the oil that goes back (M280–M284).
+    """Where gas and oil of the discharge line meet and part, and the cooler of the returning oil (M280–M284).
 
-    `balance` returns the temperatures and the cooler's duty that follow from what a cycle gives the separator, and,
-    asked whether the supply's temperature is open, how far that is from where the circuit closes.
+    `balance(outflow, open)` returns temperatures and cooler duty for what a cycle delivers to the separator; where the
+    supply temperature is open, also how far that is from closing the oil circuit.
     """
 
     balance: Callable[[Outflow, bool], Separated]
@@ -63,7 +63,7 @@ class Separator:
 
 @dataclass(frozen=True)
 class InSeparator:
-    """Parameters of an effect that asks for the separator's temperature: stated, or found by effects.separator."""
+    """Parameters of an effect that needs the separator's temperature: as stated, or found by effects.separator."""
 
     separator_temperature: float | None = oil_temperature(
         "of oil and gas in the separator (absent: effects.separator finds it)"
@@ -71,9 +71,9 @@ class InSeparator:
 
 
 class PressureLosses(NamedTuple):
-    """What a package loses [Pa] between its inlet and the machine, and between the machine and its outlet.
+    """Pressure losses of a package [Pa]: from its inlet to the machine, and from the machine to its outlet.
 
-    The latter is negative where nothing passes to an outlet under pressure.
+    The latter may be negative where nothing passes to an outlet under pressure.
     """
 
     before: float = 0.0
@@ -81,7 +81,7 @@ class PressureLosses(NamedTuple):
 
 
 class LosesPressure:
-    """Parameters of an effect by which the scene's lines are those of a package around the machine (M341, M342)."""
+    """Parameters of an effect that makes the scene's lines those of a package around the machine (M341, M342)."""
 
     @property
     def at_rated_flow(self) -> float:
@@ -89,33 +89,36 @@ class LosesPressure:
         raise NotImplementedError
 
     def losses(self, flow: float, inlet: float, outlet: float) -> PressureLosses:
-        """Return what a flow [m³/s] at the inlet loses, inlet and outlet of the package at pressures [Pa]."""
+        """Return the pressure losses at a flow [m³/s] at the inlet, given the pressures [Pa] of inlet and outlet."""
         raise NotImplementedError
 
     @property
     def delivers(self) -> bool:
-        """Whether what the machine moves comes to the package's outlet; else it is blown off."""
+        """Whether the gas that the machine moves reaches the package's outlet; else it is blown off."""
         return True
 
     def cooled(self, T: float, inlet: float) -> float | None:
-        """Return to which temperature [K] the package cools gas of T [K], its inlet at another; None: by nothing."""
+        """Return the temperature [K] to which the package cools gas of T [K], given that of its inlet.
+
+        None: it does not cool.
+        """
         return None
 
 
 class CoolsOil:
-    """Parameters of an effect that sends the oil back through a cooler, and may find the temperature of its supply.
+    """Parameters of an effect that returns the oil through a cooler, and may find the temperature of its supply.
 
-    `outlet_key` is the key among them that keeps the oil's temperature behind the cooler.
+    `outlet_key` names the parameter that prescribes the oil's temperature behind the cooler.
     """
 
     outlet_key = ""
 
     @property
     def outlet(self) -> float | None:
-        """Temperature [K] of the oil behind the cooler; None where it is not kept."""
+        """Temperature [K] of the oil behind the cooler; None where it is not prescribed."""
         return None
 
     @property
     def discharge(self) -> float | None:
-        """Temperature [K] of gas and oil at discharge; None where it is not kept."""
+        """Temperature [K] of gas and oil at discharge; None where it is not prescribed."""
         return None

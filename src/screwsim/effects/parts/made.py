@@ -1,4 +1,8 @@
-"""Numbers that the cycle makes and that act back on it, and numbers that an effect leaves open to be found with it."""
+"""Feedback unknowns, which the cycle determines and which act back on it, and parameters to be found with the cycle.
+
+A feedback unknown ("made" number) is the fixed point of a map: a turn that is integrated with one value of it yields a
+new value, its "image".
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -8,14 +12,15 @@ from typing import Any, NamedTuple
 from screwsim.effects.parts.plenums import Site
 from screwsim.numerics.made import Entry
 
-AT_END = 1e-6  # [K]
+AT_END = 1e-6  # [K] distance from an end of a span that counts as being there
 
 
 class LineFlow(NamedTuple):
-    """What the chambers give a line over one pitch, at even angles from the youngest chamber's 0° on (SI units).
+    """Flow from the chambers into a line over one pitch, at even angles from the youngest chamber's 0° on (SI units).
 
-    `flow` [kg/s] is that of all chambers into the line, its mean that of the turn; `open_volume` [m³] the mean volume
-    of what is open to it; p, ρ, and k of isentropic compression are those of the line, without what pulsates.
+    `flow` [kg/s] is that of all chambers into the line; its mean is that of the turn. `open_volume` [m³] is the mean
+    volume of the chambers open to the line; p, ρ and the isentropic exponent k are those of the line without the
+    pulsation.
     """
 
     flow: Any
@@ -31,13 +36,13 @@ class LineFlow(NamedTuple):
 
 
 class Turn(NamedTuple):
-    """What a turn of the chambers tells of itself (SI units), of the whole machine and averaged over time.
+    """What a turn of the chambers yields for feedback unknowns (SI units), of the whole machine, averaged over time.
 
-    `held` are the numbers that the cycle makes, by name, as the turn was integrated with them, `made` the same with
-    this turn's images of those declared before. `heat` [W] goes from each wall into the gas, over `conductance` [W/K].
-    `gaps` [m] are the stated clearances of the scene's effects, `T_0` is the ambient temperature [K]; `line` tells of
-    the flow to a line, `omega` [rad/s] and `pitch` [rad] how fast it repeats. `two_lines`: suction and discharge alone
-    give the chambers gas, or take it.
+    `held` are the feedback unknowns, by name, with which the turn was integrated; `made` are the same, with this turn's
+    images for those declared earlier. `heat` [W] is that from each wall into the gas, `conductance` [W/K] that between
+    them. `gaps` [m] are the stated clearances of the scene's effects, `T_0` is the ambient temperature [K]. `line`
+    returns the flow to a line; `omega` [rad/s] and `pitch` [rad] give its period. `two_lines`: the chambers exchange
+    gas with suction and discharge only.
     """
 
     held: Mapping[str, float]
@@ -54,11 +59,11 @@ class Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class Made:
-    """A number that the cycle makes and that acts back on it, found together with it (docs/explanation/numerics.md).
+    """A feedback unknown: a number that the cycle determines and that acts back on it (docs/explanation/numerics.md).
 
-    Any kernel of the scene can ask for it by the name of its `entry`. `guess` is where it begins; `image` returns what
-    a turn makes of it, in plain Python; its fixed point is the answer. It is held at `least`; a cycle that closes there
-    has failed, and `beyond` says why and what to do.
+    Any kernel of the scene can take it by the name of its `entry`. `guess` returns the starting value; `image` returns
+    the value that a turn yields, in plain Python; the solution is the fixed point of `image`. The value is kept at or
+    above `least`; a cycle that closes at that bound has failed, and `beyond` says why, with a remedy.
     """
 
     entry: Entry
@@ -70,14 +75,14 @@ class Made:
 
 @dataclass(frozen=True)
 class Pulsation:
-    """The pressure of a line over the angle, made by the cycle: an offset and harmonics of the lobe frequency (M185).
+    """Pressure of a line over the angle, found with the cycle: an offset and harmonics of the lobe frequency (M185).
 
-    `to` is 'suction' or 'discharge'; `offset` and `harmonics` name `Made` numbers, over the line's pressure: a_1, b_1,
-    a_2 … of cosines and sines, declared one after the other. `shut` tells whether a turn finds the line shut by a check
-    valve: nothing passes then, in the mean or ever; `stuck` says why a cycle with that does not close,
-    `idle` (with {nothing} for what) what comes of one that does, `swings` that the pressure would fall below none.
-    `open_question` returns what the scene leaves open of a cycle, which closed or did not, and what to do; empty where
-    it leaves nothing open.
+    `to` is 'suction' or 'discharge'. `offset` and `harmonics` name `Made` numbers, relative to the line's pressure:
+    a_1, b_1, a_2 … of cosines and sines, declared one after the other. `shut` says whether a check valve shuts the line
+    during a turn, so that nothing passes. Texts: `stuck` says why a cycle with a shut valve does not close, `idle`
+    (with {nothing} to fill in) describes one that does, `swings` says that the pressure would fall below zero.
+    `open_question` returns what the scene does not determine about a cycle, closed or not, with a remedy; empty where
+    it determines everything.
     """
 
     to: str
@@ -91,39 +96,42 @@ class Pulsation:
 
 
 class Span(NamedTuple):
-    """Ends of a coordinate [K]."""
+    """Range of a search coordinate [K]."""
 
     low: float
     high: float
 
     def kept(self, x: float) -> float:
-        """Return the nearest coordinate between both ends."""
+        """Return a coordinate, limited to the span."""
         return min(max(x, self.low), self.high)
 
     def at_end(self, x: float) -> bool:
-        """Tell whether a coordinate stands at an end."""
+        """Tell whether a coordinate is at an end of the span."""
         return min(x - self.low, self.high - x) <= AT_END
 
 
 class Sought:
     """Parameters of an effect that may leave one of them open, as a coordinate [K] to be found with the cycle.
 
-    Newton's method looks for it beside other such numbers (`solve.circuit`), whose changes are to be of about one size:
-    a coordinate is scaled so that a kelvin of it matters as much as one of the oil.
+    Newton's method finds it together with other such numbers (`solve.circuit`), whose changes should be of similar
+    size: a coordinate is scaled so that one kelvin of it matters about as much as one kelvin of oil temperature.
     """
 
     @property
     def is_open(self) -> bool:
-        """Is one of the parameters found?"""
+        """Whether one of the parameters is to be found."""
         return False
 
     @property
     def stands(self) -> float | None:
-        """Where the coordinate stands [K]; None where it has no value yet."""
+        """Current value of the coordinate [K]; None where it has none yet."""
         return None
 
     def span(self, facts: Any, suction_pressure: Callable[[], float]) -> Span:
-        """Return the ends of the coordinate in a scene, whose suction pressure [Pa] is found where it is asked for."""
+        """Return the range of the coordinate in a scene.
+
+        The suction pressure [Pa] is computed only where it is needed.
+        """
         raise NotImplementedError
 
     def first(self, span: Span) -> float:
@@ -131,17 +139,20 @@ class Sought:
         raise NotImplementedError
 
     def placed(self, x: float) -> dict[str, Any]:
-        """Return the parameters that a coordinate tells, by name, as values that are `Found`."""
+        """Return the parameters that a coordinate stands for, by name, as values that are `Found`."""
         raise NotImplementedError
 
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
-        """Return by how much the coordinate is about wrong [K], and how much of it is a factor e of its flow.
+        """Return the approximate error of the coordinate [K], and its change [K] that makes a factor e of its flow.
 
-        None where a figure has no value. `oil_follows` tells that the temperature of the oil goes with that of the
-        discharge, which it then does not hold.
+        None where a figure that it needs has no value. `oil_follows`: the oil's temperature moves with that of the
+        discharge, so that the oil does not hold the discharge temperature.
         """
         raise NotImplementedError
 
     def idle(self, figures: Mapping[str, Any], x: float, lowest: bool) -> str:
-        """Return in words that the coordinate stands at an end, its lowest or highest; empty where nothing is known."""
+        """Return a text that says that the coordinate is at its lowest or highest end.
+
+        Empty where nothing can be said.
+        """
         raise NotImplementedError

@@ -1,8 +1,8 @@
-"""Efficiency classes of motors: what a motor of a class has at its rated power (docs/model.md M450).
+"""Efficiency classes of motors: the nominal efficiency of a class at a rated power (docs/model.md M450).
 
 Source: IEC 60034-30-1:2014, interpolation at 50 Hz from 0.75 kW to 200 kW; nominal efficiencies of the same standard as
 Regulation (EU) 2019/1781, annex I, prints them, which the polynomials meet within their last digit. Above 200 kW, up to
-1000 kW, the efficiency is that at 200 kW. Eight poles, 60 Hz, IE1 and powers below 0.75 kW are not here.
+1000 kW, the efficiency is that at 200 kW. Eight poles, 60 Hz, IE1 and powers below 0.75 kW are not included.
 """
 
 from math import log10
@@ -10,7 +10,7 @@ from math import log10
 IE2, IE3, IE4 = CLASSES = ("IE2", "IE3", "IE4")
 POLES = (2, 4, 6)
 SMALLEST, FLAT, LARGEST = 750.0, 200e3, 1000e3  # [W]
-_COEFFICIENTS = {  # of powers 3, 2, 1, 0 of lg(P/kW): percent
+_COEFFICIENTS = {  # coefficients of powers 3, 2, 1, 0 of lg(P/kW); the result is in percent
     (IE2, 2): (0.2972, -3.3454, 13.0651, 79.0770),
     (IE2, 4): (0.0278, -1.9247, 10.4395, 80.9761),
     (IE2, 6): (0.0148, -2.4978, 13.2470, 77.5603),

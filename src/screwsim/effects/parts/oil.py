@@ -1,4 +1,4 @@
-"""Oil that enters chambers, the room that it takes, the gas that it brings dissolved."""
+"""Oil that enters chambers, the volume that it takes up, and the gas that it brings dissolved."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from screwsim.numerics.kernel import Kernel
 
 
 class OilContent(NamedTuple):
-    """What flashes [kg per kg of oil] over pressure [Pa], and the heat [J/kg] that it takes from the oil."""
+    """Gas that flashes [kg per kg of oil] over pressure [Pa], and the heat [J/kg] that it takes from the oil."""
 
     pressure: Any
     flashed: Any
@@ -17,11 +17,12 @@ class OilContent(NamedTuple):
 
 
 class OilSolution(NamedTuple):
-    """Gas that oil holds dissolved and gives off over time (M230–M233); SI units, per kilogram of oil or of gas.
+    """Gas dissolved in oil that is released over time (M230–M233); SI units, per kilogram of oil or of gas.
 
-    `entropy` is that of a kilogram dissolved in oil that holds exp(`log_held`), `slope` its derivative by `log_held`,
-    `rest` what all that the oil holds has beyond so much, per kilogram of it. Dissolved gas has one `enthalpy`; oil
-    comes with `supply`. `release` and `uptake` [1/s] are the rates at which it approaches equilibrium.
+    `entropy` is that of a kilogram of gas dissolved in oil that holds exp(`log_held`), `slope` its derivative by
+    `log_held`; `rest` is the remaining entropy of all gas that the oil holds, per kilogram of that gas. Dissolved gas
+    has one `enthalpy`; oil is injected with the content `supply`. `release` and `uptake` [1/s] are the rates at which
+    the content approaches equilibrium.
     """
 
     log_held: Any
@@ -38,9 +39,10 @@ class OilSolution(NamedTuple):
 class OilGas:
     """Gas that oil from a port brings dissolved. Needs an oil port.
 
-    `content(site)` returns what flashes of a kilogram of oil where it enters (M196): by the chamber's pressure, with
-    what heat that takes from the oil; the gas has the state of the `plenum`, which the same effect declares. Or it
-    returns a solution: what the oil holds is then a state of every chamber, and goes with the oil (M230).
+    `content(site)` returns the gas that flashes from a kilogram of oil as it enters (M196), over the chamber's
+    pressure, with the heat that this takes from the oil; that gas has the state of the `plenum`, which the same effect
+    declares. Or it returns an `OilSolution`: the content is then a state of every chamber and travels with the oil
+    (M230).
     """
 
     plenum: str
@@ -49,13 +51,13 @@ class OilGas:
 
 @dataclass(frozen=True)
 class OilPort:
-    """Oil that enters a chamber continuously, in place of the injection at one angle.
+    """Oil that enters a chamber continuously, in place of the injection at one angle. Needs oil.transport: carried.
 
-    `flow` returns oil [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not face the
-    port; `width` [Pa] is that below which pressure differences may be smoothed. `pressure_loss` [Pa] lies between the
-    oil's source and the bore, or `pressure` [Pa] is stated there; `closes` [rad] is where the injection ends. Needs
-    oil.transport: carried. Where a pump feeds it, `pumped` returns the oil [kg/s] per gas [kg] that a chamber traps, by
-    angle alone, for a ratio of one.
+    `flow` returns the oil flow [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not
+    face the port; below `width` [Pa] pressure differences may be smoothed. `pressure_loss` [Pa] lies between the oil's
+    source and the bore, or `pressure` [Pa] is stated there; the injection ends at `closes` [rad]. Where a pump feeds
+    the port, `pumped` returns the oil flow [kg/s] per kilogram of gas that a chamber traps, by angle alone, for an oil
+    ratio of one.
     """
 
     flow: Kernel
@@ -67,15 +69,15 @@ class OilPort:
     pressure: float | None = None
 
     def loss(self, source: float) -> float:
-        """Return what the oil loses [Pa] between its source at a pressure [Pa] and the bore."""
+        """Return the pressure loss [Pa] between the oil's source, at `source` [Pa], and the bore."""
         return self.pressure_loss if self.pressure is None else source - self.pressure
 
 
 @dataclass(frozen=True)
 class OilRoom:
-    """The oil takes room in the chambers (docs/model.md M106). Needs oil.transport: carried.
+    """The oil takes up space in the chambers (docs/model.md M106). Needs oil.transport: carried.
 
-    `remedy` is what its effect can do where the oil locks a chamber.
+    `remedy` says what to do about its effect where the oil locks a chamber.
     """
 
     remedy: str = ""

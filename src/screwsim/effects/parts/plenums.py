@@ -1,4 +1,4 @@
-"""Reservoirs beside the two lines: what their state can be made of, and what they gave."""
+"""Reservoirs beside the two lines: the data that their state follows from, and the flows that they gave."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from screwsim.fluid.settings import OilProperties
 
 @dataclass(frozen=True)
 class Site:
-    """What the state of a plenum can be made of (SI units).
+    """The data from which the state of a plenum can be computed (SI units).
 
-    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_enthalpy` is
-    that of the real fluid's liquid behind the condenser, `refrigerating_effect` what it takes up in the evaporator
-    (M43): None where the scene does not state evaporating and condensing temperature. `T_oil` is that of the oil's
-    supply, `oil` has its properties there.
+    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name. `liquid_enthalpy` is
+    that of the real fluid's liquid behind the condenser, `refrigerating_effect` the enthalpy rise of the fluid in the
+    evaporator (M43): None where the scene does not state evaporating and condensing temperature. `T_oil` is that of the
+    oil's supply, `oil` has its properties there.
     """
 
     gas: Any
@@ -34,7 +34,7 @@ class Site:
 class Drawn:
     """What a plenum gave during the closed cycle: net mass flows [kg/s] from it and from the suction line.
 
-    `brought` [W] is the enthalpy of gas that was pushed back into it, over that of the plenum's state.
+    `brought` [W] is the enthalpy flow of gas that was pushed back into it, above the enthalpy of the plenum's state.
     """
 
     flow: float
@@ -53,13 +53,13 @@ class Drawn:
 class Plenum:
     """A reservoir of the working fluid beside the two lines; its state is held constant.
 
-    `state` makes that state, `figures` the effect's own figures of the closed cycle (a text in place of one says why it
-    has none), both in plain Python, once a run. `gain` names the one of them by which the cooling capacity grows.
+    `state` computes that state, `figures` the effect's own figures of the closed cycle (a text in place of a value says
+    why there is none), both in plain Python, once a run. `gain` names the figure by which the cooling capacity grows.
     """
 
     name: str
     state: Callable[[Site], Reservoir]
     figures: Callable[[Drawn], Given] | None = None
     gain: str = ""
-    product: bool = True  # does what it gives count as gas that the machine compresses (M101)
-    evaporates: bool = False  # is it liquid, which cools the gas
+    product: bool = True  # whether its gas counts as gas that the machine compresses (M101)
+    evaporates: bool = False  # whether it is liquid, which cools the gas by evaporating

@@ -44,13 +44,13 @@ def window_path(name: str, parameters) -> FlowPath:
 
 
 def check_window(name: str, parameters) -> Iterator[Fault]:
-    """Yield what is wrong with a window whatever the machine."""
+    """Yield the faults of a window that do not depend on the machine."""
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
 
 
 def check_within(name: str, parameters, geometry) -> Iterator[Fault]:
-    """Yield a window that ends when the chamber is no more."""
+    """Yield a fault where a window extends beyond the chamber's life."""
     if parameters.closes > geometry.life + 1e-9:
         what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
         yield Fault(f"effects.{name}.closes", what)

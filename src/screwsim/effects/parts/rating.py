@@ -13,9 +13,9 @@ K = 1.4  # isentropic exponent of air, as ISO 1217 has it
 FOOT, INCH, POUND_FORCE, HORSEPOWER = 0.3048, 0.0254, 4.4482216152605, 745.6998715822702  # m, m, N, W
 CFM = FOOT**3 / 60.0  # m³/s
 PSI = POUND_FORCE / INCH**2  # Pa
-WEIGHTS = {0.4: 0.25, 0.7: 0.5, 1.0: 0.25}  # of the loads, shares of full flow, at which variable speed is rated
-GAUGE = 75.0 * PSI, 200.0 * PSI  # pressures over the inlet's that the regulation covers
-FLOW = 35.0 * CFM, 1250.0 * CFM  # and flows at full load
+WEIGHTS = {0.4: 0.25, 0.7: 0.5, 1.0: 0.25}  # weight of each load (share of full flow) in the variable-speed rating
+GAUGE = 75.0 * PSI, 200.0 * PSI  # [Pa] range of gauge pressures that the regulation covers
+FLOW = 35.0 * CFM, 1250.0 * CFM  # [m³/s] range of flows at full load that it covers
 
 
 def isentropic_power(flow: float, suction: float, discharge: float) -> float:
@@ -25,7 +25,7 @@ def isentropic_power(flow: float, suction: float, discharge: float) -> float:
 
 @dataclass(frozen=True)
 class Standard:
-    """The least package isentropic efficiency of one class of packages: a curve over ln(flow in L/s) (M349)."""
+    """The least package isentropic efficiency of a class of packages, as a curve over ln(flow in L/s) (M349)."""
 
     square: float
     linear: float
@@ -52,14 +52,14 @@ STANDARDS = {  # by speed and coolant
 
 
 def part_load_efficiency(efficiencies: Mapping[float, float]) -> float:
-    """Return the efficiency by which variable speed is judged, of those at its loads (M349)."""
+    """Return the efficiency by which a variable-speed package is judged, from {load: efficiency} (M349)."""
     return sum(weight * efficiencies[load] for load, weight in WEIGHTS.items())
 
 
 def outside_scope(flow: float, gauge: float) -> str:
-    """Return why the regulation does not cover a flow at full load [m³/s] and a gauge pressure [Pa]; else nothing.
+    """Return why the regulation does not cover a full-load flow [m³/s] and a gauge pressure [Pa]; empty where it does.
 
-    It also covers packages beyond these flows whose motor has 10 to 200 hp, which is not asked here.
+    The regulation also covers packages beyond these flows whose motor has 10 to 200 hp, which is not checked here.
     """
     if not GAUGE[0] <= gauge <= GAUGE[1]:
         return f"{gauge / PSI:.0f} psi over the inlet's pressure lie outside 75 to 200 psi"

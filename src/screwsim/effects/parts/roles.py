@@ -1,6 +1,6 @@
-"""Roles of effects that the core asks for in words: an effect says in `Effect.roles` that it has one.
+"""Roles of effects, as texts by which the core asks for them: an effect declares in `Effect.roles` that it has one.
 
-Those that call for figures are declared with these (`outputs.core`).
+Roles that call for figures are declared beside those (`outputs.core`).
 """
 
 WAY_IN = "a way between the suction line and the chambers"

@@ -1,4 +1,4 @@
-"""States of a chamber that an effect adds, their stops, and heat between gas, oil and walls."""
+"""Chamber states that an effect adds, their mechanical stops, and heat between gas, oil and walls."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from screwsim.numerics.kernel import Kernel
 
 @dataclass(frozen=True)
 class ChamberState:
-    """A state of its own that an effect gives every chamber, beside those of gas and oil.
+    """A state that an effect adds to every chamber, beside those of gas and oil.
 
-    `rate` returns its change [1/s]; its arguments are names of states (`T`, `rho`, `T_oil`, `x_oil`, any effect's own),
-    the gas mass `m`, `p`, `V`, `phi` of the chamber, the lines' pressures `p_suction` and `p_discharge`, and `values`.
-    A state is measured in a scale of its own, so that 1 is large of it: its errors count against itself, or 0.01 where
-    it is less. It begins the first turn at `start`. A `positive` one cannot pass zero.
+    `rate` returns its time derivative [1/s]; its arguments are names of states (`T`, `rho`, `T_oil`, `x_oil`, any
+    effect's own), the gas mass `m`, `p`, `V`, `phi` of the chamber, the lines' pressures `p_suction` and `p_discharge`,
+    and `values`. A state has a scale of its own in which 1 is large: its error is relative to its value, or to 0.01
+    where the value is smaller. In the first turn it starts at `start`. A `positive` state cannot cross zero.
     """
 
     name: str
@@ -25,12 +25,12 @@ class ChamberState:
 
 @dataclass(frozen=True)
 class Stops:
-    """Seat and stop of a chamber's state, at 0 and 1, which it meets with impacts and between which it moves.
+    """Seat and stop of a chamber's state, at 0 and 1, between which it moves and at which it rebounds.
 
-    `position` and `speed` name states that the same effect declares, neither positive; the speed is the rate of the
-    position over a frequency Ω. `push` returns the acceleration at rest over Ω² of the position; its arguments are `p`,
-    `p_suction`, `p_discharge`, names of states beyond T and rho, and `values`. `restitution` is the speed after over
-    that before an impact, of seat and stop. `remedy` is what to do where it hardly comes to rest.
+    `position` and `speed` name states that the same effect declares, neither of them positive; the speed is the rate of
+    the position over a frequency Ω. `push` returns the acceleration of the position at rest over Ω²; its arguments are
+    `p`, `p_suction`, `p_discharge`, names of states other than T and rho, and `values`. `restitution` is the ratio of
+    speeds after and before an impact, for seat and stop. `remedy` says what to do where the state hardly comes to rest.
     """
 
     position: str
@@ -45,7 +45,7 @@ class Stops:
 class HeatRate:
     """Heat [W] from the oil to the gas; the kernel's arguments are symbols or `values`.
 
-    `oil_factor` multiplies the heat that the oil gives away (1: energy is conserved).
+    `oil_factor` names the factor on the heat that the oil loses ('one': energy is conserved).
     """
 
     kernel: Kernel
@@ -55,11 +55,11 @@ class HeatRate:
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall that exchanges heat with the gas of the chambers, and not with the oil (M170).
+    """A wall that exchanges heat with the gas of the chambers, but not with the oil (M170).
 
     `conductance` returns α A [W/K] of one chamber; its arguments are symbols (`T`, `m`, `p`, `rho`, `V`, `phi`) or
-    `values`. `temperature` [K] is the name of a `Made`, or a number. What the gas gives a wall over a cycle leaves it
-    for the surroundings.
+    `values`. `temperature` [K] is the name of a `Made`, or a number. The net heat from the gas to a wall over a cycle
+    goes to the surroundings.
     """
 
     name: str

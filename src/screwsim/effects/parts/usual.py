@@ -1,19 +1,22 @@
 """What scenes of a kind of machine usually name, and how large the sizes of effects can be.
 
-An effect says which of these it is; the core asks for them without knowing who they are.
+An effect declares these of itself, so that the core can ask for them without knowing an effect by name.
 """
 
 from typing import NamedTuple
 
 
 class Usual(NamedTuple):
-    """What hardly a machine is without; of several effects that are so one is enough. `oiled`: not a dry machine's."""
+    """Something that hardly any machine lacks.
+
+    One effect that provides it is enough. `oiled`: not for a dry machine.
+    """
 
     what: str
     oiled: bool = False
 
 
-LEAK = Usual("a leak")  # of these each counts
+LEAK = Usual("a leak")  # each leak is asked for by itself
 OIL_HEAT = Usual("heat between gas and oil", oiled=True)
 OIL_FRICTION = Usual("power lost in the oil", oiled=True)
 FRICTION = Usual("friction of bearings and seals")
@@ -21,13 +24,13 @@ SUCTION_RETURN = Usual("what flows back into the suction line")
 SEPARATOR = Usual("separator and cooler of the oil", oiled=True)
 DRIVE = Usual("the motor")
 WALLS = Usual("heat of the walls")
-USUAL = (OIL_HEAT, OIL_FRICTION, FRICTION, SUCTION_RETURN, SEPARATOR, DRIVE, WALLS)  # as they are told
+USUAL = (OIL_HEAT, OIL_FRICTION, FRICTION, SUCTION_RETURN, SEPARATOR, DRIVE, WALLS)  # in the order of messages
 
 
 class Sized(NamedTuple):
-    """A size of an effect, held against a scale of the machine (`machine.protocol`) where that has it.
+    """A size of an effect that is compared with a length scale of the machine (`machine.protocol`), where that has it.
 
-    Its share of that is at most `most`, and hardly outside `usual`.
+    Size over scale must not exceed `most`, and is unusual outside `usual`.
     """
 
     key: str

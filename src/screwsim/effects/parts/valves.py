@@ -1,4 +1,4 @@
-"""What valves of a cylinder share: their names, and the work that pressure beyond the lines costs.
+"""What cylinder valves share: their sides, and the work lost to pressures beyond the lines'.
 
 Source: ours; docs/reference/slider-crank.md S24.
 """
@@ -20,12 +20,12 @@ VALVE_LOSSES = (
 
 @kernel
 def port_area(phi, area):
-    """Return the area [m²] of a valve's port, which no angle changes."""
+    """Return the area [m²] of a valve's port, which does not depend on the angle."""
     return area
 
 
 def valve_works(pitch) -> tuple[float, float]:
-    """Return the work [J] of a turn that pressure below suction costs, and pressure above discharge (S24)."""
+    """Return the work [J] per turn lost to pressure below suction, and to pressure above discharge (S24)."""
     within = pitch.within()
     under = np.maximum(pitch.low_pressure - within.pressure, 0.0) * np.maximum(within.slope, 0.0)
     over = np.maximum(within.pressure - pitch.high_pressure, 0.0) * np.maximum(-within.slope, 0.0)
@@ -37,7 +37,7 @@ def valve_losses() -> Reading:
     names = names_of(VALVE_LOSSES)
 
     def read(figures) -> Mapping[str, float | None]:
-        """Return the powers [W] that the valves cost (S24)."""
+        """Return the power [W] that each valve costs (S24)."""
         turns = figures.omega / (2.0 * np.pi)
         return {name: turns * work for name, work in zip(names, valve_works(figures.pitch()), strict=True)}
 

@@ -1,7 +1,7 @@
 """The equations of the drive's steady motion, collocated by trigonometric polynomials over a lobe pitch (M210, M214).
 
-Unknown are the rotors' speed and the twist at `POINTS` evenly spaced angles, then the motor's no-load speed, in one
-vector. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ). The last equation gives the mean speed or the no-load one.
+Unknowns are the rotors' speed and the twist at `POINTS` evenly spaced angles, then the motor's no-load speed, in one
+vector. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ). The last equation prescribes the mean or no-load speed.
 Source: docs/model.md M210–M214; collocation: L. N. Trefethen, Spectral Methods in MATLAB, SIAM 2000, ch. 3.
 """
 
@@ -14,12 +14,12 @@ import numpy as np
 from screwsim.machine.drive.train import Train
 
 Array = np.ndarray
-POINTS = 181  # of a pitch; odd, so that no harmonic is its own alias
+POINTS = 181  # angles of a pitch; odd, so that no harmonic is its own alias
 
 
 @lru_cache(maxsize=4)
 def differentiation(pitch: float, n: int = POINTS) -> Array:
-    """Return the matrix that takes values at n (odd) evenly spaced angles of a period to their derivatives."""
+    """Return the matrix that maps values at n (odd) evenly spaced angles of a period to their derivatives."""
     i = np.arange(n)
     gap = i[:, None] - i[None, :]
     with np.errstate(divide="ignore"):
@@ -29,15 +29,15 @@ def differentiation(pitch: float, n: int = POINTS) -> Array:
 
 
 def resampled(values: Array, n: int = POINTS) -> Array:
-    """Return a periodic curve at n points, its higher harmonics left out."""
-    if POINTS in (len(values), n):  # a prime number, of which a fast transform is slow
+    """Return a periodic curve at n points, with the harmonics that they cannot resolve left out."""
+    if POINTS in (len(values), n):  # a prime number, for which a fast transform is slow
         return _resampling(len(values), n) @ values
     return np.fft.irfft(np.fft.rfft(values)[: n // 2 + 1], n) * (n / len(values))
 
 
 @lru_cache(maxsize=8)
 def _resampling(old: int, n: int) -> Array:
-    """Return the matrix that takes values at `old` even points of a period to those at n."""
+    """Return the matrix that maps values at `old` even points of a period to those at n."""
     spectra = np.fft.rfft(np.eye(old))[:, : n // 2 + 1]
     return np.ascontiguousarray(np.fft.irfft(spectra, n).T) * (n / old)
 
@@ -50,13 +50,13 @@ def _waves(n: int) -> tuple[Array, Array]:
 
 
 def spectra_of(curves: Array) -> Any:
-    """Return what numpy's rfft does of rows; a product with a matrix is faster for a prime number of points."""
+    """Return the same as numpy's rfft of rows; a product with a matrix is faster for a prime number of points."""
     cosine, sine = _waves(curves.shape[-1])
     return curves @ cosine - 1j * (curves @ sine)
 
 
 def curves_of(spectra: Any, n: int = POINTS) -> Array:
-    """Return the curves at n (odd) points of which these are the `spectra_of`, rows of mean and harmonics."""
+    """Return the curves at n (odd) points whose `spectra_of` (rows of mean and harmonics) are given."""
     cosine, sine = _waves(n)
     weights = np.full(spectra.shape[-1], 2.0 / n)
     weights[0] = 1.0 / n
@@ -64,7 +64,7 @@ def curves_of(spectra: Any, n: int = POINTS) -> Array:
 
 
 def linearised(train: Train, x: Array) -> Array:
-    """Return the matrices of the linearised equations of each harmonic from the first on, (harmonics, 2, 2)."""
+    """Return the matrices (harmonics, 2, 2) of the linearised equations of each harmonic, without the mean."""
     u, twist, no_load = float(np.mean(x[:POINTS])), float(np.mean(x[POINTS:-1])), float(x[-1])
     K = float(train.coupling.stiffness(twist))
     by_motor = float(train.motor.slopes(u, no_load)[0])
@@ -78,7 +78,7 @@ def linearised(train: Train, x: Array) -> Array:
 
 
 def solved(linear: Array, spectra: Array) -> Array:
-    """Return both unknowns of all harmonics but the mean as curves (2, points), from the spectra (2, harmonics)."""
+    """Return the curves (2, points) of both unknowns without their means, from spectra (2, harmonics) of residuals."""
     (a, b), (c, d) = linear.transpose(1, 2, 0)
     (first, second), determinant = spectra[:, 1:], a * d - b * c
     found = np.zeros_like(spectra)
@@ -88,7 +88,7 @@ def solved(linear: Array, spectra: Array) -> Array:
 
 
 def linearised_mean(train: Train, x: Array) -> Array:
-    """Return the matrix of the means of speed, twist and no-load speed."""
+    """Return the matrix of the linearised equations of the means of speed, twist and no-load speed."""
     u, twist, no_load = float(np.mean(x[:POINTS])), float(np.mean(x[POINTS:-1])), float(x[-1])
     K = float(train.coupling.stiffness(twist))
     by_motor, by_no_load = (float(slope) for slope in train.motor.slopes(u, no_load))
@@ -97,16 +97,16 @@ def linearised_mean(train: Train, x: Array) -> Array:
 
 
 def sizes(x: Array, omega: float) -> Array:
-    """Return what changes are relative to: the mean speed, the largest twist."""
+    """Return the scale of each unknown to which changes are relative: mean speed, largest twist, no-load speed."""
     sizes = np.array([omega, float(np.max(np.abs(x[POINTS:-1]))) + 1e-300, abs(float(x[-1]))])
     return np.repeat(sizes, [POINTS, POINTS, 1])
 
 
 def residual(train: Train, x: Array, torque: Array, omega: float) -> Array:
-    """Return the residuals of M210 at all points, and of the mean speed or of the given no-load speed."""
+    """Return the residuals of M210 at all points, and that of the prescribed mean or no-load speed."""
     n, D = POINTS, differentiation(train.pitch)
     u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
-    rate = D @ (twist - twist.mean())  # D takes a constant to none but for rounding
+    rate = D @ (twist - twist.mean())  # D maps a constant to zero, but for rounding
     motor = u * (1.0 + rate)
     coupling = train.spring(twist)[0] + train.damping * u * rate
     rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
@@ -116,7 +116,7 @@ def residual(train: Train, x: Array, torque: Array, omega: float) -> Array:
 
 
 def jacobian(train: Train, x: Array, omega: float) -> Array:
-    """Return the derivatives of `residual`."""
+    """Return the Jacobian of `residual`."""
     n, D = POINTS, differentiation(train.pitch)
     J_m, J_r, c = train.motor_inertia, train.rotor_inertia, train.damping
     u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])

@@ -1,4 +1,4 @@
-"""The motor's torque over its speed: a straight line, as an inverter holds it, or Kloss's law of an induction motor.
+"""The motor's torque over its speed: a straight line, as an inverter imposes it, or Kloss's law of an induction motor.
 
 What: M_m(ω_m; ω_0) of a motor whose torque vanishes at its no-load speed ω_0 (M212).
 Source: M. Kloss, Drehmoment und Schlüpfung des Drehstrommotors, Archiv für Elektrotechnik 5 (1916) 59–87; the line is
@@ -32,29 +32,29 @@ class Motor:
 
     @property
     def is_line(self) -> bool:
-        """Tell whether the torque falls in a straight line, without a breakdown."""
+        """Whether the torque falls in a straight line, without a breakdown."""
         return self.law == LINE
 
     @property
     def most(self) -> float:
-        """Return the largest torque [N m]; infinite of a line without a limit."""
+        """Largest torque [N m]; infinite for a line without a limit."""
         known = self.torque_limit if self.is_line else self.breakdown_torque
         return math.inf if known is None else known
 
     def torque(self, omega: Any, no_load: float) -> Any:
-        """Return the torque [N m] at a speed [rad/s] and no-load speed (M212), without the limit of a line."""
+        """Return the torque [N m] at a speed [rad/s] and no-load speed [rad/s], without the limit of a line (M212)."""
         if self.is_line:
             return (self.slope or 0.0) * (no_load - omega)
         x = (no_load - omega) / (no_load * (self.breakdown_slip or 1.0))
         return 2.0 * (self.breakdown_torque or 0.0) * x / (x * x + 1.0)
 
     def limited_torque(self, omega: float, no_load: float) -> float:
-        """Return the torque [N m] that a start-up has: a line stays within its limit."""
+        """Return the torque [N m] during a start-up, where a line stays within its limit."""
         found = self.torque(omega, no_load)
         return float(min(max(found, -self.most), self.most))
 
     def slopes(self, omega: Any, no_load: float) -> tuple[Any, Any]:
-        """Return the derivatives of the torque by the speed and by the no-load speed [N m s/rad]."""
+        """Return the derivatives [N m s/rad] of the torque by the speed and by the no-load speed."""
         if self.is_line:
             slope = (self.slope or 0.0) * np.ones_like(omega)
             return -slope, slope
@@ -64,16 +64,16 @@ class Motor:
         return -by_x / scale, by_x * omega / (no_load * scale)
 
     def no_load_speed(self, omega: float, moment: float) -> float:
-        """Return the no-load speed [rad/s] at which the motor gives a torque at a speed, on its stable branch.
+        """Return the no-load speed [rad/s] at which the motor gives `moment` [N m] at `omega` on its stable branch.
 
-        The torque lies below `most`.
+        The torque has to lie below `most`.
         """
         if self.is_line:
             return omega + moment / (self.slope or 1.0)
         return omega / (1.0 - self._slip(moment))
 
     def speed(self, no_load: float, moment: float) -> float:
-        """Return the speed [rad/s] at which the motor gives a torque, on its stable branch."""
+        """Return the speed [rad/s] at which the motor gives a torque [N m], on its stable branch."""
         if self.is_line:
             return no_load - moment / (self.slope or 1.0)
         return no_load * (1.0 - self._slip(moment))
@@ -87,7 +87,7 @@ class Motor:
 
 
 def check_motor(motor: Motor, path: str) -> list[Fault]:
-    """Return what is missing of the motor's law, or belongs to the other one."""
+    """Return the faults of keys that the motor's law lacks, or that belong to the other law."""
     faults = [
         Fault(f"{path}.{name}", f"is missing ({motor.law} needs it)")
         for name in NEEDED[motor.law]

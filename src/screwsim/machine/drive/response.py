@@ -1,9 +1,9 @@
 """The periodic motion of the drive train under a torque that repeats every lobe pitch.
 
-What: rotor speed ω(φ), motor speed and twist that solve M210 and return to themselves after a pitch (M214).
-How: Fourier collocation at an odd number of angles. The linearised drive, solved harmonic by harmonic, corrects the
-motion, accelerated by Anderson's method, while that converges; else Newton's method does, the pulsation of the torque
-raised in steps where it does not converge at once. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ).
+What: rotor speed ω(φ), motor speed and twist that solve M210 and repeat after a pitch (M214). How: Fourier collocation
+at an odd number of angles. Corrections by the drive linearised about its mean, solved harmonic by harmonic and
+accelerated by Anderson's method, are iterated while they converge; else Newton's method takes over, with the torque's
+pulsation raised in steps where it does not converge at once. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ).
 Source: docs/model.md M210–M214; acceleration: Walker & Ni 2011.
 """
 
@@ -19,17 +19,17 @@ from screwsim.machine.drive.train import Train
 from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
-MOST_STEPS = 10  # of Newton's method for one pulsation
-MOST_SOLVES = 30  # of it in all
-ROUNDING = 1e-8  # change at which corrections that go no further are taken as converged
+MOST_STEPS = 10  # most Newton steps at one level of pulsation
+MOST_SOLVES = 30  # most Newton steps in all
+ROUNDING = 1e-8  # change at which corrections that have stopped falling count as converged
 MOST_CORRECTIONS = 60
-DEPTH = 12  # of Anderson's acceleration of the corrections
-DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
-CONVERGED = 1e-10  # last change, of speeds over the mean and of twists over their size
-LEFT = 1e-12  # change that would follow, judged by how the last ones fell, at which corrections end before
-FINE = 5 * POINTS  # angles of a pitch at which a curve's lowest and highest values are looked for
-LEAST_SPEED = 0.05  # of the mean: a step of Newton's method never goes below it
-FINEST = 1.0 / 32.0  # least share by which the pulsation is raised
+DEPTH = 12  # depth of the Anderson acceleration
+DIVERGED = 30.0  # a change over the smallest so far at which Newton's method takes over
+CONVERGED = 1e-10  # largest last change, relative to `sizes`
+LEFT = 1e-12  # next change, extrapolated from the last ones, below which corrections end
+FINE = 5 * POINTS  # angles of a pitch at which a curve's extremes are searched
+LEAST_SPEED = 0.05  # lowest speed over the mean that a step may reach
+FINEST = 1.0 / 32.0  # smallest increment of the pulsation
 
 
 class NoMotion(Exception):
@@ -51,12 +51,12 @@ class Response:
 
     @cached_property
     def mean_speed(self) -> float:
-        """Return the mean over time of the rotors' speed [rad/s]: the pitch over the time that it takes."""
+        """Mean over time of the rotors' speed [rad/s]: the pitch over the time that it takes."""
         return float(1.0 / np.mean(1.0 / self.speed))
 
     @property
     def ripple(self) -> float:
-        """Return the largest less the smallest speed of the rotors over the mean."""
+        """Largest less smallest speed of the rotors, over the mean."""
         return swing(self.speed) / self.mean_speed
 
     def power(self, torque: Array, speed: Array) -> float:
@@ -65,21 +65,21 @@ class Response:
 
 
 def extremes(curve: Array) -> tuple[float, float]:
-    """Return the lowest and the highest value of a curve of a pitch, which lie between its points."""
+    """Return the lowest and the highest value of a curve over a pitch, also between its points."""
     fine = collocation.resampled(curve, FINE)
     return float(fine.min()), float(fine.max())
 
 
 def swing(curve: Array) -> float:
-    """Return the way of a curve from its lowest to its highest value."""
+    """Return the peak-to-peak value of a curve."""
     low, high = extremes(curve)
     return high - low
 
 
 def respond(train: Train, load: Array, omega: float) -> Response:
-    """Return the periodic motion under the torque `load` on the rotors, evenly spaced over a pitch (M214).
+    """Return the periodic motion under the torque `load` [N m] on the rotors, evenly spaced over a pitch (M214).
 
-    omega: mean speed [rad/s] that is held, or a first guess of it. Raises `NoMotion`.
+    omega: the prescribed mean speed [rad/s], or a first guess of it. Raises `NoMotion`.
     """
     torque = collocation.resampled(load)
     mean = float(torque.mean())
@@ -105,7 +105,7 @@ def respond(train: Train, load: Array, omega: float) -> Response:
 
 
 def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
-    """Return the solution, from the steady state on by raising the torque's pulsation; raise `NoMotion`."""
+    """Return the solution, starting from the steady state and raising the torque's pulsation; raise `NoMotion`."""
     mean, share, step, solves = float(torque.mean()), 0.0, 1.0, [MOST_SOLVES]
     while share < 1.0:
         trial = min(1.0, share + step)
@@ -137,7 +137,10 @@ def _response(train: Train, x: Array, torque: Array) -> Response:
 
 
 def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]) -> Array | None:
-    """Return the solution from a guess; None where Newton's method finds none. left[0]: linear systems it may solve."""
+    """Return Newton's solution from a guess.
+
+    None where it fails. left[0]: number of linear systems it may still solve.
+    """
     n, x = POINTS, x.copy()
     for _ in range(min(MOST_STEPS, left[0])):
         left[0] -= 1
@@ -159,7 +162,7 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
 
 
 def _room(u: Array, change: Array, least: float) -> Array:
-    """Return the share of a change at which each speed reaches the least; more than 1 where it does not."""
+    """Return the share of a change at which each speed reaches `least`; more than 1 where it does not."""
     return np.where(change < 0.0, (u - least) / np.where(change < 0.0, -change, 1.0), 2.0)
 
 

@@ -1,8 +1,8 @@
 """The rubber-cord coupling: cords as spokes between two half-couplings, which pull and do not push.
 
-Cords of each of k layers run from the inner radius r_A to the outer r_B; those of the direction + lean by β against
-the radius at r_A, those of the direction − by −β. The rubber carries nothing, a cord deforms by the way of its ends
-alone. A twist Θ > 0 turns the outer half towards + and stretches the cords +.
+In each of k layers cords run from the inner radius r_A to the outer r_B; those of direction + lean by β against the
+radius at r_A, those of direction − by −β. The rubber carries no load; a cord deforms only by the motion of its ends. A
+twist Θ > 0 turns the outer half towards + and stretches the cords +.
 Source: V. A. Ilyichev, V. S. Korneev, S. A. Korneev, "Discrete mathematical model of a rubber-cord flat coupling", Omsk
 Scientific Bulletin, 2015 (in Russian). Angles in rad, lengths in m, forces in N. Equations: docs/reference/coupling.md.
 """
@@ -17,18 +17,18 @@ from screwsim.inputs.declare import count, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.numerics.kernel import kernel
 
-LARGEST_TWIST = math.radians(45.0)  # asked of a coupling without a breaking strain: far beyond what the model is for
+LARGEST_TWIST = math.radians(45.0)  # bound for a coupling without a breaking strain: far outside the model's range
 
 
 @kernel
 def central_angle(lean, r_A, r_B):
-    """Return the angle Φ at the centre between the ends of an unloaded cord [rad] (K1); lean with its sign."""
+    """Return the central angle Φ between the ends of an unloaded cord [rad] (K1); `lean` carries its sign."""
     return lean - math.asin(r_A / r_B * math.sin(lean))
 
 
 @kernel
 def cord_length(phi, r_A, r_B):
-    """Return the length of a cord [m] whose ends are Φ apart (K2)."""
+    """Return the length of a cord [m] whose ends are the central angle Φ apart (K2)."""
     half = math.sin(0.5 * phi)  # the form without cancellation
     return math.sqrt((r_B - r_A) * (r_B - r_A) + 4.0 * r_A * r_B * half * half)
 
@@ -41,7 +41,7 @@ def strain(phi, phi_0, r_A, r_B):
 
 @kernel
 def pull(eps, E, b):
-    """Return the force of a cord [N]: none where it is slack (K4)."""
+    """Return the tension of a cord [N]: zero where it is slack (K4)."""
     return E * eps * (1.0 + b * eps) if eps > 0.0 else 0.0
 
 
@@ -83,7 +83,10 @@ def family_energy(theta, cords, r_A, r_B, lean, E, b):
 
 @kernel
 def torque(theta, cords, r_A, r_B, lean_plus, lean_minus, E, b):
-    """Return the torque of the coupling at a twist [N m] (K6); `cords` of one direction in all discs and layers."""
+    """Return the torque of the coupling [N m] at a twist (K6).
+
+    `cords`: those of one direction in all discs and layers.
+    """
     plus = family_torque(theta, cords, r_A, r_B, lean_plus, E, b)
     return plus + family_torque(theta, cords, r_A, r_B, -lean_minus, E, b)
 
@@ -118,7 +121,7 @@ class RubberCordCoupling:
     breaking_strain: float | None = number("ε_B at which a cord breaks", None, gt=0.0)
 
     def numbers(self) -> tuple[float, ...]:
-        """Return what follows the twist in the arguments of `torque`, `stiffness`, `energy`."""
+        """Return the arguments of `torque`, `stiffness` and `energy` after the twist."""
         cords = float(self.discs * self.layers * self.cords)
         law = (self.cord_stiffness, self.cord_stiffening)
         return (cords, self.inner_radius, self.outer_radius, self.lean_plus, self.lean_minus, *law)
@@ -141,7 +144,7 @@ class RubberCordCoupling:
         return energy(theta, *self.numbers())
 
     def largest_strain(self, theta: float) -> float:
-        """Return the strain of the stretched cords at a twist (K3)."""
+        """Return the strain of the stretched cords at a twist [rad] (K3)."""
         r_A, r_B = self.inner_radius, self.outer_radius
         starts = (central_angle(lean, r_A, r_B) for lean in (self.lean_plus, -self.lean_minus))
         return max(strain(start + theta, start, r_A, r_B) for start in starts)
@@ -155,7 +158,7 @@ class RubberCordCoupling:
         return direction * (math.acos(max(cosine, -1.0)) - start)
 
     def twist(self, moment: float) -> float:
-        """Return the twist that carries a torque [rad]; raise UsageError where the cords break first."""
+        """Return the twist [rad] at a torque [N m]; raise UsageError where the cords break before."""
         from scipy.optimize import root_scalar
 
         direction = 1 if moment >= 0.0 else -1
@@ -172,7 +175,7 @@ class RubberCordCoupling:
         return self.twist_at_strain(self.breaking_strain, direction)
 
     def state(self, theta: float) -> str:
-        """Return what a twist means: `sound`, or why it cannot be borne, with the remedy."""
+        """Return 'sound', or why the coupling cannot bear a twist [rad], with the remedy."""
         eps = self.largest_strain(theta)
         if self.breaking_strain is None or eps <= self.breaking_strain:
             return "sound"
@@ -183,7 +186,7 @@ class RubberCordCoupling:
 
 
 def check_coupling(coupling: RubberCordCoupling) -> list[Fault]:
-    """Return the faults of a coupling: radii in the wrong order, cords that lie along the circle."""
+    """Return the faults of a coupling: radii in the wrong order, cords that lean by 90° or more."""
     wrong = coupling.outer_radius <= coupling.inner_radius
     faults = [Fault("coupling.outer_radius", "is not above inner_radius (choose a larger one)")] if wrong else []
     return faults + [
@@ -194,7 +197,7 @@ def check_coupling(coupling: RubberCordCoupling) -> list[Fault]:
 
 
 class Crossings(NamedTuple):
-    """How often a cord crosses those of the other direction: ψ_max [rad], over the pitch, least and most."""
+    """Crossings of a cord with those of the other direction: ψ_max [rad], ψ_max over the pitch, least and most."""
 
     reach: float
     ratio: float
@@ -203,16 +206,16 @@ class Crossings(NamedTuple):
 
 
 def crossings(lean: float, cords: int, r_A: float, r_B: float) -> Crossings:
-    """Return the crossings of a cord with those of the other direction (K11, K12)."""
+    """Return the number of crossings of a cord with those of the other direction (K11, K12)."""
     reach = 2.0 * central_angle(lean, r_A, r_B)
     ratio = reach * cords / (2.0 * math.pi)
     return Crossings(reach, ratio, math.floor(ratio), math.floor(ratio) + 1)
 
 
 def counted_crossings(lean: float, cords: int, r_A: float, r_B: float, shift: float) -> int:
-    """Return the crossings of one cord + when the cords − begin shifted by an angle [rad] (K12), by counting.
+    """Return the crossings of one cord + with the cords −, which start shifted by an angle [rad], by counting (K12).
 
-    Cords that begin in one point at r_A do not cross there: they meet in the clamp.
+    Cords that start at the same point of r_A do not count as crossing there: they meet in the clamp.
     """
     reach = crossings(lean, cords, r_A, r_B).reach
     starts = shift + 2.0 * math.pi / cords * np.arange(-1, cords)
@@ -225,7 +228,7 @@ def crossing_angle(radius: float, lean: float, r_A: float) -> float:
 
 
 class Band(NamedTuple):
-    """Torques at a twist over a scatter of the cords' lean [N m]: least, mean of evenly scattered cords, largest."""
+    """Torques [N m] at a twist for scattered leans of the cords: least, mean over evenly distributed leans, largest."""
 
     least: float
     mean: float
@@ -233,7 +236,7 @@ class Band(NamedTuple):
 
 
 def band(coupling: RubberCordCoupling, theta: float, low: float, high: float, leans: int = 21) -> Band:
-    """Return the torques of a coupling whose cords lean by anything from low to high [rad], at a twist (K14)."""
+    """Return the torques at a twist of couplings whose cords lean by angles between low and high [rad] (K14)."""
     values = [
         replace(coupling, lean_plus=float(lean), lean_minus=float(lean)).torque(theta)
         for lean in np.linspace(low, high, leans)

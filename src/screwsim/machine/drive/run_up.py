@@ -1,9 +1,9 @@
-"""The drive over one lobe pitch from a given state, under a torque that is given by the angle: a start-up's step.
+"""One lobe pitch of a start-up: motion of the drive from a given state under a torque given by the angle.
 
-What: M210 with the angle of the rotors as the independent variable; the square of their speed is a state, so that
-nothing is singular but the time (M218). Rotors that come to rest are held (they do not turn backwards) while the motor
-winds up the coupling, until its torque exceeds the load. Energies are integrated beside.
-How: DOP853 of scipy, which gives the motion at the angles asked for.
+What: M210 with the rotor angle as the independent variable. The square of the rotors' speed is a state, so that only
+the time is singular at standstill (M218). Rotors that come to rest are held (they do not turn backwards) while the
+motor winds up the coupling, until its torque exceeds the load. Energies are integrated alongside. How: scipy's DOP853,
+with output at the given angles.
 """
 
 from typing import Any, NamedTuple
@@ -15,12 +15,12 @@ from screwsim.machine.drive.train import Train
 
 Array = np.ndarray
 RTOL = 1e-8
-STANDSTILL = 0.05  # of the creeping speed: below it the rotors stand still
-AWAY = 2.0  # times that speed have rotors that break away
-EXCESS = 0.02  # of the load, by which the coupling's torque exceeds it then
-MOST_STOPS = 40  # of one pitch
-LONGEST_HOLD = 20.0  # s
-MOST_RATES = 300_000  # evaluations over a pitch: beyond, inertias and coupling are none of one machine
+STANDSTILL = 0.05  # share of the creeping speed below which the rotors count as at rest
+AWAY = 2.0  # speed of rotors that break away, over that speed
+EXCESS = 0.02  # relative excess of the coupling's torque over the load at which they do
+MOST_STOPS = 40  # most standstills in one pitch
+LONGEST_HOLD = 20.0  # [s] longest standstill
+MOST_RATES = 300_000  # most evaluations over a pitch; more means that inertias and coupling do not match
 TOO_FAST = (
     "the drive moves too fast for its coupling to be followed over a pitch (a larger motor_inertia or rotor_inertia, "
     "or a softer, less damped coupling)"
@@ -28,10 +28,10 @@ TOO_FAST = (
 
 
 class Motion(NamedTuple):
-    """The drive along angles: squares of the speed, their slopes, motor speed, twist, time, torques; energies.
+    """Motion of the drive over angles: squared speed and its slope, motor speed, twist, time, torques; and energies.
 
     Speeds [rad/s], twist [rad], time [s], torques [N m]; motor_work, damped [J]; held: time at rest [s]. `stalled`: the
-    rotors stopped beyond the last angle for good.
+    rotors stopped for good after the last angle.
     """
 
     squares: Array
@@ -48,12 +48,12 @@ class Motion(NamedTuple):
 
     @property
     def speed(self) -> Array:
-        """Return the speed of the rotors [rad/s]."""
+        """Speed of the rotors [rad/s]."""
         return np.sqrt(self.squares)
 
 
 def run_up(train: Train, no_load: float, state: Array, load: Array, creep: float) -> Motion:
-    """Return the motion from (ω², ω_m, Θ, t) under the torque `load`, given at even angles of a pitch and its end."""
+    """Return the motion from a state (ω², ω_m, Θ, t) under a torque `load` at even angles of a pitch and its end."""
     grid, least = np.linspace(0.0, train.pitch, len(load)), (STANDSTILL * creep) ** 2
     rates, standstill = _over_angle(train, no_load, load, grid, least)
     y, phi, rows, held, stalled = np.array([*state, 0.0, 0.0]), 0.0, [], 0.0, False
@@ -110,7 +110,7 @@ def _over_angle(train: Train, no_load: float, load: Array, grid: Array, least: f
 
 
 def _held(train: Train, no_load: float, y: Array, load: float) -> Array | None:
-    """Return the state when the rotors break away from rest under a load; None where they never do."""
+    """Return the state in which the rotors break away from rest under a load [N m]; None where they never do."""
     coupling, motor, c = train.coupling, train.motor, train.damping
 
     def rates(_t: float, x: Array) -> list[float]:

@@ -1,6 +1,6 @@
 """The drive train: motor, coupling (a linear spring: M211), rotors as inertias on one shaft (docs/reference/drive.md).
 
-What: two masses, a spring with a damper between them, the motor's torque on one, gas and losses on the other
+What: two masses, a spring and a damper between them, the motor's torque on one, gas and losses on the other
 (M210–M213); its torsional frequency and the speeds at which a lobe harmonic meets it (M216).
 Source: textbook dynamics of two masses (M210); the spring may be the rubber-cord coupling (docs/reference/coupling.md).
 Assumptions: no gear, or inertias and motor referred to the male rotor; rotors without play, the female's inertia
@@ -17,13 +17,13 @@ from screwsim.inputs.declare import quantity
 from screwsim.machine.drive.motor_line import Motor
 
 Array = np.ndarray
-ORDERS = 4  # lobe harmonics whose resonances are looked for
+ORDERS = 4  # number of lobe harmonics that are checked for resonance
 NEAR = 0.1  # relative distance of a harmonic's frequency from the torsional one that counts as resonance
 
 
 @dataclass(frozen=True)
 class Train:
-    """Inertias [kg m²], coupling, damping [N m s/rad], motor, and what the scene's speed [rad/s] means.
+    """Inertias [kg m²], coupling, damping [N m s/rad], motor, and the meaning of the scene's speed [rad/s].
 
     `holds_mean`: a controller sets the no-load speed so that the mean speed of the rotors is `speed`; else `speed` is
     the no-load speed. `lobes` of the male rotor: the pitch is 2π/lobes.
@@ -44,7 +44,7 @@ class Train:
         return 2.0 * math.pi / self.lobes
 
     def spring(self, theta: Array) -> tuple[Array, Array]:
-        """Return torque [N m] and tangent stiffness [N m/rad] of the coupling at many twists [rad]."""
+        """Return torque [N m] and tangent stiffness [N m/rad] of the coupling at an array of twists [rad]."""
         if isinstance(self.coupling, LinearCoupling):
             return self.coupling.spring * theta, np.full(len(theta), self.coupling.spring)
         twists = theta.tolist()
@@ -52,7 +52,7 @@ class Train:
         return torque, np.array([self.coupling.stiffness(each) for each in twists])
 
     def frequency(self, twist: float) -> float:
-        """Return the first torsional frequency [Hz] of small motions about a twist, undamped (M216)."""
+        """Return the first torsional frequency [Hz] of small undamped motions about a twist [rad] (M216)."""
         stiffness = self.coupling.stiffness(twist)
         return math.sqrt(stiffness * (1.0 / self.motor_inertia + 1.0 / self.rotor_inertia)) / (2.0 * math.pi)
 
@@ -85,7 +85,7 @@ class LinearCoupling:
         return self.spring * theta
 
     def stiffness(self, theta: float) -> float:
-        """Return the stiffness [N m/rad]; it is the same at every twist."""
+        """Return the stiffness [N m/rad], the same at every twist."""
         return self.spring
 
     def energy(self, theta: float) -> float:
@@ -93,11 +93,11 @@ class LinearCoupling:
         return 0.5 * self.spring * theta * theta
 
     def twist(self, moment: float) -> float:
-        """Return the twist that carries a torque [rad]."""
+        """Return the twist [rad] at a torque [N m]."""
         return moment / self.spring
 
     def state(self, theta: float) -> str:
-        """Return what a twist means: `sound`, or why it cannot be borne, with the remedy."""
+        """Return 'sound', or why the coupling cannot bear a twist [rad], with the remedy."""
         if self.largest_twist is None or abs(theta) <= self.largest_twist:
             return "sound"
         found, most = math.degrees(theta), math.degrees(self.largest_twist)

@@ -1,7 +1,7 @@
-"""Is a pair of rotors possible? Undercut, self-intersection, thin lobes, interference; each with its remedy.
+"""Checks whether a pair of rotors is possible: undercut, self-intersection, thin lobes, interference; with remedies.
 
-The checks look at the polygons of both rotors only, so that they are independent of how the chain was made.
-Lengths in m, angles in rad.
+The checks look only at the polygons of both rotors, so they do not depend on how the chain was made. Lengths in m,
+angles in rad.
 """
 
 import math
@@ -13,18 +13,18 @@ from screwsim.machine.rotors.flanks import female_flanks, male_flanks
 from screwsim.machine.rotors.pair import Array, Chain, Pair, outline, outlines
 
 PATH = "machine.profile"
-THIN = 0.01  # of the centre distance: thinner lobes are refused
-SEEN = 2e-4  # of the outer radius: length of the steps along a curve (10 µm at 50 mm)
-OTHER_SIZE = 2e-3  # of the radius, by which points may miss the outer diameter: a tip that is cut or rounded
+THIN = 0.01  # thickness over centre distance below which a lobe is refused
+SEEN = 2e-4  # step along a curve over the outer radius (10 µm at 50 mm)
+OTHER_SIZE = 2e-3  # relative error of the outer radius allowed to points, whose tip may be cut or rounded
 SCALED = "another size of machine takes all lengths of its profile with it"
-NEAR = 1e-2  # of the centre distance: how far points are looked for that touch
-DEEP = 1e-4  # of the centre distance: deeper interference is refused (8 µm at 80 mm; closed forms: 1e-7)
-DEEPER = 3.0  # tolerances of measured points, by which their rotors may cut deeper
+NEAR = 1e-2  # search radius for touching points, over the centre distance
+DEEP = 1e-4  # interference over centre distance above which is refused (8 µm at 80 mm; closed forms: 1e-7)
+DEEPER = 3.0  # further interference allowed to measured points, over their tolerance
 OF_POINTS = "set machine.profile.tolerance to 3 to 5 times the noise of the points, or give more points there"
 
 
 def check_pair(pair: Pair) -> list[Fault]:
-    """Return the faults of the main dimensions, before any profile."""
+    """Return the faults of the main dimensions, which need no profile."""
     A, R1, R2 = pair.centre_distance, pair.male_radius, pair.female_radius
     what = ""
     if R1 + R2 <= A:
@@ -40,7 +40,7 @@ def check_pair(pair: Pair) -> list[Fault]:
 
 
 def check_size(pair: Pair, chain: Chain) -> list[Fault]:
-    """Return the fault of points whose lobe is that of a rotor of another outer diameter."""
+    """Return the fault of points whose lobe belongs to a rotor of another outer diameter."""
     reach = float(np.max(np.hypot(*chain.male())))
     if abs(reach - pair.male_radius) <= OTHER_SIZE * pair.male_radius:
         return []
@@ -49,9 +49,9 @@ def check_size(pair: Pair, chain: Chain) -> list[Fault]:
 
 
 def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance: float | None = None) -> list[Fault]:
-    """Return the faults of the rotors: undercut, self-intersection, thin lobes and, if asked, interference.
+    """Return the faults of the rotors: undercut, self-intersection, thin lobes and, if asked for, interference.
 
-    `tolerance` [m]: of the points that the profile is made of; None: it is a closed form, with radii to choose.
+    `tolerance` [m]: that of measured points; None: the profile is a closed form, whose radii can be chosen.
     """
     faults, female_turn, points = [], -2.0 * math.pi / pair.female_lobes, tolerance is not None
     for name, curve, turn in (("male", chain.male(), pair.pitch), ("female", chain.female(pair), female_turn)):
@@ -62,7 +62,7 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
             remedy = OF_POINTS if points else "choose larger tip radii or fewer lobes"
             faults.append(Fault(PATH, f"the {name} profile crosses itself ({remedy})"))
     if faults:
-        return faults  # what follows would only repeat them
+        return faults  # the checks below would only repeat them
     faults = _thin(pair, chain, points)
     if interference:
         depth, most = mesh(pair, chain)[1], DEEP * pair.centre_distance + DEEPER * (tolerance or 0.0)
@@ -73,7 +73,7 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True, tolerance
 
 
 def check_blow_holes(*areas: float) -> list[Fault]:
-    """Return the fault of blow-holes [m²] without an area: where contact ends at the tip was not found."""
+    """Return the fault of blow-holes [m²] without an area, where the end of contact at the tip was not found."""
     if min(areas) > 0.0:
         return []
     what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm²: the tip's contact is lost in noise"
@@ -81,7 +81,7 @@ def check_blow_holes(*areas: float) -> list[Fault]:
 
 
 def reversals(x: Array, y: Array) -> int:
-    """Return how often a curve turns by more than a right angle; loops shorter than `SEEN` are not seen."""
+    """Return how often a curve turns by more than a right angle; loops shorter than `SEEN` are ignored."""
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
     first = np.unique((way / (SEEN * np.hypot(x, y).max())).astype(int), return_index=True)[1]
     dx, dy = np.diff(x[first]), np.diff(y[first])
@@ -89,18 +89,18 @@ def reversals(x: Array, y: Array) -> int:
 
 
 def crosses_itself(x: Array, y: Array, turn: float, points: int = 250) -> bool:
-    """Return whether the outline of a pitch crosses itself or its neighbours."""
+    """Tell whether the outline of a pitch crosses itself or its neighbours."""
     stride = max(len(x) // points, 1)
     px, py = np.append(x[:-1:stride], x[-1]), np.append(y[:-1:stride], y[-1])
     ax, ay = outline(px, py, 2, turn)  # this pitch and the next
     p, q = np.column_stack([ax, ay]), np.column_stack([np.append(ax[1:], np.nan), np.append(ay[1:], np.nan)])
     p, q = p[:-1], q[:-1]
-    d, own = q - p, len(p) // 2 + 1  # of this pitch, against both: the next against itself is the same
+    d, own = q - p, len(p) // 2 + 1  # steps of this pitch, against both; the next against itself would be the same
     low, high = np.minimum(p, q), np.maximum(p, q)
     meet = (low[:own, None, 0] <= high[None, :, 0]) & (low[None, :, 0] <= high[:own, None, 0])
     i, j = np.nonzero(meet & (low[:own, None, 1] <= high[None, :, 1]) & (low[None, :, 1] <= high[:own, None, 1]))
     far = np.abs(i - j) > 1
-    i, j = i[far], j[far]  # of the steps whose boxes meet, those that are no neighbours
+    i, j = i[far], j[far]  # steps whose boxes meet and that are not neighbours
     a, one, two = p[j] - p[i], d[i], d[j]
     cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -151,7 +151,7 @@ def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
 
 
 def inside(points: Array, polygon: Array) -> Array:
-    """Return which points lie inside a polygon (crossings of a ray)."""
+    """Return which points lie inside a polygon (ray crossing)."""
     x, y = points[:, :1], points[:, 1:]
     ax, ay = polygon[:, 0], polygon[:, 1]
     bx, by = np.roll(ax, -1), np.roll(ay, -1)
@@ -162,10 +162,11 @@ def inside(points: Array, polygon: Array) -> Array:
 
 
 def _least(points: Array, polygon: Array, tree, reach: float) -> float:
-    """Return the least distance of points on a curve from a clockwise polygon [m]: negative inside.
+    """Return the least distance of points on a curve from a clockwise polygon [m], negative inside.
 
-    The points within `reach` of a corner tell it where it is less than half of that: its sides and the steps are
-    half as long at most, so that no point is nearer, or deeper inside, unless one between there and the edge is seen.
+    Points within `reach` of a corner are enough where the result is less than half of that: the polygon's sides and the
+    steps along the curve are at most half as long, so that no other point can be nearer, or deeper inside, without a
+    point between it and the edge having been considered.
     """
     away, i = tree.query(points, distance_upper_bound=reach)
     near = np.isfinite(away)
@@ -177,7 +178,7 @@ def _least(points: Array, polygon: Array, tree, reach: float) -> float:
 
 
 def _signed(points: Array, polygon: Array, i: Array) -> Array:
-    """Return the distances of points from a clockwise polygon [m]: negative inside; `i`: the corners next to them."""
+    """Return the distances of points from a clockwise polygon [m], negative inside; `i`: the corner nearest to each."""
     best = np.full(len(points), np.inf)
     for first, second in ((i - 1, i), (i, (i + 1) % len(polygon))):
         p, d = polygon[first], polygon[second] - polygon[first]
@@ -189,7 +190,7 @@ def _signed(points: Array, polygon: Array, i: Array) -> Array:
         left = d[:, 0] * r[:, 1] - d[:, 1] * r[:, 0]  # a clockwise polygon lies on the right of its sides
         value = np.hypot(r[:, 0], r[:, 1]) * np.where(left >= 0.0, 1.0, -1.0)
         best = np.where((np.abs(value) < np.abs(best)) & (length > 0.0), value, best)
-    doubtful = np.flatnonzero(best < -1e-6 * np.abs(polygon).max())  # at sharp corners the side's sign may err
+    doubtful = np.flatnonzero(best < -1e-6 * np.abs(polygon).max())  # at sharp corners the sign may be wrong
     doubtful = doubtful[np.argsort(best[doubtful])][:40]
     best[doubtful] = np.where(inside(points[doubtful], polygon), best[doubtful], -best[doubtful])
     return best

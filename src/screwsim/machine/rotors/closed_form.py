@@ -1,9 +1,8 @@
 """Profiles in closed form: symmetric circular, and rack-generated asymmetric.
 
-Source: theory of gearing (the common normal at a contact passes through the pitch point; Litvin & Fuentes 2004,
-ch. 6); the two profiles are composed here of its textbook cases: circle about the pitch point, rack of arcs and a
-straight line (Stosic, Smith & Kovacevic 2005), circular tips. Formulas: docs/reference/rotors.md. Lengths in m, angles
-in rad.
+Source: theory of gearing (the common normal at a contact passes through the pitch point; Litvin & Fuentes 2004, ch. 6);
+the two profiles are composed of its textbook cases: circle about the pitch point, rack of arcs and a straight line
+(Stosic, Smith & Kovacevic 2005), circular tips. Formulas: docs/reference/rotors.md. Lengths in m, angles in rad.
 """
 
 import math
@@ -13,9 +12,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
-POINTS = (
-    801  # points a segment: areas and volumes are then exact to 1e-6 (the error falls as POINTS⁻²); odd: one on a tip
-)
+POINTS = 801  # points per segment: areas and volumes are exact to 1e-6 (error ∝ POINTS⁻²); odd: one lies on a tip
 Segment = tuple[Array, Array, Array]  # ψ, X, Y
 
 
@@ -83,7 +80,7 @@ def _on_rack(pair: Pair, x: Array, y: Array, slope: Array) -> Segment:
 
 
 def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
-    """Return θ*: the male angle at which both tip arcs touch on one line with the pitch point [rad] (bisection)."""
+    """Return θ* [rad] by bisection: the male angle at which both tip arcs touch on a line through the pitch point."""
     centre, r1, r2, Re = pair.male_radius - r3, pair.r1, pair.r2, pair.female_radius - r4
 
     def gap(theta: float) -> float:
@@ -106,7 +103,7 @@ def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
 
 
 def _tip_centre(r2: float, Re: float, ux: float) -> float:
-    """Return t(u): distance from the pitch point of the female tip arc's centre in a direction with x-part ux [m]."""
+    """Return t(u) [m]: distance of the female tip arc's centre from the pitch point in a direction with x-part ux."""
     return r2 * ux + math.sqrt(max(r2 * r2 * ux * ux - r2 * r2 + Re * Re, 0.0))
 
 
@@ -120,7 +117,7 @@ def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], poin
         )
     t = _tip_centre(r2, Re, u[0])
     eta_start = math.atan2(t * u[1], r2 - t * u[0])
-    eta = eta_start * np.linspace(1.0, 0.0, points) ** 2  # dense at the end: there the direction to P turns fast
+    eta = eta_start * np.linspace(1.0, 0.0, points) ** 2  # dense at the end, where the direction to P turns fast
     psi = start + (eta_start - eta) / pair.k
     ex, ey = pair.centre_distance - Re * np.cos(eta), Re * np.sin(eta)
     distance = np.hypot(pair.r1 - ex, ey)
@@ -128,9 +125,9 @@ def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], poin
 
 
 def join(pair: Pair, segments: list[Segment], points: int, lead: int, trail: int) -> Chain:
-    """Return the chain of segments over one pitch, half of the flat (female land on male root) at each end.
+    """Return the chain of segments over one pitch, with half of the flat (female land on male root) at each end.
 
-    `lead`, `trail`: numbers of the segments that begin at S' and at S.
+    `lead`, `trail`: indices of the segments that begin at S' and at S.
     """
     first, last = float(segments[0][0][0]), float(segments[-1][0][-1])
     flat = pair.pitch - (last - first)

@@ -1,8 +1,8 @@
 """All curves of a machine over a chamber's own angle, as tables for `numerics.spline.pack_curve`.
 
-Angles count from the beginning of a chamber's life (0) to its end (`Rotors.life`, not forced to 720°). A leakage
-curve belongs to the interface of a chamber with the one `offset` lobe pitches behind it: `angle` is the leading
-chamber's; `behind` is the same table over the trailing chamber's angle, as the effects ask for it. Units SI.
+Angles count from the beginning of a chamber's life (0) to its end (`Rotors.life`, not forced to 720°). A leakage curve
+belongs to the interface of a chamber with the one `offset` lobe pitches behind it: `angle` is the leading chamber's;
+`behind` is the same table over the trailing chamber's angle, which the effects need. Units SI.
 """
 
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from screwsim.machine.rotors.sections import TURN
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.machine.rotors.slide import Slid, slid, slot_areas, slot_breakpoints
 
-STEP = np.radians(0.5)  # of the tables, between breakpoints, at most
-OVERLAP = np.radians(20.0)  # before suction closes: from there on paths on the suction side count (`profile_law`)
-TOGETHER = 1e-6  # rad: breakpoints as close as that are one
+STEP = np.radians(0.5)  # largest spacing of the tables between breakpoints
+OVERLAP = np.radians(20.0)  # angle before suction closes from which paths on the suction side count (`profile_law`)
+TOGETHER = 1e-6  # [rad] distance below which two breakpoints are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A leakage path: from a chamber to the one `offset` pitches behind; m: length for a clearance, m^2: area."""
+    """A leakage path from a chamber to the one `offset` pitches behind; unit m: length of a clearance, m^2: area."""
 
     name: str
     offset: int
@@ -43,14 +43,14 @@ class Path:
 
     @property
     def behind(self) -> Curve:
-        """The curve over the trailing chamber's angle (negative where that one is not yet born)."""
+        """The curve over the trailing chamber's angle (negative before that chamber's birth)."""
         shift, c = self.offset * self.pitch, self.curve
         return Curve(c.angle - shift, c.value, c.unit, tuple(at - shift for at in c.breakpoints))
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Everything by angle: volume and what it drives, ports, leakage paths."""
+    """All curves by angle: volume and its slopes, ports, leakage paths."""
 
     life: float
     chambers: int
@@ -72,9 +72,9 @@ Grid = tuple[Array, tuple[float, ...]]
 
 
 def _grid(rotors: Rotors, breakpoints: list[float]) -> Grid:
-    """Return angles φ over the life [rad], evenly spaced between breakpoints that lie in it, and these as own angles.
+    """Return angles φ [rad] over the life, evenly spaced between the breakpoints inside it, and these as own angles.
 
-    The number of intervals between breakpoints is even, so that every second angle has all of them, too.
+    The number of intervals between breakpoints is even, so that every second angle also includes all breakpoints.
     """
     start, end = rotors.start, rotors.wrap
     inside = [start]
@@ -135,7 +135,7 @@ def _suction_curves(rotors: Rotors, grooves: ports.Uncovered, closes: float) -> 
 
 
 def _discharge_curves(rotors: Rotors, grooves: ports.Uncovered, opens: float, face_opens: float) -> dict[str, Curve]:
-    """Return the areas of the discharge port: on the bores from `opens` on, on the end face from `face_opens` [rad]."""
+    """Return the areas of the discharge port: on the bores from `opens` [rad] on, on the end face from `face_opens`."""
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
     begins = [each + later for each in dict.fromkeys((opens, face_opens)) for later in (0.0, pair.pitch)]
     grid = _grid(rotors, [*begins, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1])
@@ -199,8 +199,8 @@ def make_curves(
 ) -> Curves:
     """Return all curves; suction closes where the volume is largest.
 
-    The discharge port opens at a built-in volume ratio; with `axial_ratio` its part on the end face at that one. A
-    slide valve moves the edge of its part on the bores, and opens a slot to suction.
+    The discharge port opens at a built-in volume ratio; with `axial_ratio` its part on the end face opens at that one.
+    A slide valve moves the edge of the part on the bores, and opens a slot to suction.
     """
     closes, opens = rotors.largest[0], rotors.discharge_angle(volume_ratio)
     face_opens = opens if axial_ratio is None else rotors.discharge_angle(axial_ratio, "axial_volume_ratio")
@@ -223,9 +223,9 @@ def make_curves(
 
 
 def closed_in(rotors: Rotors, curves: Curves) -> tuple[float, float]:
-    """Return the volume at which a chamber is closed in: over the largest one, and over that where its port opens.
+    """Return the volume at which a chamber is closed: over the largest volume, and over that where its port opens.
 
-    It is where suction closes or, later, where the slot of a slide valve is passed.
+    It closes where suction ends or, if later, where it has passed the slot of a slide valve.
     """
     begins = curves.suction_closes if curves.compresses is None else curves.compresses
     one, two = rotors.volume(np.array([begins, curves.discharge_opens]) + rotors.start)

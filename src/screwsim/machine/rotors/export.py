@@ -1,4 +1,4 @@
-"""Profiles, curves and coefficients as text: CSV that `law: table` and `kind: points` read, and DXF for drawing."""
+"""Profiles, curves and coefficients as text: CSV for `law: table` and `kind: points`, and DXF for drawing."""
 
 import math
 
@@ -12,7 +12,7 @@ _COLUMN = {"m^3": "volume_m3", "m^2": "area_m2", "m": "length_m", "m^3/rad": "vo
 
 
 def curve_csv(curve: Curve, clearance: float | None = None) -> str:
-    """Return a curve as CSV: angle_deg, volume_m3 or area_m2; a length [m] becomes an area with a clearance [m]."""
+    """Return a curve as CSV: angle_deg, volume_m3 or area_m2; a clearance [m] turns a length [m] into an area."""
     unit, value = curve.unit, curve.value
     if clearance is not None and unit == "m":
         unit, value = "m^2", clearance * value
@@ -25,7 +25,7 @@ def curve_csv(curve: Curve, clearance: float | None = None) -> str:
 def curves_csv(curves: Curves) -> dict[str, str]:
     """Return {file name: CSV text} of the volume, the ports (axial and radial together) and every leakage path.
 
-    Leakage paths are over the trailing chamber's angle, as `area_file` of an effect asks for it.
+    Leakage paths are over the trailing chamber's angle, as the `area_file` of an effect requires.
     """
     files = {"volume.csv": curve_csv(curves.volume)}
     for name, parts in (("suction", curves.suction), ("discharge", curves.discharge)):
@@ -46,14 +46,14 @@ def profile_csv(x: Array, y: Array) -> str:
 
 
 def lobe_csv(rotors: Rotors) -> str:
-    """Return the male lobe from root to root as CSV, as `kind: points` reads it."""
+    """Return the male lobe from root to root as CSV for `kind: points`."""
     first, last = rotors.chain.edges
     x, y = rotors.chain.male()
     return profile_csv(x[first : last + 1], y[first : last + 1])
 
 
 def outline_dxf(x: Array, y: Array) -> str:
-    """Return a closed polygon [m] as DXF R12 (one POLYLINE, in mm, which a comment says: R12 itself knows no units)."""
+    """Return a closed polygon [m] as DXF R12: one POLYLINE in mm, as a comment says, since R12 has no units."""
     head = ["999", "lengths in mm", "0", "SECTION", "2", "ENTITIES", "0", "POLYLINE", "8", "0", "66", "1", "70", "1"]
     for a, b in zip(x, y, strict=True):
         head += ["0", "VERTEX", "8", "0", "10", f"{a * 1e3:.6f}", "20", f"{b * 1e3:.6f}"]

@@ -1,4 +1,4 @@
-"""The flanks of both rotors as angles over the radius, and the widths of grooves and lobes from them.
+"""The flanks of both rotors as angles over the radius, and the widths of grooves and lobes that follow.
 
 Lengths in m; angles in rad of the rotor itself, the male's counter-clockwise from the tip of lobe 0, the female's
 clockwise from the middle of the groove that lobe 0 enters (both grow from the leading to the trailing side).
@@ -12,13 +12,13 @@ import numpy as np
 
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
-POINTS = 201
-FEW = 4  # rotors whose flanks are kept: checks, ports and end faces of one pair ask for them in turn
+POINTS = 201  # radii of a flank
+FEW = 4  # rotors whose flanks are cached: checks, ports and end faces of one pair use them in turn
 
 
 @dataclass(frozen=True, eq=False)
 class Flanks:
-    """Angles of the leading and of the trailing side of one chain, over radii from root to tip; arrays."""
+    """Angles of the leading and the trailing side of one chain, as arrays over radii from root to tip."""
 
     radii: Array
     lead: Array
@@ -32,17 +32,17 @@ class Flanks:
 
     @cached_property
     def outer(self) -> Array:
-        """Angular width of what lies between two of them: of the male groove, of the female lobe [rad]."""
+        """Angular width between two neighbours: of the male groove, of the female lobe [rad]."""
         return self.turn - self.inner
 
 
 def spaced(low: float, high: float, points: int = POINTS) -> Array:
-    """Return radii from low to high, dense at both ends, where flanks run into circles."""
+    """Return radii from low to high, dense at both ends, where flanks merge into circles."""
     return low + 0.5 * (high - low) * (1.0 - np.cos(np.linspace(0.0, math.pi, points)))
 
 
 def _over_radius(radii: Array, flank_radii: Array, angles: Array) -> Array:
-    """Return the angle of a flank at given radii, in variables in which round tips and roots are smooth."""
+    """Return the angle of a flank at given radii, interpolated in a variable that makes round tips and roots smooth."""
     low, high = radii[0], radii[-1]
 
     def smooth(r: Array) -> Array:
@@ -68,7 +68,7 @@ def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
 
 @lru_cache(maxsize=FEW)
 def female_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
-    """Return the flanks of female groove 0: ahead the land that left the male groove, behind the one that follows."""
+    """Return the flanks of female groove 0: ahead the land that left the male groove, behind the land that follows."""
     x, y = chain.female(pair)
     rho, angle = chain.female_radii(pair), np.arctan2(y, -x)
     first, last = chain.edges

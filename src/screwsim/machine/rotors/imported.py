@@ -1,9 +1,9 @@
-"""Profiles from points: a male curve or a rack, faired or smoothed as stated, a chain by the general gearing equation.
+"""Profiles from points: a male curve or a rack, faired or smoothed, becomes a chain by the general gearing equation.
 
-The common normal at a contact passes through the pitch point: for a male point p with unit tangent t,
-ψ = ang(t) − acos(p·t/r1); for a rack point (x, y), Y = −x dx/dy, ψ = (y − Y)/r1 (Litvin & Fuentes 2004, ch. 6).
-Smoothing: the tangent's angle is averaged over the length `smoothing` of the curve; the points stay. (What noise of
-points spoils is the tangent; a smoothing spline would overshoot where the curvature jumps.) Lengths: m; angles: rad.
+The common normal at a contact passes through the pitch point: for a male point p with unit tangent t, ψ = ang(t) −
+acos(p·t/r1); for a rack point (x, y), Y = −x dx/dy, ψ = (y − Y)/r1 (Litvin & Fuentes 2004, ch. 6). Smoothing: the
+tangent's angle is averaged over the length `smoothing` of the curve; the points stay. (It is the tangent that noise of
+points spoils; a smoothing spline would overshoot where the curvature jumps.) Lengths: m; angles: rad.
 """
 
 import math
@@ -15,16 +15,16 @@ from screwsim.inputs.sheets import read_sheet, usable
 from screwsim.machine.rotors.closed_form import Segment
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
-POINTS = 4001  # points of the curve, at least
-CORNER = math.radians(40.0)  # points that turn more than this are a corner, not a curve
-CLOSED = 1e-3  # of the centre distance: how far from the root circle a curve may end
-LOOP = 5e-3  # of the centre distance: shorter loops of contact on a rotor are noise of the points and are cut off
-TURNED = 0.02  # rad: a tip that is nearer to the x axis of its points lies on it, and its land about it
-NOISE = 1e-3  # rad: contact that runs back by less, outside the tip, is noise of the points and is straightened
+POINTS = 4001  # least number of points of the curve
+CORNER = math.radians(40.0)  # turn at a point above which it is a corner, not a curve
+CLOSED = 1e-3  # distance of a curve's end from the root circle over the centre distance that is allowed
+LOOP = 5e-3  # length over centre distance below which a loop of contact on a rotor is noise, and is cut off
+TURNED = 0.02  # [rad] angle of the tip from the points' x axis below which the frame is not turned
+NOISE = 1e-3  # [rad] reversal of the contact, outside the tip, below which it is noise, and is straightened
 
 
 def read_profile(path: str) -> tuple[Array, Array]:
-    """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are remarks."""
+    """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are comments."""
     with usable("name an existing CSV file", path):
         rows = read_sheet(path).columns("x_mm", "y_mm")
     try:
@@ -41,7 +41,7 @@ def averaged(way: Array, angle: Array, length: float) -> Array:
     half = np.minimum(0.5 * length, np.minimum(way - way[0], way[-1] - way))
     total = np.concatenate([[0.0], np.cumsum(0.5 * (angle[1:] + angle[:-1]) * np.diff(way))])
     fine = np.linspace(way[0], way[-1], 20 * len(way))  # the integral of a linear angle, nearly exact
-    # less what the integral of a piecewise linear function lies below its chords
+    # corrected for the difference between the integral of a piecewise linear function and its chords
     i = np.clip(np.searchsorted(way, fine, side="right") - 1, 0, len(way) - 2)
     slope = (angle[i + 1] - angle[i]) / (way[i + 1] - way[i])
     sums = np.interp(fine, way, total) + (-0.5 * slope * (fine - way[i]) * (way[i + 1] - fine))
@@ -52,8 +52,8 @@ def averaged(way: Array, angle: Array, length: float) -> Array:
 def _curve(x: Array, y: Array, smoothing: float) -> Segment:
     """Return points of the curve, without repetitions, and the angle of its tangent [rad].
 
-    The tangent at a point is that of the circle through it and its neighbours, linear between: its curvature never
-    overshoots where that of the profile jumps, which would make loops in the conjugate curve.
+    The tangent at a point is that of the circle through it and its neighbours, and linear in between: so its curvature
+    never overshoots where that of the profile jumps, which would make loops in the conjugate curve.
     """
     keep = np.concatenate([[True], np.hypot(np.diff(x), np.diff(y)) > 1e-9])
     x, y = x[keep], y[keep]
@@ -81,8 +81,8 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
 def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     """Return the chain of a male lobe: points [m] in the male frame, counter-clockwise, root → tip → root.
 
-    At ψ = 0 the lobe's tip lies on the centre line; what of its frame is turned by more is turned back. What the points
-    leave of the pitch is root circle.
+    At ψ = 0 the lobe's tip lies on the centre line; a frame that is turned by more than `TURNED` is turned back. The
+    rest of the pitch is root circle.
     """
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
@@ -106,7 +106,7 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
 
 
 def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
-    """Return the chain of a rack: x above the pitch line, y along it [m], y growing.
+    """Return the chain of a rack: x above the pitch line, y along it [m], y increasing.
 
     y = 0 lies on the centre line at ψ = 0.
     """
@@ -119,7 +119,7 @@ def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
 
 
 def closed(pair: Pair, contact: Segment) -> Chain:
-    """Return the chain over one pitch: the contact, between halves of the flat, with S' and S found."""
+    """Return the chain over one pitch: the contact between halves of the flat, with S' and S found."""
     psi, x, y = contact
     root = pair.r1 - pair.dedendum
     for end in (0, -1):
@@ -160,7 +160,7 @@ def _forward(pair: Pair, chain: Chain) -> Chain:
 
 
 def _backward(x: list[float], y: list[float], limit: float) -> Array:
-    """Return which points lie behind the farthest one so far, seen along the last step, and nearer than the limit."""
+    """Return which points lie behind the farthest one so far, along the last step, and nearer to it than the limit."""
     behind = np.zeros(len(x), dtype=bool)
     px, py, dx, dy = x[0], y[0], 0.0, 0.0
     for i in range(1, len(x)):
@@ -189,7 +189,7 @@ def _reversal(x: Array, y: Array, psi: Array) -> tuple[int, int]:
 
 
 def _straightened(psi: Array, lead: int, trail: int) -> Array:
-    """Return ψ monotone on each branch where it runs back by noise only; a true turn of the contact stays."""
+    """Return ψ made monotone on each branch where it runs back by noise only; a true reversal of the contact stays."""
     parts = (
         np.maximum.accumulate(psi[:lead]),
         np.minimum.accumulate(psi[lead : trail + 1]),

@@ -1,12 +1,12 @@
 """Lengths of the leakage paths of a chamber over the male angle: sealing line, tip helices, end faces.
 
-φ [rad] is zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane; the section at
-z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length and a clearance make an area.
+φ [rad] is zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane; the section at z
+is at ψ = φ − τ z/L. h = L/τ [m/rad]. A length times a clearance is an area.
 
-On an end face the lengths are radial, of what separates two chambers, by lobe offset. At each radius a lobe's arc lies
-between its two flanks. A length is the radial extent over which one flank bounds one chamber and the other flank the
-other chamber; the contact points, at radii known from the chain, divide the flanks. Between the male tip's departure
-from the cusp and the new contact at S the division moves linearly (as R does).
+On an end face the lengths are the radial extents of what separates two chambers, by lobe offset. At each radius a
+lobe's arc lies between its two flanks. A length is the radial extent over which one flank bounds one chamber and the
+other flank the other chamber; the contact points, at radii known from the chain, divide the flanks. Between the male
+tip's departure from the cusp and the new contact at S the division moves linearly (as R does).
 Source: ours (docs/reference/rotors.md).
 """
 
@@ -26,8 +26,8 @@ TURN = 2.0 * math.pi
 class SealingLine:
     """Length of the contact line [m] up to ψ on its two branches: (ψ nodes [rad], length [m])."""
 
-    rising: tuple[Array, Array]  # S₋₁ → S'₀: the chamber behind it fills in the same grooves, z1 pitches behind
-    falling: tuple[Array, Array]  # S'₀ → S₀, over the male tip: z1 + 1 pitches behind
+    rising: tuple[Array, Array]  # S₋₁ → S'₀: to the chamber filling in the same grooves, z1 pitches behind
+    falling: tuple[Array, Array]  # S'₀ → S₀, over the male tip: to the chamber z1 + 1 pitches behind
 
     def lengths_at(self, phi: Array, wrap: float) -> tuple[Array, Array]:
         """Return the lengths [m] of both branches between the end faces, ψ ∈ [φ − τ, φ]."""
@@ -38,7 +38,7 @@ class SealingLine:
 
 
 def sealing_line(pair: Pair, chain: Chain, h: float) -> SealingLine:
-    """Return the length of the contact line, dl² = dX² + dY² + (h dψ)²."""
+    """Return the contact line with its length, dl² = dX² + dY² + (h dψ)²."""
     steps = np.sqrt(np.diff(chain.x) ** 2 + np.diff(chain.y) ** 2 + (h * np.diff(chain.psi)) ** 2)
     length = np.concatenate([[0.0], np.cumsum(steps)])
     psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
@@ -49,13 +49,13 @@ def sealing_line(pair: Pair, chain: Chain, h: float) -> SealingLine:
 
 
 def _rising(psi: Array) -> Array:
-    """Return ψ such that it rises: of the symmetric profile all points of the branch meet at once, at ψ = 0."""
+    """Return ψ made strictly increasing: on the symmetric profile all points of the branch touch at once, at ψ = 0."""
     return psi - 1e-9 * np.arange(len(psi))[::-1] if psi[-1] - psi[0] < 1e-6 else psi
 
 
 @dataclass(frozen=True)
 class Helix:
-    """A tip that seals on the bore while ψ lies in (start, end) [rad]; slope: its length a male radian [m/rad]."""
+    """A tip that seals on the bore while ψ lies in (start, end) [rad]; slope: its length per male radian [m/rad]."""
 
     start: float
     end: float
@@ -93,7 +93,7 @@ class Contacts:
 def contacts(pair: Pair, chain: Chain, radii: Array, outer: float) -> Contacts:
     """Return the contacts of one rotor, given the radii of its contact points and its outer radius.
 
-    Past S' the whole flank ahead of the lobe is on the suction side, and so is the one behind past the male tip.
+    Beyond S' the whole flank ahead of the lobe is on the suction side, and beyond the male tip so is the one behind.
     """
     first, last = chain.edges
     past = np.array([1e-9])
@@ -114,7 +114,7 @@ def contacts(pair: Pair, chain: Chain, radii: Array, outer: float) -> Contacts:
 
 
 def male_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
-    """Return {offset: length [m]} across the male lobes, by the angle of the leading chamber at the face."""
+    """Return {offset: length [m]} across the male lobes, over the angle of the leading chamber at the face."""
     c = contacts(pair, chain, chain.male_radii(), pair.male_radius)
     root = float(chain.male_radii().min())
     z1, before, ahead = pair.male_lobes, psi + TURN, psi + pair.pitch
@@ -131,7 +131,7 @@ def male_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
 
 
 def female_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
-    """Return {offset: length [m]} across the female lobes, by the angle of the leading chamber at the face."""
+    """Return {offset: length [m]} across the female lobes, over the angle of the leading chamber at the face."""
     c = contacts(pair, chain, chain.female_radii(pair), pair.female_radius)
     outer, p = pair.female_radius, pair.pitch
     before = psi + TURN / pair.k  # the same groove, one turn of the female rotor earlier
@@ -149,7 +149,7 @@ def female_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
 
 
 def mean_widths(pair: Pair, chain: Chain) -> tuple[float, float]:
-    """Return the mean thickness of the male and the female lobe on the face [m]: how long the leak's way is."""
+    """Return the mean thickness of the male and the female lobe on the face [m], the length of the leak's passage."""
     male, female = male_flanks(pair, chain), female_flanks(pair, chain)
     one, two = (
         float(np.trapezoid(f.radii * width, f.radii) / (f.radii[-1] - f.radii[0]))
@@ -159,7 +159,7 @@ def mean_widths(pair: Pair, chain: Chain) -> tuple[float, float]:
 
 
 def offsets(pair: Pair) -> tuple[int, ...]:
-    """Return the pitches that lie between the chambers of each interface."""
+    """Return the numbers of pitches between the chambers of the interfaces."""
     z1 = pair.male_lobes
     return tuple(sorted({1, z1 - 1, z1, z1 + 1}))
 

@@ -1,14 +1,14 @@
-"""Measured points made fair: the curve of fewest, smallest jumps of curvature that stays within a tolerance of them.
+"""Measured points made fair: the curve with the fewest and smallest jumps of curvature within a tolerance of them.
 
-Profiles are made of pieces whose curvature jumps where they meet, so a smoothing spline overshoots there and makes
-loops in the conjugate rotor. Here points move along the normal by d, least in
+Profiles consist of pieces whose curvature jumps where they meet, so a smoothing spline overshoots there and makes loops
+in the conjugate rotor. Here points move along the normal by d, so as to minimise
 
     Σ d²  +  λ Σ (|Δκ|/(1 + r1 |κ|))^½ ,
 
 κ: curvature at a point, Δκ: its jump to the next, r1: pitch radius of the male rotor; λ: the largest for which no point
 moves by more than the tolerance. Source: ours; that a sum of |Δκ| keeps the jumps is total-variation denoising (Rudin,
-Osher & Fatemi 1992), the power ½, which shrinks a tip's curvature less, and solving by weighted least squares are those
-of Chartrand & Yin (2008). Lengths: m.
+Osher & Fatemi 1992); the power ½, which shrinks a tip's curvature less, and the solution by weighted least squares are
+those of Chartrand & Yin (2008). Lengths: m.
 """
 
 import math
@@ -19,15 +19,15 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.pair import Array
 
-APART = 7.0  # tolerances: points nearer to the last one kept say nothing of the tangent
+APART = 7.0  # distance of points over the tolerance below which they say nothing about the tangent
 PASSES, SWEEPS, HALVINGS = 3, 12, 16
-LOG_RANGE = -16.0, 0.0  # of log10 λ, lengths over r1
-JUMP = 3e-3  # of a pitch radius's curvature: smaller jumps are none
+LOG_RANGE = -16.0, 0.0  # range of log10 λ, with lengths over r1
+JUMP = 3e-3  # jump of curvature, times the pitch radius, below which it counts as none
 
 
 @dataclass(frozen=True)
 class Faired:
-    """A faired curve [m], and how far it lies from the points that it was made of [m]: the farthest, and the RMS."""
+    """A faired curve [m], and its largest and RMS distance [m] from the points that it was made of."""
 
     x: Array
     y: Array
@@ -35,7 +35,7 @@ class Faired:
     rms: float
 
     def words(self, points: int) -> str:
-        """Return what became of a number of points, for people."""
+        """Return in words how the curve lies to a number of points."""
         away = f"{self.farthest * 1e6:.2g} um at most, {self.rms * 1e6:.2g} um RMS"
         return f"{len(self.x)} of {points} points; the faired curve passes by them by {away}"
 
@@ -43,7 +43,7 @@ class Faired:
 def faired(x: Array, y: Array, tolerance: float, pitch_radius: float) -> Faired:
     """Return the fairest curve within a tolerance [m] of points in order along a lobe.
 
-    Points nearer together than seven tolerances are thinned first.
+    Points closer together than seven tolerances are thinned first.
     """
     kept = _apart(x, y, APART * tolerance)
     if len(kept) < 20:
@@ -66,7 +66,7 @@ def faired(x: Array, y: Array, tolerance: float, pitch_radius: float) -> Faired:
 
 
 def _apart(x: Array, y: Array, least: float) -> list[int]:
-    """Return indices of points, the first and the last among them, that lie no nearer together than a length."""
+    """Return indices of points, including the first and the last, that are at least a distance apart."""
     kept = [0]
     for i in range(1, len(x) - 1):
         if math.hypot(x[i] - x[kept[-1]], y[i] - y[kept[-1]]) >= least:
@@ -77,12 +77,12 @@ def _apart(x: Array, y: Array, least: float) -> list[int]:
 
 
 def _least(px: Array, py: Array, weight: float) -> tuple[Array, Array]:
-    """Return the curve that is least for one λ: linear in d about the last curve, weighted anew in each sweep."""
+    """Return the minimising curve for one λ: linear in d about the last curve, reweighted in each sweep."""
     x, y = px.copy(), py.copy()
     for _ in range(PASSES):
         step, angle, curvature = _shape(x, y)
         nx, ny = -np.sin(angle), np.cos(angle)
-        away = (px - x) * nx + (py - y) * ny  # of the measured points from the present curve
+        away = (px - x) * nx + (py - y) * ny  # distance of the measured points from the present curve
         bands, jumps = _jumps(step, curvature), np.diff(curvature)
         at_points = jumps + _times(bands, away)
         size = np.abs(np.concatenate([curvature[:1], curvature, curvature[-1:]]))
@@ -106,7 +106,7 @@ def _shape(x: Array, y: Array) -> tuple[Array, Array, Array]:
 
 
 def _jumps(step: Array, curvature: Array) -> Array:
-    """Return how the jumps of curvature follow normal moves of four points in a row: κ grows by d'' + κ² d."""
+    """Return how the jumps of curvature respond to normal moves of four points in a row: κ grows by d'' + κ² d."""
     before = 2.0 / (step[:-1] * (step[:-1] + step[1:]))
     after = 2.0 / (step[1:] * (step[:-1] + step[1:]))
     own = curvature**2 - before - after
@@ -114,13 +114,13 @@ def _jumps(step: Array, curvature: Array) -> Array:
 
 
 def _times(bands: Array, d: Array) -> Array:
-    """Return the bands times values at the points."""
+    """Return the product of the bands with values at the points."""
     count = bands.shape[1]
     return sum((bands[i] * d[i : i + count] for i in range(4)), np.zeros(count))
 
 
 def _solved(bands: Array, jumps: Array, strength: Array) -> Array:
-    """Return the moves that are least in Σ d² + Σ strength (jump + bands d)², by a banded Cholesky factorisation."""
+    """Return the moves that minimise Σ d² + Σ strength (jump + bands d)², by a banded Cholesky factorisation."""
     from scipy.linalg import solveh_banded  # here: closed forms need none of it
 
     count = bands.shape[1]

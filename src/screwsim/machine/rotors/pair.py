@@ -1,7 +1,7 @@
-"""A rotor pair and its contact points: the kinematics under all geometry of the rotors (docs/reference/rotors.md).
+"""A rotor pair and its contact points: the kinematics that all rotor geometry builds on (docs/reference/rotors.md).
 
 Frame: O1 = (0, 0) male centre, O2 = (A, 0) female centre, P = (r1, 0) pitch point. The male turns clockwise by ψ, the
-female counter-clockwise by kψ. At ψ = 0 the tip of lobe 0 lies on the centre line; lobes go into mesh at Y > 0.
+female counter-clockwise by kψ. At ψ = 0 the tip of lobe 0 lies on the centre line; lobes enter the mesh at Y > 0.
 """
 
 import math
@@ -50,7 +50,7 @@ class Pair:
 
     @property
     def dedendum(self) -> float:
-        """Height hf of the female lobe over its pitch circle [m]: the male groove reaches so far below its own."""
+        """Height hf of the female lobe over its pitch circle [m], the depth of the male groove below its own."""
         return self.female_radius - self.r2
 
     @property
@@ -77,10 +77,10 @@ class Pair:
 class Chain:
     """Contact points in the frame, in order over one pitch: leading root → tip → trailing root of male lobe 0.
 
-    psi [rad], x, y [m]: arrays; ψ ends one pitch above its beginning, at the same place. Indices: `lead` of S' (local
+    psi [rad], x, y [m]: arrays; the chain ends at its first point, one pitch of ψ later. Indices: `lead` of S' (local
     maximum of ψ, where contact on the leading flank ends), `trail` of S (local minimum, where contact on the trailing
     flank begins), `edges` where the flat (female land on male root) ends and begins, `joints` of the ends of segments.
-    `faired`: what was changed of measured points, in words.
+    `faired`: in words, how measured points were changed.
     """
 
     psi: Array
@@ -118,7 +118,10 @@ class Chain:
         return self._of_pair(pair)[2]
 
     def _of_pair(self, pair: Pair) -> tuple[Array, Array, Array]:
-        """Return the contact points on the female rotor and their distances from its centre, of the pair asked last."""
+        """Return the contact points on the female rotor and their distances from its centre.
+
+        Cached for the last pair.
+        """
         if pair not in self._known:
             self._known.clear()
             c, s = np.cos(pair.k * self.psi), np.sin(pair.k * self.psi)
@@ -149,15 +152,15 @@ class Chain:
 
 
 def fixed(values: Array) -> Array:
-    """Return an array that nobody can write to: it is handed to all who ask."""
+    """Return an array made read-only, since all callers share it."""
     values.flags.writeable = False
     return values
 
 
 def cumulated(psi: Array, total: Array) -> tuple[Array, Array]:
-    """Return (ψ, sum of what lies below it) of a quantity summed along a branch of the chain.
+    """Return (ψ, cumulated sum) of a quantity summed along a branch of the chain.
 
-    Where ψ runs back (a rack root with r5 < hf) each monotone piece counts by itself.
+    Where ψ runs back (a rack root with r5 < hf) each monotone piece is cumulated by itself.
     """
     way = np.sign(np.diff(psi))
     turns = np.flatnonzero(way[1:] * way[:-1] < 0.0) + 1

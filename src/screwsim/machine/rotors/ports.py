@@ -18,12 +18,12 @@ from screwsim.machine.rotors.sections import Sections
 
 @dataclass(frozen=True, eq=False)
 class Uncovered:
-    """What an edge uncovers of the grooves of one chamber on an end face, over the angle Δ since it was passed."""
+    """Area of one chamber's grooves on an end face that an edge uncovers, over the angle Δ since it was passed."""
 
     k: float
     male: Flanks
     female: Flanks
-    scale: float  # to A01 + A02, which the flanks at some radii give to 1e-5 only
+    scale: float  # factor to A01 + A02, which the flanks at discrete radii give to 1e-5 only
 
     def area(self, delta: Array) -> Array:
         """Return ∫ρ min(Δ, w_M) dρ + ∫ρ min(kΔ, w_F) dρ [m²]; w are the angular widths of the grooves."""
@@ -82,8 +82,8 @@ def radial_suction(
 ) -> tuple[Array, Array]:
     """Return the open areas [m²] of the suction port on the male and the female bore.
 
-    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on. The female
-    groove is the one that is compressed: it passes the suction cusp before the chamber's own life begins (`curves`).
+    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on. The female groove
+    is the one that will be compressed: it passes the suction cusp before the chamber's own life begins (`curves`).
     """
     areas = []
     for tip, width, radius in groove_tips(pair, chain, h):
@@ -94,13 +94,13 @@ def radial_suction(
 
 
 def _strip(x: Array, start: float, wrap: float) -> Array:
-    """Return ∫ up to x of the angle along which a helix lies on the bore: it enters at `start`, ends with the wrap."""
+    """Return ∫ up to x of the angle over which a helix lies on the bore: it enters at `start`, ends with the wrap."""
     on = np.maximum(x - start, 0.0)
     return 0.5 * on**2 - 0.5 * np.maximum(on - wrap, 0.0) ** 2
 
 
 class GrooveTip(NamedTuple):
-    """A groove on its bore: its trailing tip, its width in male radians, the bore's length a male radian [m]."""
+    """A groove on its bore: its trailing tip, its width in male radians, the bore's length per male radian [m]."""
 
     tip: Helix
     width: float

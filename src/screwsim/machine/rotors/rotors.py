@@ -1,7 +1,7 @@
-"""A pair of rotors of a length and a wrap: its volume, coefficients and angles.
+"""A pair of rotors with length and wrap: its volume, coefficients and angles.
 
-φ as in `leakage`: zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane, where
-the volume ends at φ = τ. A chamber's own angle counts from the beginning of its life. Units SI.
+φ as in `leakage`: zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane; the
+volume ends at φ = τ. A chamber's own angle counts from the beginning of its life. Units SI.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
 
-KEPT = 64  # rotors that a process keeps, with their curves: a study of profiles makes others again and again
+KEPT = 64  # rotors that a process caches, with their curves; a study of profiles makes ever new ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Rotors:
 
     @cached_property
     def suction_blow_hole(self) -> Opening:
-        """The blow-hole at the suction cusp; its angles are those of the mirror, −ψ − 2π."""
+        """The blow-hole at the suction cusp; its angles are those of the mirror image, −ψ − 2π."""
         return opening(self.pair, mirrored(self.chain))
 
     @cached_property
@@ -65,7 +65,7 @@ class Rotors:
 
     @property
     def chambers(self) -> int:
-        """Number of chambers that are alive at once at most."""
+        """Largest number of chambers alive at once."""
         return math.ceil(self.life / self.pair.pitch - 1e-9)
 
     def volume(self, phi: Array) -> Array:
@@ -78,7 +78,7 @@ class Rotors:
 
     @cached_property
     def largest(self) -> tuple[float, float]:
-        """φ of the largest volume [rad] and that volume [m³]."""
+        """φ of the largest volume [rad], and that volume [m³]."""
         grid = np.linspace(self.start, self.wrap, 721)
         i = int(np.argmax(self.volume(grid)))
         low, high = float(grid[max(i - 1, 0)]), float(grid[min(i + 1, 720)])
@@ -92,7 +92,7 @@ class Rotors:
     def discharge_angle(self, volume_ratio: float, name: str = "built_in_volume_ratio") -> float:
         """Return φ_dis [rad] at which the volume is the largest one over the built-in ratio.
 
-        Raise UsageError in one line for a ratio at which the volume does not fall linearly or the port is shut.
+        Raise UsageError in one line where that is less than 10° before the end of discharge.
         """
         grid = np.linspace(self.largest[0], self.wrap, 2001)
         volume = self.volume(grid)
@@ -131,7 +131,7 @@ class Rotors:
 
 
 def _of_points(pair: Pair, profile: Profile) -> Chain:
-    """Return those of points of a file, faired within the tolerance that is stated."""
+    """Return the contact points of a profile given by a file, faired within the stated tolerance."""
     x, y = imported.read_profile(str(profile.file))
     make = imported.from_male if profile.curve == "male" else imported.from_rack
     if not profile.tolerance > 0.0:
@@ -156,7 +156,7 @@ CHAINS = {POINTS: _of_points, CIRCULAR: _circular, RACK: _rack}
 def make_rotors(
     profile: Profile, male_lobes: int, female_lobes: int, male_diameter: float, length: float, check: bool = True
 ) -> Rotors:
-    """Return the rotors of a profile; raise UsageError with one line a fault."""
+    """Return the rotors of a profile; raise UsageError with one line per fault."""
     pair = Pair(male_lobes, female_lobes, profile.centre_distance, 0.5 * male_diameter, 0.5 * profile.female_diameter)
     _refuse(check_settings(profile) + check_pair(pair))
     if profile.wrap_angle > TURN:
@@ -170,13 +170,13 @@ def make_rotors(
 
 @lru_cache(maxsize=KEPT)
 def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
-    """Return the rotors; the same ones again for the same chain, with all that they have found of themselves."""
+    """Return the rotors, cached by chain, so that their computed properties are kept."""
     return Rotors(pair, chain, length, wrap)
 
 
 @lru_cache(maxsize=KEPT)
 def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
-    """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
+    """Return the contact points of a profile, which do not depend on length and wrap. `stamp`: digest of its file."""
     chain = CHAINS[profile.kind](pair, profile)
     if check:
         _refuse(check_size(pair, chain) if profile.measured else [])
@@ -185,7 +185,7 @@ def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Cha
 
 
 def _stamp(file: str | None) -> str:
-    """Return the content of a file as a digest: its date may stay as it was."""
+    """Return the digest of a file's content, since its date may stay the same when it changes."""
     return hashlib.sha256(Path(file).read_bytes()).hexdigest() if file is not None and os.path.isfile(file) else ""
 
 

@@ -1,8 +1,8 @@
-"""Areas of the transverse section, and the chamber's volume from them.
+"""Areas of the transverse section, and the chamber volume that follows.
 
-A rotating rigid curve sweeps ½ρ² a radian, so only the contact radii matter: dA = ½[(R1² − ρ1²) + k(R2² − ρ2²)] dψ
+A rotating rigid curve sweeps ½ρ² per radian, so only the contact radii matter: dA = ½[(R1² − ρ1²) + k(R2² − ρ2²)] dψ
 along the chain; over one pitch it sums to A01 + A02 exactly. Between the points of the chain the section area a(ψ) is
-linear and its integral quadratic, so V and dV/dφ belong to each other exactly, whatever length and wrap.
+linear and its integral quadratic, so V and dV/dφ are exactly consistent, whatever length and wrap.
 Source: docs/reference/rotors.md. Lengths in m, angles in rad.
 """
 
@@ -19,7 +19,7 @@ TURN = 2.0 * math.pi
 
 
 def polygon_area(x: Array, y: Array) -> float:
-    """Return the area of a closed polygon [m²], positive whatever its sense."""
+    """Return the area of a closed polygon [m²], positive whatever its orientation."""
     return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
 
 
@@ -36,7 +36,8 @@ class Sections:
     """Section area a(ψ) of one chamber on its nodes, and its integral: arrays; ψ [rad], a [m²], integral [m² rad].
 
     Convention: a chamber is a male groove and the female groove that meets it at the high-pressure cusp; while it
-    fills, that which leaves the mesh with it. R is linear. Both choices are worth 0.1–1.2 % of V_max, none later.
+    fills, the female groove that leaves the mesh with it. R is linear. Both choices matter by 0.1–1.2 % of V_max while
+    the chamber fills, and not at all later.
     """
 
     psi: Array
@@ -45,7 +46,7 @@ class Sections:
     integral: Array
     male_groove: float  # A01 [m²]
     female_groove: float  # A02 [m²]
-    male_share: float  # of displacement work, hence of the gas torque
+    male_share: float  # share of the displacement work, hence of the gas torque
     crossing: float  # Δ: area that crosses the open blow-hole [m²]
 
     @property
@@ -74,7 +75,7 @@ class Sections:
         return length / wrap * (self.area_at(phi) - self.area_at(phi - wrap))
 
     def volume_of(self, phi: float, wrap: float, length: float) -> float:
-        """Return `volume` at one angle: a search asks for many, one after the other."""
+        """Return `volume` at one angle, quickly, for searches."""
         return length / wrap * (self._integral_of(phi) - self._integral_of(phi - wrap))
 
     def slope_of(self, phi: float, wrap: float, length: float) -> float:
@@ -98,9 +99,9 @@ class Sections:
         return (float(a[i + 1]) - first) / (float(nodes[i + 1]) - low) * (psi - low) + first
 
     def male_slope(self, phi: Array, wrap: float, length: float) -> Array:
-        """Return ∂V/∂φ of the male rotor alone [m³/rad]: times pressure, the gas torque on it.
+        """Return ∂V/∂φ of the male rotor alone [m³/rad]; times pressure it is the gas torque on it.
 
-        The rest of `volume_slope` is the female's; over k it is that of the female shaft.
+        The rest of `volume_slope` is the female rotor's; divided by k it refers to the female shaft.
         """
         now, behind = (np.interp(x, self.psi, self.a_male, left=0.0, right=0.0) for x in (phi, phi - wrap))
         return length / wrap * (now - behind)
@@ -110,7 +111,7 @@ Branches = tuple[tuple[Array, Array], tuple[Array, Array]]
 
 
 def mesh_functions(pair: Pair, chain: Chain, area: Array) -> Branches:
-    """Return (ψ, cumulated area) along the rising branch S₋₁→S'₀ and along the falling one, S₀→S'₀ with its sign.
+    """Return (ψ, cumulated area) along the rising branch S₋₁→S'₀ and along the falling one, S₀→S'₀, signed.
 
     area: of each step along the chain [m²], of one rotor or of both.
     """
@@ -150,7 +151,7 @@ def sections(pair: Pair, chain: Chain, hole: Opening | None = None) -> Sections:
 
 
 def _grooves(pair: Pair, chain: Chain) -> tuple[float, float]:
-    """Return A01 and A02 [m²]: what the outline of a rotor leaves of its outer circle, over the lobes."""
+    """Return A01 and A02 [m²]: the outer circle less the outline of a rotor, over the number of lobes."""
     male, female = outlines(pair, chain)
     A01 = (math.pi * pair.male_radius**2 - polygon_area(*male)) / pair.male_lobes
     return A01, (math.pi * pair.female_radius**2 - polygon_area(*female)) / pair.female_lobes

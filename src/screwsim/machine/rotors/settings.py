@@ -1,7 +1,7 @@
-"""What a scene says of a rotor profile (typed, SI units), and families of rotors.
+"""The settings of a rotor profile in a scene (typed, SI units), and families of rotors.
 
-A family is proportions under a name, of which a diameter makes rotors (docs/reference/rotors.md): shares of the male
-rotor's diameter. Source: ours; the machines of configs/rotors are these at 160 mm.
+A family is a named set of proportions, as shares of the male rotor's diameter, from which a diameter makes rotors
+(docs/reference/rotors.md). Source: ours; the machines of configs/rotors are these at 160 mm.
 """
 
 import math
@@ -22,7 +22,7 @@ _READS = {**_NEEDS, POINTS: ("file", "curve", "tolerance", "smoothing")}
 
 @dataclass(frozen=True)
 class Family:
-    """A kind of profile with its lobes, angles [rad], length over diameter, lengths over diameter by their names."""
+    """A kind of profile with its lobes, angles [rad], length over diameter, and other lengths over diameter by name."""
 
     kind: str
     male_lobes: int
@@ -106,7 +106,7 @@ class Profile:
 
     @property
     def measured(self) -> bool:
-        """Is it given as points of a file?"""
+        """Whether the profile is given as points of a file."""
         return self.kind == POINTS
 
 
@@ -128,7 +128,7 @@ class SlideValve:
 
 
 def check_settings(profile: Profile) -> list[Fault]:
-    """Return the parameters that a kind of profile lacks."""
+    """Return faults of the parameters that a kind of profile needs and lacks."""
     return [
         Fault(f"machine.profile.{name}", f"is missing (kind: {profile.kind} needs it)")
         for name in _NEEDS[profile.kind]
@@ -137,7 +137,7 @@ def check_settings(profile: Profile) -> list[Fault]:
 
 
 def unread(profile: Profile) -> Iterator[tuple[str, str]]:
-    """Yield (path, what) of each parameter that is stated and that this kind of profile does not read."""
+    """Yield (path, what) of each stated parameter that this kind of profile does not use."""
     defaults = {each.name: each.default for each in fields(profile)}
     for name in dict.fromkeys(name for names in _READS.values() for name in names):
         value = getattr(profile, name)

@@ -1,9 +1,9 @@
-"""A slide valve under both rotors: where its ends stand, and what of a chamber they uncover.
+"""A slide valve under both rotors: the positions of its ends, and the areas of a chamber that they uncover.
 
 The slide lies in the cusp of the bores on the high-pressure side and moves along the axes. On each bore it is the strip
-from the cusp back over its span. Its end at the suction side meets a stop at full load; moved by s it uncovers the
-strip from the stop to its end, which leads back to suction; its end at the discharge side carries the edge of the
-radial port, a helix, which moves with it. The axial port is cut in the end face and stays.
+from the cusp back over its span. At full load its suction end rests on a stop; moved by s it uncovers the strip from
+the stop to its end, which leads back to suction. Its discharge end carries the edge of the radial port, a helix, which
+moves with it. The axial port is cut into the end face and stays.
 Source: shape: N. Stosic, I. Smith, A. Kovacevic, Screw Compressors, Springer 2005; areas: docs/reference/rotors.md,
 derived there. φ and ψ as in `leakage`, z from the inlet plane; lengths in m, angles in rad, spans in male radians.
 """
@@ -22,15 +22,15 @@ from screwsim.machine.rotors.settings import SlideValve
 from screwsim.numerics.roots import brentq
 
 PATH = "machine.slide_valve"
-LEAST = 0.22  # of the largest volume, that a slide leaves closed in at the end of its way: about a quarter of the flow
-NARROW = 40.0  # degrees of a bore, that a slide has at least where its radial port asks for less: assumed
+LEAST = 0.22  # closed volume over the largest one at the end of a slide's travel: about a quarter of the flow
+NARROW = 40.0  # [degree] least span of a slide on a bore where its radial port needs less: assumed
 
 
 @dataclass(frozen=True)
 class Slid:
-    """A slide at a position: z of the stop and way from it [m], φ of the edge of the radial port, spans on both bores.
+    """A slide at a position: z of the stop and distance from it [m], φ of the radial port's edge, spans on both bores.
 
-    `closes` is the φ at which the last of the slot is passed, None where it is shut.
+    `closes` is the φ at which a chamber has passed the slot, None where the slot is shut.
     """
 
     stop: float
@@ -41,10 +41,10 @@ class Slid:
 
 
 def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> Slid:
-    """Return the slide at its position; `opens` is φ of the radial port's edge at full load, the face's stays.
+    """Return the slide at its position; `opens` is φ of the radial port's edge at full load, `face_opens` the axial's.
 
-    Raise UsageError in one line for a slide that is too narrow for the port, or so long on its way, or so short, that
-    its slot would be open beside the discharge port.
+    Raise UsageError in one line for a slide that is too narrow for the port, or whose travel is so long, or its length
+    so short, that a chamber would be open to slot and discharge port at once.
     """
     h, (male, female) = rotors.h, groove_tips(rotors.pair, rotors.chain, rotors.h)
     apex = h * (opens + male.width - male.tip.end)  # of the radial port, at the cusp
@@ -67,10 +67,10 @@ def slid(rotors: Rotors, slide: SlideValve, opens: float, face_opens: float) -> 
 
 
 def fitting(rotors: Rotors, opens: float, face_opens: float) -> SlideValve:
-    """Return a slide that begins at the inlet end, as wide as its radial port, or `NARROW`, and its way.
+    """Return a slide that begins at the inlet end, with spans and travel that fit.
 
-    `opens` and `face_opens` as of `slid`. Spans are whole degrees. The way leaves `LEAST` of the largest volume closed
-    in, where that is not beyond what is refused.
+    `opens` and `face_opens` as for `slid`. Spans are whole degrees, those of the radial port or `NARROW`. At the end of
+    the travel `LEAST` of the largest volume is closed in, unless that exceeds the permitted travel.
     """
     wide = (max(math.degrees(span), NARROW) for span in _port_spans(rotors, opens))
     male, female = (math.radians(math.ceil(span)) for span in wide)
@@ -82,7 +82,7 @@ def fitting(rotors: Rotors, opens: float, face_opens: float) -> SlideValve:
 
 
 def _port_spans(rotors: Rotors, opens: float) -> tuple[float, float]:
-    """Return how far the radial port at full load reaches from the cusp on the male and the female bore."""
+    """Return the angles [rad] that the radial port at full load spans from the cusp on the male and the female bore."""
     male, female = (
         ratio * (rotors.wrap - opens - width + tip.end)
         for (tip, width, _), ratio in zip(
@@ -111,8 +111,9 @@ def _refuse_spans(rotors: Rotors, slide: SlideValve, opens: float) -> None:
 def slot_areas(rotors: Rotors, at: Slid, phi: Array) -> tuple[Array, Array]:
     """Return the open areas [m²] of the slot to suction on the male and the female bore.
 
-    The strip 0 ≤ θ ≤ span, stop ≤ z ≤ stop + moved, as far as it lies between the chamber's tips: the trailing one at
-    θ = z/h − φ + (end of its time on the bore), the leading one the groove's width nearer the cusp. Within the rotors.
+    The slot is the strip 0 ≤ θ ≤ span, stop ≤ z ≤ stop + moved, within the rotors, as far as it lies between the
+    chamber's tips: the trailing one at θ = z/h − φ + (ψ at which it leaves the bore), the leading one a groove width
+    nearer the cusp.
     """
     low, high = (min(max(z, 0.0), rotors.length) for z in (at.stop, at.stop + at.moved))
     areas, h = [], rotors.h
@@ -134,5 +135,5 @@ def slot_breakpoints(rotors: Rotors, at: Slid) -> list[float]:
 
 
 def _under(x: Array, span: float) -> Array:
-    """Return ∫ up to x of what lies of [0, span] below it."""
+    """Return ∫ up to x of the length of [0, span] that lies below it."""
     return 0.5 * np.maximum(x, 0.0) ** 2 - 0.5 * np.maximum(x - span, 0.0) ** 2

@@ -1,4 +1,4 @@
-"""Slider-crank machines: their cylinder is one chamber, whose life is one turn of the crank."""
+"""Slider-crank machines: the cylinder is one chamber, whose life is one turn of the crank."""
 
 import math
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class Cylinder(MachineGeometry):
 
     @property
     def injection_angle(self) -> float:
-        """Angle of the bottom dead centre [rad]: suction ends there, the trapped mass is taken."""
+        """Angle of the bottom dead centre [rad], where suction ends and the trapped mass is taken."""
         return self.settings.bottom - self.settings.top
 
     @property

@@ -1,9 +1,9 @@
 """Motion of the piston of an offset slider-crank, and the chamber volume over the angle of its life.
 
-x is counted from the crankshaft's axis towards the cylinder head, α from the direction of the cylinder, e from the
-crankshaft's axis to the cylinder's. The chamber's angle φ begins at the top dead centre: V(0) is the clearance.
-Source: loop of vectors; V. V. Solovyova, "Optimization of the transfer function of a piston compressor", 2019 (in
-Russian), for x(α) and the signs. Needs rod > crank + |offset|. Equations: docs/reference/slider-crank.md.
+x counts from the crankshaft's axis towards the cylinder head, α from the direction of the cylinder, e from the
+crankshaft's axis to the cylinder's. The chamber's angle φ begins at top dead centre: V(0) is the clearance.
+Source: vector loop; V. V. Solovyova, "Optimization of the transfer function of a piston compressor", 2019 (in Russian),
+for x(α) and the signs. Needs rod > crank + |offset|. Equations: docs/reference/slider-crank.md.
 """
 
 import math
@@ -61,7 +61,7 @@ def bottom_angle(crank, rod, offset):
 
 @kernel
 def stroke(crank, rod, offset):
-    """Return the way between the dead centres [m] (S4)."""
+    """Return the distance between the dead centres [m] (S4)."""
     far, near = rod + crank, rod - crank
     return math.sqrt(far * far - offset * offset) - math.sqrt(near * near - offset * offset)
 

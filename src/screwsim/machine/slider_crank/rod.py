@@ -1,11 +1,11 @@
-"""A flexible connecting rod: a beam clamped in the piston, a rigid head of it on the crank pin.
+"""A flexible connecting rod: a beam clamped in the piston, with a rigid head on the crank pin.
 
 z runs from the clamp in the piston [m] to the end of the beam at l; V is its deflection [m] across the cylinder's axis.
-The axial load enters as q = −P/(E I) [1/m²], positive in compression: one family of functions, analytic in q, holds for
-compression, none and tension, so that nothing jumps at P = 0. Inertia of the rod is left out, deflections are small
-(V below 0.15 l: the source measured an error of the stress below 5 %).
+The axial load enters as q = −P/(E I) [1/m²], positive in compression: one family of functions, analytic in q, covers
+compression, no load and tension, so that nothing jumps at P = 0. The rod's inertia is neglected, and deflections are
+small (V below 0.15 l: the source measured an error of the stress below 5 %).
 Source: T. A. Obolenskaya, A. S. Klochko, "The application of the crank-slider mechanism for small machines", 2014 (in
-Russian), with its misprints mended (docs/reference/slider-crank.md).
+Russian), with its misprints corrected (docs/reference/slider-crank.md).
 """
 
 import math
@@ -19,12 +19,12 @@ from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault
 
 Array = np.ndarray
-_SMALL = 0.05  # |x| below which the family is summed as a series; eight terms leave less than 1e-17
+_SMALL = 0.05  # |x| below which the functions are summed as a series; eight terms leave an error below 1e-17
 _TERMS = 8
 
 
 def family(x: Array | float) -> tuple[Array, Array, Array, Array]:
-    """Return c0, c1, c2, c3 of x = q z²: Σ (−x)^j/(2j + n)!, that is cos, sin and their remainders (S11)."""
+    """Return c0, c1, c2, c3 of x = q z²: Σ (−x)^j/(2j + n)!, that is, cos, sin and their remainders (S11)."""
     x = np.asarray(x, dtype=float)
     near = np.abs(x) < _SMALL
     away = np.where(near, 1.0, x)
@@ -94,7 +94,7 @@ class FlexibleRod:
 
 
 def check_rod(rod: FlexibleRod, compression: float = 0.0) -> list[Fault]:
-    """Return the faults of a rod: sizes that do not fit, large deflections, a compressive load [N] it cannot bear."""
+    """Return the faults of a rod: sizes that do not fit, large deflections, a compressive load [N] that buckles it."""
     if rod.flexible > rod.length:
         return [Fault("rod.flexible", "is longer than the whole rod (choose at most rod.length)")]
     bearable = buckling_load(rod)
@@ -127,7 +127,7 @@ def buckling_load(rod: FlexibleRod) -> float:
 def largest_moment_place(rod: FlexibleRod, load: float) -> float:
     """Return z_M [m] where the bending moment is largest at a load P [N] (S16).
 
-    The printed formula is negative at small compression: then, as in tension, it is the clamp.
+    The printed formula is negative at small compression: there, as in tension, it is the clamp.
     """
     if load >= 0.0:
         return 0.0
@@ -146,7 +146,7 @@ class Bending(NamedTuple):
     slope: Array
     moment: Array
     shear: Array
-    stress: Array  # the same with both faces in front: +h/2, −h/2
+    stress: Array  # the same with both faces as a further first axis: +h/2, −h/2
     side_force: Array  # H on the piston across the axis [N], by angle
     clamp_moment: Array  # E I V''(0) on the piston [N m], by angle
 
@@ -154,7 +154,7 @@ class Bending(NamedTuple):
 def bend(rod: FlexibleRod, alpha: Array, load: Array, points: int = 47) -> Bending:
     """Return deflection, moment, shear and stress of the beam at crank angles [rad] under axial loads P [N] (S12, S13).
 
-    P is positive in tension. Compression must lie below `buckling_load`; `check_rod` says so.
+    P is positive in tension. Compression must lie below `buckling_load`, which `check_rod` verifies.
     """
     f, EI = rod.head, rod.stiffness
     load = np.broadcast_to(np.asarray(load, dtype=float), np.shape(alpha))

@@ -1,7 +1,7 @@
 """Load, fatigue and friction of a flexible connecting rod over a turn (docs/reference/slider-crank.md).
 
-Source: T. A. Obolenskaya, A. S. Klochko, 2014 (in Russian); its force formula lacks a power. For fatigue and friction
-it refers to another book: both are stated here from textbooks.
+Source: T. A. Obolenskaya, A. S. Klochko, 2014 (in Russian); a power is missing in its force formula. For fatigue and
+friction it refers to another book: here both are taken from textbooks.
 """
 
 import math
@@ -37,14 +37,17 @@ class SchmidtLoad:
         return pressure_load(self.pressure(alpha), self.mean_pressure, self.bore)
 
     def printed_force(self, alpha: Array) -> Array:
-        """Return the force as the source prints it, with π d/4 for the area: N/m, not N."""
+        """Return the force as the source prints it, with π d/4 for the area: in N/m, not N."""
         ratio = (1.0 + self.delta) / (1.0 + self.delta * np.cos(np.asarray(alpha) + self.theta))
         mean = math.sqrt((1.0 + self.delta) / (1.0 - self.delta))
         return self.p_min * math.pi * self.bore / 4.0 * (ratio - mean)
 
 
 def pressure_load(pressure: Array, behind: float, bore: float) -> Array:
-    """Return the rod's load P [N] from a cylinder pressure [Pa] and that behind the piston: pressure compresses it."""
+    """Return the rod's load P [N] from the pressures [Pa] in the cylinder and behind the piston.
+
+    Compression is negative.
+    """
     return -0.25 * math.pi * bore**2 * (np.asarray(pressure) - behind)
 
 
@@ -52,8 +55,8 @@ def pressure_load(pressure: Array, behind: float, bore: float) -> Array:
 class Fatigue:
     """Fatigue of the rod's material; the source states none of it, the defaults are assumptions.
 
-    A fatigue limit of half the tensile strength, no more than 700 MPa, is that of steels (Budynas, Nisbett: Shigley's
-    Mechanical Engineering Design, ch. 6); the factor counts notches, surface and size at the clamp.
+    A fatigue limit of half the tensile strength, at most 700 MPa, is that of steels (Budynas, Nisbett: Shigley's
+    Mechanical Engineering Design, ch. 6); the factor covers notches, surface and size at the clamp.
     """
 
     limit: float = quantity("pressure", "fatigue limit in alternating bending, polished", 600e6, gt=0.0)
@@ -69,7 +72,7 @@ class Safety(NamedTuple):
     face: int  # 1: +h/2, −1: −h/2
     amplitude: float
     mean: float
-    highest: float  # over rod and turn
+    highest: float  # extremes of the stress over rod and turn
     lowest: float
 
 
@@ -93,7 +96,7 @@ def safety(bending: Bending, material: Fatigue) -> Safety:
 def contact_force(side_force: Array, moment: Array, guide: float) -> Array:
     """Return ∫|contact| [N] between piston and cylinder over a guide [m] that carries a force and a moment (S20).
 
-    The contact is linear along the guide; where the moment turns it about, both ends press.
+    The contact force varies linearly along the guide; where the moment is large both ends press, on opposite sides.
     """
     H, M = np.abs(side_force), np.abs(moment)
     turned = 6.0 * M > H * guide
@@ -102,9 +105,9 @@ def contact_force(side_force: Array, moment: Array, guide: float) -> Array:
 
 
 def friction_power(bending: Bending, guide: float, crank_radius: float, omega: float, friction: float) -> float:
-    """Return the mean friction power of the piston [W] (S20), over angles evenly spaced in one turn, the end left out.
+    """Return the mean friction power of the piston [W] over evenly spaced angles of one turn, without its end (S20).
 
-    Piston speed: r ω sin α, the rod taken as long. The centre of the guide is at the clamp.
+    Piston speed: r ω sin α, as of a long rod. The centre of the guide is at the clamp.
     """
     speed = np.abs(crank_radius * omega * np.sin(bending.alpha))
     return float(friction * np.mean(speed * contact_force(bending.side_force, bending.clamp_moment, guide)))

@@ -1,4 +1,4 @@
-"""What a scene says of a slider-crank machine (typed, SI units), and the checks that its geometry demands."""
+"""The settings of a slider-crank machine in a scene (typed, SI units), and the checks of its geometry."""
 
 import math
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class SliderCrank(MachineSettings):
 
     @property
     def stroke(self) -> float:
-        """Way of the piston between its dead centres [m] (S4)."""
+        """Distance of the piston between its dead centres [m] (S4)."""
         return kinematics.stroke(self.crank_radius, self.rod_length, self.offset)
 
     @property
@@ -52,26 +52,26 @@ class SliderCrank(MachineSettings):
         return self.clearance / self.swept_volume
 
     def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
+        """Return the numbers [SI] that a kernel can take by name (docs/reference/nomenclature.md)."""
         names = ("bore", "stroke", "piston_area", "crank_radius", "rod_length", "clearance")
         return {name: getattr(self, name) for name in names}
 
     def surface_speed(self, omega: float) -> float:
-        """Return the mean piston speed [m/s] at a crank speed [rad/s], which moves the gas: two strokes a turn."""
+        """Return the mean piston speed [m/s] at a crank speed [rad/s]: two strokes a turn."""
         return self.stroke * omega / math.pi
 
     def numbers(self) -> dict[str, float]:
-        """Return the numbers behind the arguments of `kinematics.volume` and `kinematics.volume_slope`."""
+        """Return the arguments of `kinematics.volume` and `kinematics.volume_slope` beside the angle."""
         lengths = {"crank": self.crank_radius, "rod": self.rod_length, "offset": self.offset}
         return {"V_c": self.clearance, "A_piston": self.piston_area, **lengths}
 
     def breakpoints(self) -> tuple[float, ...]:
-        """Return the angles [rad] of a life at which dV/dφ changes its sign; the law itself is smooth everywhere."""
+        """Return the angles [rad] of a life at which dV/dφ changes sign; the law itself is smooth everywhere."""
         return (self.bottom - self.top,)
 
 
 def check_slider_crank(machine: SliderCrank) -> list[Fault]:
-    """Return the faults of a cylinder: a rod that does not let the crank turn, an offset that reaches too far."""
+    """Return the faults of a cylinder: a rod too short for the crank to turn, too large an offset."""
     r, rod, e = machine.crank_radius, machine.rod_length, abs(machine.offset)
     if rod > r + e:
         return []

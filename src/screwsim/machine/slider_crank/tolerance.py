@@ -1,8 +1,8 @@
-"""What errors of the links' lengths do to the law of motion: the transfer function, its spread, accuracy grades.
+"""Effect of errors of the links' lengths on the law of motion: transfer function, its spread, accuracy grades.
 
-Source: V. V. Solovyova, "Optimization of the transfer function of a piston compressor by technological criteria",
-2019 (in Russian). Its printed function is not the derivative of its x(α), and its table is that of a third function;
-all three are here (docs/reference/slider-crank.md). Angles in rad, lengths in m; deviations in m/rad.
+Source: V. V. Solovyova, "Optimization of the transfer function of a piston compressor by technological criteria", 2019
+(in Russian). Its printed function is not the derivative of its x(α), and its table is that of a third function; all
+three are here (docs/reference/slider-crank.md). Angles in rad, lengths in m; deviations in m/rad.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ def tan_beta(alpha: Array, links: Links) -> Array:
 
 
 def right(alpha: Array, links: Links) -> Array:
-    """Return dx/dα [m/rad] (S2)."""
+    """Return the correct derivative dx/dα [m/rad] (S2)."""
     return -links.crank * (np.sin(alpha) + np.cos(alpha) * tan_beta(alpha, links))
 
 
 def printed(alpha: Array, links: Links) -> Array:
-    """Return the formula as the source prints it: lengths in m, its second term divided by one too many (S6)."""
+    """Return the formula as the source prints it: lengths in m, the second term over the rod once too often (S6)."""
     return -links.crank * (np.sin(alpha) + np.cos(alpha) * tan_beta(alpha, links) / links.rod)
 
 
 def tabulated(alpha: Array, links: Links) -> Array:
-    """Return the formula behind the source's table: as printed, the sign of the first term turned (S7)."""
+    """Return the formula behind the source's table: as printed, with the sign of the first term reversed (S7)."""
     return links.crank * (np.sin(alpha) - np.cos(alpha) * tan_beta(alpha, links) / links.rod)
 
 
@@ -59,13 +59,13 @@ FUNCTIONS: Mapping[str, Transfer] = {"right": right, "printed": printed, "tabula
 
 
 def links_of(mean_speed: float, turns: float, ratio: float, offset: float) -> Links:
-    """Return the links of the source: r from its mean piston speed 4 r n [m/s], n [1/s], the rod as a ratio of r."""
+    """Return the links of the source: r from its mean piston speed 4 r n [m/s] and n [1/s], the rod as a ratio to r."""
     crank = mean_speed / (4.0 * turns)
     return Links(crank, ratio * crank, offset)
 
 
 def spread(differences: Array) -> float:
-    """Return the standard deviation, n inside the root (S8; the source prints it outside)."""
+    """Return the standard deviation, with n inside the root (S8; the source prints it outside)."""
     return float(np.std(differences))
 
 
@@ -79,12 +79,12 @@ def deviation(function: Transfer, alpha: Array, nominal: Links, changed: Links, 
 
 
 def plane(function: Transfer, alpha: Array, nominal: Links, share: float = 0.05) -> float:
-    """Return the standard deviation [m/rad] of a function that is larger by a share everywhere (S9)."""
+    """Return the standard deviation [m/rad] of a function that is larger by the same share everywhere (S9)."""
     return abs(share) * spread(function(alpha, nominal))
 
 
 def surface(function: Transfer, alpha: Array, nominal: Links, errors: Array) -> Array:
-    """Return the standard deviation over errors (shares) of crank (rows) and rod (columns)."""
+    """Return the standard deviation over relative errors of crank (rows) and rod (columns)."""
     found = [deviation(function, alpha, nominal, nominal.scaled(1.0 + i, 1.0 + j)) for i in errors for j in errors]
     return np.reshape(found, (len(errors), len(errors)))
 
@@ -99,7 +99,7 @@ GRADES = tuple(_UNITS)
 def tolerance(size: float, grade: int) -> float:
     """Return the width of an ISO 286 tolerance [m] of a size [m] and a grade IT5–IT18 (S10), not rounded.
 
-    The standard's table is this formula with its values rounded, by up to 4 %.
+    The standard's table holds rounded values of this formula, which differ by up to 4 %.
     """
     if grade not in _UNITS:
         raise UsageError(f"IT{grade} is not a grade of this formula (choose IT{GRADES[0]} to IT{GRADES[-1]})")
@@ -113,7 +113,7 @@ def tolerance(size: float, grade: int) -> float:
 
 
 def worst(function: Transfer, alpha: Array, nominal: Links, crank_error: float, rod_error: float) -> float:
-    """Return the largest standard deviation [m/rad] over the four corners of ± errors [m]."""
+    """Return the largest standard deviation [m/rad] over the four combinations of ± errors [m]."""
     corners = (
         Links(nominal.crank + s * crank_error, nominal.rod + t * rod_error, nominal.offset)
         for s, t in product((-1.0, 1.0), repeat=2)
@@ -122,24 +122,24 @@ def worst(function: Transfer, alpha: Array, nominal: Links, crank_error: float, 
 
 
 class Grade(NamedTuple):
-    """What a pair of accuracy grades allows: tolerances [m], and the law's error as a share of the law itself."""
+    """What a pair of accuracy grades allows: tolerances [m], and the law's error relative to the law itself."""
 
     crank: int
     rod: int
     crank_width: float
     rod_width: float
-    error: float  # the uniform relative error of the same standard deviation
+    error: float  # uniform relative error with the same standard deviation
     head: float  # shift of the piston at the top dead centre, ± [m]
 
 
 def grade(function: Transfer, alpha: Array, nominal: Links, crank: int, rod: int) -> Grade:
-    """Return what two grades allow; tolerances lie symmetric, ± half of their width (S10)."""
+    """Return what two grades allow; tolerances are symmetric, ± half of their width (S10)."""
     widths = tolerance(nominal.crank, crank), tolerance(nominal.rod, rod)
     found = worst(function, alpha, nominal, 0.5 * widths[0], 0.5 * widths[1])
     return Grade(crank, rod, *widths, found / plane(function, alpha, nominal, 1.0), 0.5 * (widths[0] + widths[1]))
 
 
 def coarsest(function: Transfer, alpha: Array, nominal: Links, share: float) -> Grade | None:
-    """Return the coarsest grade of both links that keeps the law within a share of itself; None: not even IT5."""
+    """Return the coarsest grade of both links with a relative error of the law up to `share`; None: not even IT5."""
     kept = [found for number in GRADES if (found := grade(function, alpha, nominal, number, number)).error <= share]
     return kept[-1] if kept else None
