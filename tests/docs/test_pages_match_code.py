@@ -20,7 +20,7 @@ from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, 
 from screwsim.scene import loads
 
 DOCS = Path(__file__).parents[2] / "docs"
-NUMERICS = (DOCS / "explanation" / "numerics.md").read_text(encoding="utf-8")
+NUMERICS = "".join((DOCS / page).read_text(encoding="utf-8") for page in ("explanation/errors.md", "reference/constants.md"))
 NOMENCLATURE = (DOCS / "reference" / "nomenclature.md").read_text(encoding="utf-8")
 CONSTANTS = re.findall(r"^\| `([\w.]+)\.([A-Z_]+)` \| ([\d.e-]+) \|", NUMERICS, flags=re.MULTILINE)
 SCENE = """\
