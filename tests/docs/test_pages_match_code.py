@@ -20,7 +20,8 @@ from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, 
 from screwsim.scene import loads
 
 DOCS = Path(__file__).parents[2] / "docs"
-NUMERICS = "".join((DOCS / page).read_text(encoding="utf-8") for page in ("explanation/errors.md", "reference/constants.md"))
+PAGES = (DOCS / "explanation" / "errors.md", DOCS / "reference" / "constants.md")
+NUMERICS = "".join(page.read_text(encoding="utf-8") for page in PAGES)
 NOMENCLATURE = (DOCS / "reference" / "nomenclature.md").read_text(encoding="utf-8")
 CONSTANTS = re.findall(r"^\| `([\w.]+)\.([A-Z_]+)` \| ([\d.e-]+) \|", NUMERICS, flags=re.MULTILINE)
 SCENE = """\
