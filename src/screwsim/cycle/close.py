@@ -2,7 +2,7 @@
 
 What else may close one that did not: finer steps, no acceleration, damping and searches, another speed.
 
-Two ways (docs/explanation/numerics.md, `cycle.ways`): waveform relaxation (`histories`), and all chambers together
+Two ways (docs/explanation/closing.md, `cycle.ways`): waveform relaxation (`histories`), and all chambers together
 (`coupled`). `auto` takes the first as long as it has not cost as much as the second would.
 """
 

@@ -1,6 +1,6 @@
 """All chambers over one pitch as a linear map: what small changes make of themselves (made by `tangents`).
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 from typing import NamedTuple

@@ -1,6 +1,6 @@
 """How simultaneous closing goes on from one pitch to the next: its acceleration, the tolerance of its steps.
 
-Source: docs/explanation/numerics.md, closing the cycle.
+Source: docs/explanation/closing.md, simultaneous closing.
 """
 
 from typing import NamedTuple

@@ -4,7 +4,7 @@ A turn leaves a residual: what it changed in the history that the chambers ahead
 life begins with, in the feedback unknowns. The linearised pitch (`tangents`) tells what these changes make of the next
 turns, all at once; what is left of them after the correction is what slices and the equations' curvature leave.
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 A turn integrates a life, reading the neighbours ahead from the last turn and those behind from this one; it is repeated
 until no more is to come of the trapped mass, the work and the unknowns, and the balances stand
-(docs/explanation/numerics.md).
+(docs/explanation/closing.md).
 """
 
 from functools import lru_cache

@@ -1,6 +1,6 @@
 """A cycle sought by Newton's method from afar, where iterating the pitch leads away from it or hardly nearer.
 
-A steady cycle that a machine's own course leaves (docs/explanation/numerics.md, cycles that are not there to be found)
+A steady cycle that a machine's own course leaves (docs/explanation/closing.md, searches)
 is still a zero of what a pitch changes, F(x) = Φ(x) − x, in the coordinates that closing iterates on. Its derivatives
 are those of the linearised pitch (`tangents`), at every step anew. A step is as long as the next one, by the same
 derivatives, is shorter for it.

@@ -1,7 +1,7 @@
 """Simultaneous closing: all chambers over one pitch, accelerated by Anderson's method.
 
 It evaluates each flow between chambers once, so that it conserves exactly, and converges where leakage rules
-(docs/explanation/numerics.md).
+(docs/explanation/closing.md).
 """
 
 import numpy as np

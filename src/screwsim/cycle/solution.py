@@ -135,7 +135,7 @@ class Wanted:
 
 
 def wanted_of(numerics: NumericsSettings, widths: tuple[float, ...]) -> Wanted:
-    """Return what follows from the wanted accuracy (docs/explanation/numerics.md), with given widths."""
+    """Return what follows from the wanted accuracy (docs/explanation/errors.md), with given widths."""
     rtol, accuracy = numerics.rtol or 0.3 * numerics.accuracy, numerics.accuracy
     of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, accuracy / HISTORIES_FINER))
     check = check_of(numerics.integrator)

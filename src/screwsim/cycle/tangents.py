@@ -11,7 +11,7 @@ What the changes make of the feedback unknowns are differences of the image itse
 linearised pitch tells, and, where lines pulsate, the flow into them over the pitch: that changes by what the slices of
 the pitch give the lines, each spread over its angles.
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 from typing import NamedTuple

@@ -3,7 +3,7 @@
 `cycle.how` is the name of the way that closed it: what depends on that is asked of the way, nowhere else. Another one
 is a `Way` in `WAYS` and an entry of `numerics.settings`.
 
-Source: docs/explanation/numerics.md.
+Source: docs/explanation/closing.md.
 """
 
 from abc import ABC, abstractmethod

@@ -4,5 +4,5 @@ The cycle is written as polynomials on slices of a pitch (`slices`, `pitch`), cl
 linearised (`linear`); a number of the scene moves what the rates take (`directions`), that moves the cycle, and with it
 the figures and what lies around the machine (`solving`).
 
-Source: docs/explanation/numerics.md, derivatives by the numbers of a scene.
+Source: docs/explanation/derivatives.md.
 """

@@ -1,6 +1,6 @@
 """Where the gas of a chamber passes the border of its phases, and what that makes of a small change.
 
-Heat capacity and exponent of a gas jump there (docs/explanation/numerics.md, borders of phases), and with them the
+Heat capacity and exponent of a gas jump there (docs/explanation/integrator.md, borders of phases), and with them the
 rates of all that meets it. A change delays the angle at which the border is passed by δφ, over which the rates of the
 one side act in place of those of the other: δy jumps by (f − f₊) δφ, a quadrature by (g − g₊) δφ. The border is a
 temperature over density, T_b(ρ): δφ = (δT_b + T_b' δρ − δT)/(dT/dφ − T_b' dρ/dφ).

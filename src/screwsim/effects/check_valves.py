@@ -4,7 +4,7 @@ What: nozzle flow (M12) through the port's area, open while the pressure differe
 the integration end where a valve opens or shuts.
 Source: ours; the limit of a valve without mass or spring.
 Assumptions: no lift to be passed through, no leakage when shut. The flow near equal pressures is regularised as that of
-the openings of the line (docs/explanation/numerics.md), which counts in the estimated error of every figure. scipy's
+the openings of the line (docs/explanation/integrator.md), which counts in the estimated error of every figure. scipy's
 integrators know no such ends of steps: for them the opening rises by a C1 cubic over the width of the regularisation.
 Parameters: suction_area, discharge_area, flow_coefficient.
 """

@@ -5,7 +5,7 @@ it closes. A step over all of that, made with the Jacobian of its start, sees th
 flow at its end: neither its result nor its error estimate knows what was shut in. Such a step is halved until the port
 is no longer stiff for what is left. `network.steps` asks this of each port and each state.
 
-Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
+Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/integrator.md.
 """
 
 from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state

@@ -8,7 +8,7 @@ Kernels are of one pair of position and speed, the states `i` and `j`. In a cham
 (`MOVES`, `SEATED`, `STOPPED`) and what is `due` at the end of the step; behind those of all pairs the number of impacts
 of the turn and the angles where the step tried begins and ends. `network.stops` writes what is done with every pair.
 
-Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/numerics.md.
+Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/integrator.md.
 """
 
 import math

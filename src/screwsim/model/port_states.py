@@ -4,7 +4,7 @@ A port state is the row of numbers that `slots.PRESSURE` … name; the columns o
 Neighbours ahead are read from the last turn, those behind from the turn being integrated where it has passed their
 angle already. What surrounds a chamber is written by `network.surroundings`.
 
-Source: docs/model.md M5, M6, M10, M24; errors: docs/explanation/numerics.md.
+Source: docs/model.md M5, M6, M10, M24; errors: docs/explanation/integrator.md.
 """
 
 from screwsim.model.slots import (

@@ -6,7 +6,7 @@ between the ends of steps is off by as many. So the states go from there to wher
 
 Reached by the slots of the integrator (`numerics.rodas`).
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 import math

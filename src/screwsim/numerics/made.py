@@ -1,7 +1,7 @@
 """Feedback unknowns: numbers that a cycle makes and that act back on it. They are closed together with the states.
 
 One turn maps them to the next. They are compared and mixed in coordinates: most of them as logarithms, as the states
-are, the others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
+are, the others over a scale. Source: docs/explanation/closing.md, feedback unknowns.
 """
 
 from collections.abc import Sequence

@@ -6,7 +6,7 @@ more from a dry start. So is one that turns stood beside, when they had cost too
 it elsewhere (behind check valves): from where the turns stood. Where that ends elsewhere, and closes there, a warning
 tells it.
 
-Source: docs/explanation/numerics.md, two cycles of one machine.
+Source: docs/explanation/closing.md, two cycles of one machine.
 """
 
 from collections.abc import Iterator

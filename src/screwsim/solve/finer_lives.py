@@ -1,6 +1,6 @@
 """Errors estimated by finer solutions: lives that follow a closed cycle, or a cycle that is closed once more.
 
-Source: docs/model.md M41; docs/explanation/numerics.md.
+Source: docs/model.md M41; docs/explanation/errors.md.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """What a closed life leaves open, as errors of the figures that err by it: gas, oil, what oil holds, flows met twice.
 
-Source: docs/model.md M41; docs/explanation/numerics.md.
+Source: docs/model.md M41; docs/explanation/errors.md.
 """
 
 from collections.abc import Iterator

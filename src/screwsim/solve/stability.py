@@ -5,7 +5,7 @@ turns lead to it. Those of heavy reeds on soft springs may not: then several cyc
 do those of chambers whose gas can hardly get out: they heat, empty and fill in a swing. Nor do cycles of machines that
 suck again most of what they have sucked, where a warmer line makes less flow and less flow a warmer line.
 
-Source: docs/reference/slider-crank.md S35; docs/explanation/numerics.md, cycles that are not there to be found.
+Source: docs/reference/slider-crank.md S35; docs/explanation/closing.md, cycles that a machine's own course leaves.
 """
 
 from screwsim.cycle.feedback import next_pitch, unknowns

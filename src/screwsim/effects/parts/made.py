@@ -54,7 +54,7 @@ class Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class Made:
-    """A number that the cycle makes and that acts back on it, found together with it (docs/explanation/numerics.md).
+    """A number that the cycle makes and that acts back on it, found together with it (docs/explanation/closing.md).
 
     Any kernel of the scene can ask for it by the name of its `entry`. `guess` is where it begins; `image` returns what
     a turn makes of it, in plain Python; its fixed point is the answer. It is held at `least`; a cycle that closes there

@@ -5,7 +5,7 @@ States, surroundings, parameters, tables and port states of lines have a change 
 it moves. Figures have their derivatives by rates in lanes, which cost a tenth of this; it is the writer's seed for
 parameters, by which tests hold the text's derivatives along every number, and with which exact ones of new kinds begin.
 
-Source: docs/model.md M1–M13; docs/explanation/numerics.md, derivatives by the numbers of a scene.
+Source: docs/model.md M1–M13; docs/explanation/integrator.md, derivatives along a direction.
 """
 
 from functools import lru_cache

@@ -1,6 +1,6 @@
 """What a chamber of a stored cycle exchanges with the lines, as text: the port that its balance tells, flows to lines.
 
-Source: docs/model.md M3, M106, M184; docs/explanation/numerics.md. A wide port is held at its line by a tiny Δp, which
+Source: docs/model.md M3, M106, M184; docs/explanation/errors.md. A wide port is held at its line by a tiny Δp, which
 between the ends of a step carries the whole error of the pressure; the change of the chamber's gas does not. So the
 balance tells the flow through one port: for the ledger through the widest, near its line; for the lines' waves, which
 take what a chamber gives them at every pressure, through the one that alone is open to a line.
