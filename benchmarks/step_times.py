@@ -1,7 +1,7 @@
 """Print what a step of one chamber is made of, and what each part takes.
 
 Run: python benchmarks/step_times.py [SCENE.yaml]. The scene is closed as usual; parts are timed at states of its last
-life, the least of several times each, on one core of this machine. docs/explanation/numerics.md says what follows.
+life, the least of several times each, on one core of this machine. docs/explanation/tried.md says what follows.
 """
 
 from __future__ import annotations

@@ -57,6 +57,7 @@ html_math_renderer = "mathml"
 MATHML, ACCENTS = "{{http://www.w3.org/1998/Math/MathML}}", "˙¨ˉ¯~˜^ˆ→"
 ENTITY = re.compile(r"&(?!(?:amp|lt|gt);)\\w+;")  # of HTML, which are none of XML
 ElementTree.register_namespace("", MATHML[1:-1])
+DIGITS = re.compile(r"\\\\([td]?frac)(\\d)(\\d)")  # of a fraction, which docutils reads as one number
 KNOWN = ((r"\\dots", r"\\ldots"), (r"\\texttt", r"\\mathtt"), (r"\\mathrel", ""), (r"\\biggr", r"\\right"),
          (r"\\biggl", r"\\left"), (r"\\bigg", ""))
 
@@ -64,6 +65,7 @@ KNOWN = ((r"\\dots", r"\\ldots"), (r"\\texttt", r"\\mathtt"), (r"\\mathrel", "")
 def mathml(text, block):
     for ours, theirs in KNOWN:
         text = text.replace(ours, theirs)
+    text = DIGITS.sub(r"\\\\\\1{{\\2}}{{\\3}}", text)
     try:
         return accents(tex2mathml(text, as_block=block))
     except MathError as error:

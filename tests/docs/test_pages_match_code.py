@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from each_row import each_row
 
+import screwsim
 from screwsim.build import regularisation
 from screwsim.cycle.balances import LEAST_WORK
 from screwsim.cycle.known import CycleFigures
@@ -20,7 +21,8 @@ from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, 
 from screwsim.scene import loads
 
 DOCS = Path(__file__).parents[2] / "docs"
-NUMERICS = (DOCS / "explanation" / "numerics.md").read_text(encoding="utf-8")
+PAGES = (DOCS / "explanation" / "errors.md", DOCS / "reference" / "constants.md")
+NUMERICS = "".join(page.read_text(encoding="utf-8") for page in PAGES)
 NOMENCLATURE = (DOCS / "reference" / "nomenclature.md").read_text(encoding="utf-8")
 CONSTANTS = re.findall(r"^\| `([\w.]+)\.([A-Z_]+)` \| ([\d.e-]+) \|", NUMERICS, flags=re.MULTILINE)
 SCENE = """\
@@ -84,3 +86,25 @@ def test_every_figure_that_a_power_loss_gets_is_listed():
     table = NOMENCLATURE.partition("A power loss is no kernel")[2]
     for field in dataclasses.fields(CycleFigures):
         assert f"`{field.name}`" in table, field.name
+
+
+METHOD = tuple(DOCS / "explanation" / f"{name}.md" for name in ("errors", "integrator", "closing"))
+SOURCE = "\n".join(path.read_text(encoding="utf-8") for path in sorted(Path(screwsim.__file__).parent.rglob("*.py")))
+ASSIGNED = {
+    name
+    for names in re.findall(r"^((?:[A-Z][A-Z_]+, )*[A-Z][A-Z_]+)(?:: [^=\n]+)? = ", SOURCE, flags=re.MULTILINE)
+    for name in names.split(", ")
+}
+OF_A_USER = "INTEGRATOR"  # which a module of one's own assigns
+
+
+@pytest.mark.parametrize("page", METHOD, ids=lambda page: page.stem)
+def test_constants_that_a_page_of_the_method_names_are_there(page):
+    text = page.read_text(encoding="utf-8")
+    placed = re.findall(r"`([a-z_.]+)\.([A-Z][A-Z_]+)`", text)
+    assert placed
+    for module, name in placed:
+        assert hasattr(importlib.import_module(f"screwsim.{module}"), name), f"{module}.{name}"
+    bare = {*re.findall(r"`([A-Z][A-Z_]+)`", text)}
+    assert bare
+    assert bare - ASSIGNED - {OF_A_USER} == set()

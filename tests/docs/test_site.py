@@ -97,6 +97,13 @@ def test_an_index_stands_beside_a_letter_with_an_accent():
     assert text.startswith('<msub><moveraccent="true"><mi>m</mi>') and "munderover" not in text and "<munder>" in text
 
 
+def test_two_digits_behind_a_fraction_are_its_numerator_and_its_denominator():
+    conf: dict = {}
+    exec(site.CONF.format(version="0"), conf)
+    text = re.sub(r"\s|<math[^>]*>|</math>", "", conf["mathml"](r"\tfrac12 x", True))
+    assert text.endswith("<mn>1</mn><mn>2</mn></mfrac><mi>x</mi>")
+
+
 @pytest.mark.slow
 def test_the_site_is_made_without_a_warning(tmp_path, capfd):
     assert site.main(str(tmp_path)) == 0, capfd.readouterr()

@@ -36,7 +36,7 @@ machine's own course leads away from the cycle that was found; those that Newton
 below (*closes only …*, *heats …*, *swings …*), continuation none any more (*closes by Newton, wet*). The error of such
 a cycle is estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message
 says how much the states still change and how hot the gas gets
-([numerics.md](numerics.md): cycles that are not there to be found).
+([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)).
 
 Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts
 its errors as that much; work below 1e-6 p V is rounding; the oil's mass carries 1e-12 of the gas's; oil below none by
@@ -129,7 +129,7 @@ What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
   has two; finer ones begun from the scene's own cycle stay on it, and it is judged by these. (Scene 644: gaps that pass
   oil where the chamber behind holds enough and gas where not; both cycles close at 1e-6, one with an isothermal
   efficiency of 38.2 %, the other of 16.5 %. A warning tells now where such a machine stays if it begins with little
-  oil: [numerics.md](numerics.md), two cycles of one machine.)
+  oil: [closing.md](closing.md#two-cycles-of-one-machine).)
 """
 COURSES = """
 ## Random courses

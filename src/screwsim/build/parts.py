@@ -94,7 +94,7 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
 
     That of gaps is a share of the mean pressure at their ends. ε is `WIDTH` of the wanted accuracy times the pressure.
     The error control lets the pressure err by about as much; a narrower ε would let that error jump across the flow
-    law's steep middle, a wider one costs accuracy that no step can regain (docs/explanation/numerics.md).
+    law's steep middle, a wider one costs accuracy that no step can regain (docs/explanation/integrator.md).
     """
     return _widths(scene, lines(scene))[:3]
 

@@ -1,6 +1,6 @@
 """Close the cycle: find the periodic state of a chamber whose neighbours live the same life a pitch apart.
 
-There are two ways (docs/explanation/numerics.md, `cycle.ways`): waveform relaxation (`histories`) and simultaneous
+There are two ways (docs/explanation/closing.md, `cycle.ways`): waveform relaxation (`histories`) and simultaneous
 closing of all chambers (`coupled`). `auto` starts with the first and changes once that has cost as much as the second
 would. Fallbacks follow where neither closes: finer steps, no acceleration, damping and searches, continuation in speed.
 """

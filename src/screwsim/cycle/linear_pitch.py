@@ -1,6 +1,6 @@
 """The linearised pitch: the linear map of small changes of all chambers over one pitch (built by `tangents`).
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 from typing import NamedTuple

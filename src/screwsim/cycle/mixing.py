@@ -1,6 +1,6 @@
 """How simultaneous closing proceeds from pitch to pitch: acceleration, and the tolerance of its steps.
 
-Source: docs/explanation/numerics.md, closing the cycle.
+Source: docs/explanation/closing.md, simultaneous closing.
 """
 
 from typing import NamedTuple

@@ -4,7 +4,7 @@ A turn leaves a residual: its change of the history that the chambers ahead were
 starts with, and of the feedback unknowns. The linearised pitch (`tangents`) gives the limit of this residual's effect
 through all chambers and unknowns. The errors of the slices and the curvature of the equations remain for the next turn.
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 from __future__ import annotations

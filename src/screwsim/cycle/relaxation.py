@@ -2,7 +2,7 @@
 
 A turn (one sweep of the relaxation) integrates one life of 720°. It reads the neighbours ahead from the history of the
 turn before, those behind from its own. Turns are repeated until the change still to come of trapped mass, work and
-feedback unknowns is within the tolerance and the balances close (docs/explanation/numerics.md).
+feedback unknowns is within the tolerance and the balances close (docs/explanation/closing.md).
 """
 
 from functools import lru_cache

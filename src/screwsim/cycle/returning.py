@@ -5,7 +5,7 @@ outflow by s ΔT, where s is their share of its heat capacity, and that is what 
 add s/(1 − s) ΔT. This holds where oil is carried, whose heat leaves with it. It does not hold for heat that goes to a
 stated outlet temperature, to droplets, or to a gas whose two phases are followed: that heat does not come back.
 
-Source: docs/explanation/numerics.md, what comes back of the line.
+Source: docs/explanation/closing.md, oil and heat that flow back.
 """
 
 from typing import NamedTuple

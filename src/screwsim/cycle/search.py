@@ -1,6 +1,6 @@
 """Newton's method from afar: seek a cycle where iterating pitches diverges or hardly converges.
 
-A steady cycle that is unstable under the machine's own course (docs/explanation/numerics.md, cycles that are not there
+A steady cycle that is unstable under the machine's own course (docs/explanation/closing.md, cycles that are not there
 to be found) is still a zero of the change over a pitch, F(x) = Φ(x) − x, in the coordinates of closing. Derivatives are
 those of the linearised pitch (`tangents`), renewed at every step. A step is shortened until the simplified Newton step
 after it, by the same derivatives, is shorter than it.

@@ -1,7 +1,7 @@
 """Simultaneous closing: integrate all chambers together over one pitch, accelerated by Anderson's method.
 
 Each flow between chambers is evaluated once, so that it conserves exactly; it also converges where leakage is strong
-(docs/explanation/numerics.md).
+(docs/explanation/closing.md).
 """
 
 import numpy as np

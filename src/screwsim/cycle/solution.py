@@ -139,7 +139,7 @@ class Wanted:
 
 
 def wanted_of(numerics: NumericsSettings, widths: tuple[float, ...]) -> Wanted:
-    """Return the closing criteria for the wanted accuracy (docs/explanation/numerics.md), with given widths [Pa]."""
+    """Return the closing criteria for the wanted accuracy (docs/explanation/errors.md), with given widths [Pa]."""
     rtol, accuracy = numerics.rtol or 0.3 * numerics.accuracy, numerics.accuracy
     of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, accuracy / HISTORIES_FINER))
     check = check_of(numerics.integrator)

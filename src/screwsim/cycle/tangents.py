@@ -11,7 +11,7 @@ The derivatives of the unknowns' next values are differences of the image itself
 linearised pitch gives, and where lines pulsate the flow into them over the pitch, whose change is what the slices give
 the lines, spread over the slices' angles.
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 from typing import NamedTuple

@@ -3,7 +3,7 @@
 `cycle.how` is the name of that way; whatever depends on it is asked of the `Way`, nowhere else. A further way is a
 `Way` in `WAYS` and an entry of `numerics.settings`.
 
-Source: docs/explanation/numerics.md.
+Source: docs/explanation/closing.md.
 """
 
 from abc import ABC, abstractmethod

@@ -4,5 +4,5 @@ The cycle is written as polynomials on slices of a pitch (`slices`, `pitch`), cl
 linearised (`linear`). A number of the scene changes the arguments of the rates (`directions`); these change the cycle,
 and with it the figures and the machine's surroundings (`solving`).
 
-Source: docs/explanation/numerics.md, derivatives by the numbers of a scene.
+Source: docs/explanation/derivatives.md.
 """

@@ -1,6 +1,6 @@
 """Where a chamber's gas crosses a phase border, and the response to a small change there.
 
-Heat capacity and exponent of the gas jump at the border (docs/explanation/numerics.md, borders of phases), and with
+Heat capacity and exponent of the gas jump at the border (docs/explanation/integrator.md, borders of phases), and with
 them all rates that depend on these. A change delays the crossing by an angle δφ, over which the rates of one side act
 in place of those of the other: δy jumps by (f − f₊) δφ, a quadrature by (g − g₊) δφ. The border is a temperature over
 density, T_b(ρ): δφ = (δT_b + T_b' δρ − δT)/(dT/dφ − T_b' dρ/dφ).

@@ -4,7 +4,7 @@ What: nozzle flow (M12) through the port's area, open while the pressure differe
 integration step ends wherever a valve opens or shuts.
 Source: ours; the limit of a valve without mass or spring.
 Assumptions: the plate lifts at once; no leakage when shut. Flow near equal pressures is regularised as that of the
-line's openings is (docs/explanation/numerics.md), which counts in the estimated error of every figure. scipy's
+line's openings is (docs/explanation/integrator.md), which counts in the estimated error of every figure. scipy's
 integrators cannot end a step at such an event: for them the opening rises by a C1 cubic over the regularisation width.
 Parameters: suction_area, discharge_area, flow_coefficient.
 """

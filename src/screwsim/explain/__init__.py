@@ -307,7 +307,7 @@ def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
     yield row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
     if model.made:
-        beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/numerics.md)"
+        beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/closing.md)"
         yield row("the cycle makes", beside)
     yield row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
     yield row("breakpoints", f"{len(model.breakpoints)} angles of one life where a law is not smooth; steps end there")

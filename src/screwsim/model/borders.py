@@ -5,7 +5,7 @@ before it closes. A step over all of that, made with the Jacobian of its start, 
 no flow at its end: neither its result nor its error estimate covers what was shut in. Such a step is halved until the
 port is no longer stiff over the rest. `network.steps` applies this to each port and each state.
 
-Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
+Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/integrator.md.
 """
 
 from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state

@@ -9,7 +9,7 @@ Each kernel handles one pair of position and speed, the states `i` and `j`. A ch
 impacts of the turn and the angles where the attempted step begins and ends. `network.stops` writes the calls for every
 pair.
 
-Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/numerics.md.
+Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/integrator.md.
 """
 
 import math

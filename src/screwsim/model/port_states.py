@@ -4,7 +4,7 @@ A port state is the row of numbers named in `slots` from PRESSURE on; the column
 them. Neighbours ahead are read from the last turn, those behind from the turn being integrated where it has already
 passed their angle. The surroundings of a chamber are written by `network.surroundings`.
 
-Source: docs/model.md M5, M6, M10, M24; errors: docs/explanation/numerics.md.
+Source: docs/model.md M5, M6, M10, M24; errors: docs/explanation/integrator.md.
 """
 
 from screwsim.model.slots import (

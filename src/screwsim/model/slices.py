@@ -6,7 +6,7 @@ steps a history errs by as many. So the states are moved to where they change at
 
 They call the slots of the integrator (`numerics.rodas`).
 
-Source: docs/explanation/numerics.md, Newton's correction.
+Source: docs/explanation/closing.md, Newton's correction.
 """
 
 import math

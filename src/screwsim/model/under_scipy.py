@@ -2,7 +2,7 @@
 
 Impacts on seat and stop are terminal events of scipy; their effect is that of `model.impacts`.
 
-Source: docs/explanation/numerics.md, "Independent check"; docs/reference/slider-crank.md S32, S33.
+Source: docs/explanation/errors.md, "An independent check"; docs/reference/slider-crank.md S32, S33.
 """
 
 from __future__ import annotations

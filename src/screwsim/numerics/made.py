@@ -1,7 +1,7 @@
 """Feedback unknowns: numbers that a cycle determines and that act back on it, found together with its states.
 
 A turn maps their present values to new ones. They are compared and mixed in coordinates: most as logarithms, like the
-states, the others over a scale. Source: docs/explanation/numerics.md, closing the cycle.
+states, the others over a scale. Source: docs/explanation/closing.md, feedback unknowns.
 """
 
 from collections.abc import Sequence

@@ -6,7 +6,7 @@ more from a dry start. A second case: waveform relaxation had all but closed whe
 simultaneous closing found a cycle elsewhere (behind check valves); relaxation is then continued from where it stood. If
 either closes elsewhere, a warning says so.
 
-Source: docs/explanation/numerics.md, two cycles of one machine.
+Source: docs/explanation/closing.md, two cycles of one machine.
 """
 
 from collections.abc import Iterator

@@ -1,6 +1,6 @@
 """Finer solutions for error estimates: lives that follow a closed cycle, or the cycle closed once more.
 
-Source: docs/model.md M41; docs/explanation/numerics.md.
+Source: docs/model.md M41; docs/explanation/errors.md.
 """
 
 from collections.abc import Sequence

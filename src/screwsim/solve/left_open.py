@@ -1,6 +1,6 @@
 """Errors of the figures due to open balances of a closed life: gas, oil, dissolved gas, and flows integrated twice.
 
-Source: docs/model.md M41; docs/explanation/numerics.md.
+Source: docs/model.md M41; docs/explanation/errors.md.
 """
 
 from collections.abc import Iterator

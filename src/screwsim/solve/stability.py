@@ -5,7 +5,7 @@ from it. Heavy reeds on soft springs may have several cycles, none stable. Chamb
 empty and fill in a slow oscillation. Machines that suck again most of what they sucked may be unstable because a warmer
 line reduces the flow and less flow warms the line.
 
-Source: docs/reference/slider-crank.md S35; docs/explanation/numerics.md, cycles that are not there to be found.
+Source: docs/reference/slider-crank.md S35; docs/explanation/closing.md, cycles that a machine's own course leaves.
 """
 
 from screwsim.cycle.feedback import next_pitch, unknowns

@@ -118,7 +118,7 @@ def sensitivities(
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
 
     Pass the scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and
-    cost less (docs/explanation/numerics.md). Raises UsageError for a path or a figure that does not exist, and for a
+    cost less (docs/explanation/derivatives.md). Raises UsageError for a path or a figure that does not exist, and for a
     result of another scene.
     """
     scene = scene_of(scene)

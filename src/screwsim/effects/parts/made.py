@@ -59,7 +59,7 @@ class Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class Made:
-    """A feedback unknown: a number that the cycle determines and that acts back on it (docs/explanation/numerics.md).
+    """A feedback unknown: a number that the cycle determines and that acts back on it (docs/explanation/closing.md).
 
     Any kernel of the scene can take it by the name of its `entry`. `guess` returns the starting value; `image` returns
     the value that a turn yields, in plain Python; the solution is the fixed point of `image`. The value is kept at or

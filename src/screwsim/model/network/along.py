@@ -5,7 +5,7 @@ States, surroundings, parameters, tables and port states of lines have their cha
 that it changes. Derivatives of figures use rates in lanes instead, at a tenth of the cost; this text serves the tests,
 which compare derivatives along every number, and as the basis of further exact derivatives.
 
-Source: docs/model.md M1–M13; docs/explanation/numerics.md, derivatives by the numbers of a scene.
+Source: docs/model.md M1–M13; docs/explanation/integrator.md, derivatives along a direction.
 """
 
 from functools import lru_cache

@@ -1,6 +1,6 @@
 """Exchange of a chamber of a stored cycle with the lines, as text: port flows from the mass balance, flows to lines.
 
-Source: docs/model.md M3, M106, M184; docs/explanation/numerics.md. A wide port is held at its line by a tiny Δp, which
+Source: docs/model.md M3, M106, M184; docs/explanation/errors.md. A wide port is held at its line by a tiny Δp, which
 between the ends of a step carries the whole error of the pressure; the change of the chamber's gas does not. So the
 mass balance determines the flow through one port: for the ledger the widest, if near its line's pressure; for pulsating
 lines, which receive flow at any pressure, the only port that is open to a line.

@@ -1,6 +1,6 @@
 """What the integrator calls for a chamber between its steps, as text: errors, jumps, borders, the mass balance.
 
-Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
+Source: docs/model.md M9, M30, M104–M110; docs/explanation/integrator.md.
 """
 
 from screwsim.model.borders import closes, share_before_border, share_before_switch, share_while_steep, stiff

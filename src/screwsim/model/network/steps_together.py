@@ -1,6 +1,6 @@
 """What the integrator calls for all chambers at once between its steps, as text: errors, phases, the mass balance.
 
-Source: docs/model.md M24; docs/explanation/numerics.md. Chamber j has its states at y[j N], its port state in row j.
+Source: docs/model.md M24; docs/explanation/integrator.md. Chamber j has its states at y[j N], its port state in row j.
 """
 
 from collections.abc import Sequence

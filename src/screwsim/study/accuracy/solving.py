@@ -60,7 +60,7 @@ class Way:
 
 
 def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Way:
-    """Return the way that follows from a wanted accuracy (docs/explanation/numerics.md), but for what `others` say."""
+    """Return the way that follows from a wanted accuracy (docs/explanation/errors.md), but for what `others` say."""
     known: dict[str, Any] = {
         "rtol": 0.3 * accuracy,
         "tolerance": 0.2 * accuracy,
