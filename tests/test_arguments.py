@@ -26,6 +26,7 @@ CALLS = {
     "optimum": {"scene": POINT},
     "datasheet": {"scene": POINT},
     "performance_map": {"results": "map.h5"},
+    "compare": {"a": "map.h5", "b": "map.h5"},
     "evaluate_map": {"results": "map.h5", "evaporating_temperature": 275.0, "condensing_temperature": 315.0},
     "calibrate": {"fit": FIT},
     "posterior": {"fit": FIT},

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, datasheet, diagnose, optimum, performance_map, plan, posterior
+    from screwsim.api import calibrate, compare, datasheet, diagnose, optimum, performance_map, plan, posterior
     from screwsim.inputs.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -38,6 +38,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "compare",
     "datasheet",
     "diagnose",
     "evaluate_map",
@@ -65,6 +66,7 @@ _HOMES = {
     "SceneError": "screwsim.inputs.faults",
     "UsageError": "screwsim.inputs.faults",
     "calibrate": "screwsim.api",
+    "compare": "screwsim.api",
     "datasheet": "screwsim.api",
     "diagnose": "screwsim.api",
     "evaluate_map": "screwsim.study.map_points",

@@ -15,6 +15,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_of
+from screwsim.study import compare as _compare
 from screwsim.study import optimum as _optimum
 from screwsim.study import performance_map as _map
 from screwsim.study.calibration import calibrate as _calibrate
@@ -113,6 +114,18 @@ def performance_map(results: ResultsLike, figures: Sequence[str] = ()) -> list[_
     `screwsim.run_sweep(scene, "map.h5")`.
     """
     return _map.performance_maps(results_of(results), listed(figures))
+
+
+@takes(tolerance=NUMBER)
+def compare(a: ResultsLike, b: ResultsLike, *, tolerance: float = 0.0) -> _compare.Comparison:
+    """Return what differs from results A to results B at their common points (`screwsim compare`).
+
+        found = screwsim.compare("before.h5", "after.h5")
+        found.equal, [each.figure for each in found.figures if each.beyond]
+
+    A change within twice both numerical errors together, or within `tolerance` of the larger value, is none.
+    """
+    return _compare.compare(results_of(a), results_of(b), tolerance)
 
 
 @takes()
@@ -225,4 +238,15 @@ def results_of(given: Any) -> Results:
     raise UsageError(f"{what} is no file of results (pass the path of one, written by screwsim.run_sweep)")
 
 
-__all__ = ["calibrate", "diagnose", "optimum", "performance_map", "plan", "posterior", "results_of", "run_sweep"]
+__all__ = [
+    "calibrate",
+    "compare",
+    "datasheet",
+    "diagnose",
+    "optimum",
+    "performance_map",
+    "plan",
+    "posterior",
+    "results_of",
+    "run_sweep",
+]

@@ -33,6 +33,14 @@ def test_comments_and_empty_lines_say_nothing_and_lines_keep_their_numbers():
     assert sheet.columns("b") == [(5, ("2",))]
 
 
+def test_a_row_whose_name_begins_with_a_hash_is_not_left_out_without_a_word():
+    with pytest.raises(BadSheet, match="line 3: begins with # and has the cells of a row"):
+        sheet_of("name,a\nx,1\n#3,2\n")
+    kept = sheet_of('# source, of two parts\nname,a\nx,1\n"#3",2\n# 4,3\n#remark\n#1,2,3\n')
+    assert kept.records() == [{"name": "x", "a": "1"}, {"name": "#3", "a": "2"}]
+    assert sheet_of("a,b\n1,2\n#3,4\n").records() == [{"a": "1", "b": "2"}]  # numbers have no hash: left out
+
+
 @pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
 def test_all_ends_of_lines_are_read_alike(ends, tmp_path):
     (tmp_path / "x.csv").write_bytes(f"\ufeffa,b{ends}1,2{ends}".encode())

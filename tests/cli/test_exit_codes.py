@@ -3,6 +3,7 @@
 import pytest
 
 from screwsim import cli
+from screwsim.inputs.faults import MOST_TOLD
 
 OWN = """\
 from dataclasses import dataclass
@@ -50,6 +51,14 @@ def test_every_fault_has_a_line(folder, command):
     answer = command("sweep", "bad.yaml")
     assert answer.code == 3
     assert [line.split(": ")[0] for line in answer.err.splitlines()] == ["bad.yaml:3:19", "bad.yaml:5:10"]
+
+
+def test_of_very_many_faults_the_first_are_told_and_the_others_counted(folder, command):
+    (folder / "bad.yaml").write_text("base: small.yaml\n" + "".join(f"key{i}: 1\n" for i in range(MOST_TOLD + 7)))
+    code, out, err = command("run", "bad.yaml")
+    first, *_, last = lines = err.splitlines()
+    assert (code, out, len(lines)) == (3, "", MOST_TOLD + 1)
+    assert first.startswith("bad.yaml:2:1: key0: is not known") and last == "… and 7 more faults (mend these first)"
 
 
 def test_missing_file_is_a_bad_scene(folder, command):

@@ -125,6 +125,29 @@ def test_a_fault_of_the_data_is_located(old, new, line, tmp_path):
     assert found[0].startswith(line), found
 
 
+@pytest.mark.parametrize(
+    ("reading", "line"),
+    [
+        (
+            "[K]",
+            "points.csv:2:1: discharge_temperature: 64.2 K is -208.95 degC, and R134a freezes at -103.3 degC (write",
+        ),
+        ("[degC]", ""),
+    ],
+)
+def test_a_temperature_in_celsius_under_kelvin_is_told(reading, line, tmp_path):
+    head = "operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW],discharge_temperature {},{}"
+    both = head.format(reading, "discharge_temperature_uncertainty [K]")
+    path = write_fit(tmp_path, points=f"{both}\n1000,3.1,0.1,64.2,0.5\n2000,5.2,0.1,,\n3000,6.8,0.2,66,0.5\n")
+    if not line:
+        assert read_fit(path).points[0].measured["discharge_temperature"].value == pytest.approx(337.35)
+        return
+    with pytest.raises(SceneError) as caught:
+        read_fit(path)
+    told = [each.replace(f"{tmp_path}/", "") for each in caught.value.lines]
+    assert told[0].startswith(line) and told[1].startswith("points.csv:4:1: discharge_temperature: 66 K"), told
+
+
 def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)

@@ -54,6 +54,20 @@ def test_one_path_has_the_best_that_optimum_finds():
     assert found.aims[found.front[0], 0] == pytest.approx(row.figure, abs=1e-6)
 
 
+def test_a_function_of_no_module_simulates_here_and_workers_say_that_they_cannot_have_it(tmp_path):
+    def own(scene):
+        return parabola(scene)
+
+    asked = {"vary": ["oil_supply.ratio=0.1..10"], "maximize": ["isothermal_efficiency"], "evaluations": 5}
+    assert optimize(scene(), **asked, simulate=own, jobs=1).status == "ok"
+    for call in (
+        lambda: optimize(scene(), **asked, simulate=own, jobs=2),
+        lambda: screwsim.run_sweep(FIG1, tmp_path / "x.h5", simulate=own, jobs=2),
+    ):
+        with pytest.raises(UsageError, match=r"workers cannot be sent it: .*own.* \(define it .*, or pass jobs=1\)"):
+            call()
+
+
 def test_every_local_optimum_of_one_path_is_told():
     found = optimize(scene(), ["oil_supply.ratio=0.1..10"], ["eta_iso"], simulate=two_tops, jobs=1)
     ((other, height),) = found.others

@@ -9,9 +9,10 @@ from result_fakes import GRID, SCENE, fake_simulate
 from seek_fakes import figures_of
 from study_fakes import parabola
 
+import screwsim
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.display import MOST_COLUMNS, MOST_HTML_ROWS, MOST_ROWS, About, Brief
-from screwsim.results import open_results
+from screwsim.results import open_results, save
 from screwsim.scene import loads
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.local import Sensitivities
@@ -75,6 +76,22 @@ def test_a_file_of_results_tells_axes_outcomes_and_ranges(tmp_path):
         assert f"{axis.path} ({len(axis.values)})" in first
     assert any(row.startswith(results.figures[0]) for row in rows)
     assert Tags(results._repr_html_()).rows == 1 + len(results.figures)
+
+
+def test_a_comparison_tells_points_scenes_and_figures(tmp_path):
+    for name, speed in (("a", "3000 rpm"), ("b", "3300 rpm")):
+        scene = loads(SCENE, overrides=[f"operation.speed={speed}"])
+        save(tmp_path / f"{name}.h5", scene, fake_simulate(scene))
+    found = screwsim.compare(tmp_path / "a.h5", open_results(tmp_path / "b.h5"))
+    first, points, scenes, head, *rows = lines_of(found)
+    assert first == "Comparison: different within errors"
+    assert points == "points: 1 in common, 1 ok in both, 0 only in A, 0 only in B"
+    assert scenes == "scenes differ by operation.speed" and head.split()[-1] == "differ"
+    told = {row.split()[0]: row for row in rows}
+    assert all(each.figure in told for each in found.figures)
+    assert told["shaft_power"].endswith("1 of 1")
+    again = screwsim.compare(tmp_path / "a.h5", tmp_path / "b.h5", tolerance=0.5)
+    assert again.equal and repr(again).startswith("Comparison: equal within errors")
 
 
 def test_an_optimum_tells_its_aim_and_its_values():

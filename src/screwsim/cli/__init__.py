@@ -106,7 +106,7 @@ def exit_code(arguments: Sequence[str]) -> int:
 def _fault(error: Exception, arguments: Sequence[str]) -> int:
     """Print what went wrong, and return the exit code."""
     if isinstance(error, SceneError):
-        return complain("\n".join(error.lines), BAD_SCENE)
+        return complain(str(error), BAD_SCENE)
     if isinstance(error, UsageError):
         return complain(" ".join(str(error).splitlines()), USAGE)
     if isinstance(error, typer.Abort):  # how typer tells the end of a file where nothing was asked

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
+MOST_TOLD = 100  # faults of a file, a line each: more of them are counted
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -20,10 +22,15 @@ class Fault:
 
 
 class SceneError(Exception):
-    """Report every fault of a scene; `lines` are ready to print (`FILE:LINE:COLUMN: PATH: what`)."""
+    """Report the faults of a scene; `lines` are all of them, ready to print (`FILE:LINE:COLUMN: PATH: what`).
+
+    As text it has the first MOST_TOLD of them, and how many more there are.
+    """
 
     def __init__(self, lines: list[str]) -> None:
-        super().__init__("\n".join(lines))
+        more = len(lines) - MOST_TOLD
+        told = [*lines[:MOST_TOLD], f"… and {more} more fault{'s' * (more > 1)} (mend these first)"]
+        super().__init__("\n".join(told if more > 0 else lines))
         self.lines = lines
 
 

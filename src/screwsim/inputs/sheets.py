@@ -1,8 +1,9 @@
 """Tables in CSV, the one way in which all of them are read: a line of names, then rows with a cell for each name.
 
 Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
-begin with # say nothing. A row with more or fewer cells than there are names is a fault: most often its decimal commas
-have made two cells of one number.
+begin with # say nothing; but where the first column holds names, one that begins so without a blank and has the cells
+of a row is a fault, for `#3` may be a name. A row with more or fewer cells than there are names is a fault: most often
+its decimal commas have made two cells of one number.
 """
 
 import csv
@@ -15,6 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
+NAMES, REMARK = "name", "#"  # the column of names; what a line that says nothing begins with
 _OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
 
 
@@ -85,8 +87,8 @@ def usable(remedy: str, where: str = "") -> Iterator[None]:
 
 def sheet_of(text: str) -> Sheet:
     """Return the table of a text; one without any row has a head without names. Raise BadSheet."""
-    numbered = enumerate(text.split("\n"), 1)
-    lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+    numbered = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+    lines = [each for each in numbered if not each[1].lstrip().startswith(REMARK)]
     if not lines:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:
@@ -101,6 +103,9 @@ def sheet_of(text: str) -> Sheet:
             raise BadSheet(f"has the column {_short(name)} twice (remove one)", head.line)
     for row in body:
         _check_count(row, len(head.cells))
+    if head.cells[0] == NAMES and len(head.cells) > 1:
+        for number, line in numbered:
+            _check_remark(number, line, head)
     return Sheet(head, tuple(body))
 
 
@@ -113,6 +118,21 @@ def _row(number: int, line: str) -> Row:
     if len(cells) > MOST_CELLS:
         raise BadSheet(f"has {len(cells)} cells (at most {MOST_CELLS} are allowed)", number)
     return Row(number, line, tuple(cell.strip() for cell in cells))
+
+
+def _check_remark(number: int, line: str, head: Row) -> None:
+    """Raise BadSheet of a remark below the line of names that may be a row with a name as #3."""
+    text = line.strip()
+    if number < head.line or not text.startswith(REMARK) or text[1:2].isspace():
+        return
+    try:
+        count = len(_row(number, text).cells)
+    except BadSheet:
+        return
+    if count == len(head.cells):
+        what = f"begins with {REMARK} and has the cells of a row"
+        remedy = f"put its name into double quotes, or a blank behind {REMARK} where the row is left out"
+        raise BadSheet(f"{what} ({remedy})", number)
 
 
 def _check_count(row: Row, wanted: int) -> None:

@@ -19,6 +19,7 @@ from screwsim.scene import cross_check, dimensions, with_values
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Wanted, refuse_to_differ
 from screwsim.study.limit import Limit, handed_on, running
+from screwsim.study.workers import sent
 
 BLOCK = 16  # cases at most in small sweeps: even work for all cores
 LONG_BLOCK = 64  # in sweeps of
@@ -59,7 +60,7 @@ _jobs: dict[bytes, Job] = {}  # unpacked and warm; a fork inherits those of its 
 
 def packed(job: Job) -> bytes:
     """Return a job as it is sent to workers; those that are forked from now on take it as warm."""
-    raw = pickle.dumps(job)
+    raw = sent(job)
     _jobs.clear()
     _jobs[raw] = job
     return raw

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.display import About, Brief
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
 from screwsim.study.scene_values import scene_values
@@ -51,8 +52,8 @@ class StatusChange:
     b: str
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Brief):
     """Two files: numbers of points, differences of the scenes {path: (A, B)} as texts, figures, statuses.
 
     `compared` are those of the common points that are ok in both files: others have no figures that would count.
@@ -72,6 +73,22 @@ class Comparison:
         """Whether at every common point statuses are the same and figures agree; not where none has figures."""
         odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
         return not odd and not self.status_changes and self.compared > 0
+
+    def _about(self) -> About:
+        points = {"in common": self.common, "ok in both": self.compared, "only in A": self.only_a}
+        counts = ", ".join(f"{count} {what}" for what, count in (points | {"only in B": self.only_b}).items())
+        notes = [f"points: {counts}"]
+        notes += [f"scenes differ by {', '.join(self.scene)}"] if self.scene else []
+        notes += [f"status of {self.status_changes} points is another"] if self.status_changes else []
+        rows = [_cells(each) for each in self.figures]
+        columns = ("figure [SI]", "A", "B", "error of both", "differ")
+        return About(f"Comparison: {'equal' if self.equal else 'different'} within errors", notes, columns, rows)
+
+
+def _cells(each: FigureChange) -> tuple[str, ...]:
+    only = [f"{count} only in {side}" for side, count in (("A", each.only_a), ("B", each.only_b)) if count]
+    values = ("" if value is None else f"{value:.6g}" for value in (each.a, each.b, each.error))
+    return (each.figure, *values, ", ".join([f"{each.beyond} of {each.points}", *only]))
 
 
 def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:

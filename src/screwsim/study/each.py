@@ -16,7 +16,20 @@ from typing import Any, TypeVar
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.study.progress import Progress
-from screwsim.study.workers import GRACE, TICK, Chunks, Guard, LocalPool, Work, cores, drain, stop, submit, worker_died
+from screwsim.study.workers import (
+    GRACE,
+    TICK,
+    Chunks,
+    Guard,
+    LocalPool,
+    Work,
+    cores,
+    drain,
+    sent,
+    stop,
+    submit,
+    worker_died,
+)
 
 Answer = TypeVar("Answer")
 Finish = Callable[[range, tuple[list[Any], float]], None]
@@ -55,7 +68,7 @@ def each(
             for number in range(count):
                 finish(range(number, number + 1), ([function(number)], 0.0))
         else:
-            _on_workers(pickle.dumps(function), chunks, jobs, finish, died, progress.tick)
+            _on_workers(sent(function), chunks, jobs, finish, died, progress.tick)
     finally:
         progress.stop()
     return [answers[number] for number in range(count)]

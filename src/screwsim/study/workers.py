@@ -6,6 +6,7 @@ A pool of processes is the default; `screwsim.study.cluster` makes one of dask's
 import gc
 import multiprocessing
 import os
+import pickle
 import signal
 import sys
 import threading
@@ -259,3 +260,13 @@ def worker_died(future: Future[Any]) -> bool:
     error = future.exception()
     # dask's own error is known by its name: dask need not be installed
     return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
+
+
+def sent(work: Any) -> bytes:
+    """Return work as workers receive it; raise UsageError where a function in it belongs to no module."""
+    try:
+        return pickle.dumps(work)
+    except (AttributeError, TypeError, pickle.PicklingError) as reason:
+        raise UsageError(
+            f"simulate: workers cannot be sent it: {reason} (define it at the top of a module, or pass jobs=1)"
+        ) from None

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from screwsim.figures import declared, known
+from screwsim.fluid import constants
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, Row, Sheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
+from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import si_unit
-from screwsim.scene import Scene, leaf_of
+from screwsim.scene import Scene, leaf_of, lines
 from screwsim.scene.fields import Leaf, leaf_paths, unknown
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused, over, parse_quantity, tidy_unit
@@ -47,6 +49,7 @@ UNITS = {
     "Hz": {"Hz": 1.0},
 }
 CELSIUS, ZERO = "degC", 273.15
+COLDEST = 0.4  # of the suction temperature [K]: no machine leaves a gas colder, and degC read as K mostly are
 _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
 
 
@@ -90,7 +93,10 @@ def read_points(
         problems.append(Problem(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
         return []
     with over(scene.operation.ambient_pressure):
-        return _read(sheet, start, scene, taken, problems, candidates)
+        found = _read(sheet, start, scene, taken, problems, candidates)
+    if not problems:
+        problems += [Problem(at, name, what) for point, at in found for name, what in _too_cold(point, scene)]
+    return found
 
 
 def _read(
@@ -111,6 +117,20 @@ def _read(
     if not problems and not any(point.fitted for point, _ in points):
         problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column)"))
     return points
+
+
+def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield (figure, what is wrong) of measured temperatures as low as readings in degC under [K] are."""
+    T_s, fluid = lines(scene).T_s, scene.gas.name
+    limits = constants.limits(fluid)
+    T_triple = 0.0 if limits is None else limits.T_triple
+    for name, (value, _) in point.measured.items():
+        if declared(name).units == "K" and value < max(COLDEST * T_s, T_triple):
+            limit = f"comes with {in_celsius(T_s)}" if value >= T_triple else f"freezes at {in_celsius(T_triple)}"
+            yield (
+                name,
+                f"{value:.4g} K is {in_celsius(value)}, and {fluid} {limit} (write [{CELSIUS}] for readings in that)",
+            )
 
 
 def _cells(row: Row, start: Place) -> list[tuple[str, Place]]:

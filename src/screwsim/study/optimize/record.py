@@ -26,12 +26,13 @@ from screwsim.study.optimum import Simulate
 from screwsim.study.point import with_slopes
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
-from screwsim.study.workers import DIED
+from screwsim.study.workers import DIED, sent
 
 FRESH = 2000  # evaluations after which workers start afresh: profiles leave tables and rotors in their caches
 BLOCK = 4  # evaluations of a batch whose cycles begin from each other
 REASONS = 100  # kinds of reasons of failed evaluations that are kept
 OTHER = "another reason"
+_Job = tuple[Question, Simulate | None, float | None]  # what is asked, what simulates, the limit of a case [s]
 
 
 class Spent(Exception):
@@ -53,13 +54,14 @@ class Record:
     _places: list[np.ndarray] = field(default_factory=list)
     _rows: list[np.ndarray] = field(default_factory=list)
     _kinds: dict[str, str] = field(default_factory=dict)  # kind of a reason -> its first example
-    _packed: bytes = b""
+    _job: _Job | bytes = b""
     _crews: int = 0
     _kept: int = 0  # cases that an earlier run has kept, from the first on
 
     def __post_init__(self) -> None:
         limit = CASE_LIMIT * len(self.asked.points.points) if self.crew.jobs > 1 else None
-        self._packed = pickle.dumps((self.asked, self.simulate, limit))
+        job = self.asked, self.simulate, limit
+        self._job = job if self.crew.jobs <= 1 else sent(job)
         if self.parts is not None:
             for cases in self.parts.finished():
                 self._kept = cases.stop if cases.start == self._kept else self._kept
@@ -129,7 +131,7 @@ class Record:
 
     def _solved(self, places: np.ndarray, blocks: Sequence[np.ndarray]) -> list[Table]:
         """Return the results of blocks; where a worker died over one, its evaluations are tried one by one."""
-        tables = self.crew.answers(_block, [_Work(self._packed, places[rows]) for rows in blocks])
+        tables = self.crew.answers(_block, [_Work(self._job, places[rows]) for rows in blocks])
         for number, table in enumerate(tables):
             if table is None and len(blocks[number]) == 1:
                 dead = [Result("failed", message=DIED)] * len(self.asked.points.points)
@@ -151,9 +153,9 @@ def neighbours(places: np.ndarray) -> np.ndarray:
 
 
 class _Work(NamedTuple):
-    """A block as it is sent: what is asked and what simulates, pickled once, and the places (n, paths)."""
+    """A block as it is sent: what is asked and what simulates, pickled once for workers, and the places (n, paths)."""
 
-    packed: bytes
+    job: _Job | bytes
     places: np.ndarray
 
 
@@ -162,7 +164,7 @@ _unpacked = lru_cache(maxsize=1)(pickle.loads)
 
 def _block(work: _Work) -> Table:
     """Return the results of a block, an operating point a row."""
-    asked, simulate, limit = _unpacked(work.packed)
+    asked, simulate, limit = work.job if isinstance(work.job, tuple) else _unpacked(work.job)
     simulate = simulate or Warm()
     results: list[Result] = []
     for places in work.places:
