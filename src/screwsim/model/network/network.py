@@ -113,6 +113,7 @@ class Network:
     phases: bool = False  # can the gas have two?
     inflow: str = ""  # call for oil through ports [kg/s] (phi, p, width)
     flash: tuple[str, str, str] | None = None  # share of oil that flashes (p), its enthalpy, its heat over c_oil
+    flash_begins: str = ""  # the pressure [Pa] from which on none does
     release: str = ""  # call for (gas, enthalpy, heat over c_oil) that oil gives off (m_oil, w, s, h, T_oil)
     supply_holds: str = ""  # gas per oil that comes through ports
     gas_cell: str = ""  # plenum whose gas flashes or is given off
