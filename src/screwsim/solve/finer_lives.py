@@ -34,6 +34,7 @@ QUICK = 0.7  # share of a life's change that the next one makes, below which two
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 FAITHFUL = 0.15  # share that corrections missed when closing, below which where they lead is read without a life there
 DELIVERS = 0.2  # volumetric efficiency above which that is: what leaks hide of an error is larger where less is left
+STANDS = 0.05  # of the tolerance on changes, to which chambers are closed together beside a closed cycle
 LINEAR = 0.1  # share of such a correction that is taken to be wrong, at least
 
 
@@ -199,11 +200,14 @@ class _Lives:
 
 
 def chambers_together(asked: Asked) -> Finer:
-    """Return all chambers closed together from a closed cycle, where lives among its own would repeat its error."""
+    """Return all chambers closed together from a closed cycle, where lives among its own would repeat its error.
+
+    They begin where that stands: pitches change next to nothing from the first on, and slowly lead far away.
+    """
     if not asked.hidden:
         return NOTHING
     problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
-    wanted = replace(asked.wanted, rtol=FINER * cycle.rtol)
+    wanted = replace(asked.wanted, rtol=FINER * cycle.rtol, tolerance=STANDS * asked.wanted.tolerance)
     finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
     if finer.closed:
         return Finer([evaluate(problem, finer).figures])
