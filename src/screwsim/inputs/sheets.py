@@ -1,13 +1,14 @@
 """Tables in CSV, the one way in which all of them are read: a line of names, then rows with a cell for each name.
 
 Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
-begin with # say nothing; but where the first column holds names, one that begins so without a blank and has the cells
+begin with # say nothing; but where the first column holds names, one that begins with # and a number and has the cells
 of a row is a fault, for `#3` may be a name. A row with more or fewer cells than there are names is a fault: most often
 its decimal commas have made two cells of one number.
 """
 
 import csv
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
 NAMES, REMARK = "name", "#"  # the column of names; what a line that says nothing begins with
+NUMBERED = re.compile(rf"{REMARK}\d+\s*,")  # a row whose name may be #3, or one named 3 that is left out
 _OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
 
 
@@ -123,7 +125,7 @@ def _row(number: int, line: str) -> Row:
 def _check_remark(number: int, line: str, head: Row) -> None:
     """Raise BadSheet of a remark below the line of names that may be a row with a name as #3."""
     text = line.strip()
-    if number < head.line or not text.startswith(REMARK) or text[1:2].isspace():
+    if number < head.line or not NUMBERED.match(text):
         return
     try:
         count = len(_row(number, text).cells)

@@ -1,5 +1,7 @@
 """Borders at which a step ends: of a phase; where a one-way path opens, flattens or shuts; where a port closes.
 
+And where gas begins to flash out of oil that flows in, or ceases to: the rates have a corner there.
+
 The equations change at the first two. A wide port holds p to its plenum's, and releases it only in the last degrees
 before it closes. A step over all of that, made with the Jacobian of its start, sees a wide port at its early stages and
 no flow at its end: neither its result nor its error estimate covers what was shut in. Such a step is halved until the
@@ -16,6 +18,7 @@ CLOSED = 0.3  # ratio of an opening's area at the end of a step to that at its s
 STIFF = 10.0  # step times the largest rate of decay, above which a step is too long along a closing port
 BEYOND = 0.3  # share of the tolerance by which a step passes the border of a phase
 SWITCHED = 1e-4  # share of the regularisation's width by which a step passes the switch of a valve
+CORNER_NEAR = 0.01  # share of a step: a corner of the rates this near to one of its ends counts as at that end
 FLATTER = 1.5  # largest ratio, over a step, of the slope of a valve's flow over Δp at its start to that at its end
 
 
@@ -100,6 +103,33 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol, P, TAB):
     rho = dense_value(high, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
     beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + S_RHO] - rho) / rho)
     return 1.0 if beyond <= rtol else high + (1.0 - high) * BEYOND * rtol / beyond
+
+
+@kernel
+def share_before_flash(begins, y, y1, u, P, TAB):
+    """Return the share of a step after which a chamber passes the pressure `begins` [Pa]; 1 where it does not.
+
+    Below it gas flashes out of the oil that flows in, above it none does (M196). No error of the states tells what a
+    step across that corner makes of the gas, and the next finer one may lie as well.
+    """
+    p0, _h, _c, _t, _a, _x, _f = gas_state(y[S_T], y[S_RHO], P, TAB)
+    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
+    if not (p0 - begins) * (p1 - begins) < 0.0:
+        return 1.0
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    low = 0.0
+    high = 1.0
+    while high - low > 1e-6:
+        middle = 0.5 * (low + high)
+        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
+        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
+        p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+        if (p0 - begins) * (p - begins) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high if CORNER_NEAR < high < 1.0 - CORNER_NEAR else 1.0
 
 
 @kernel

@@ -47,7 +47,7 @@ class Machinery:
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         paths = len(composition.plenum_paths)
-        stops = np.zeros(2 * len(composition.stops) + 3)
+        stops = np.zeros(2 * len(composition.stops) + 5)
         own = np.concatenate([np.zeros(PORT_STATE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
         self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own)

@@ -15,6 +15,8 @@ from screwsim.model.writing import Writer
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import table_value
 
+BEGINS = "flash_begins"  # the pressure [Pa] below which gas flashes out of oil that enters
+
 
 def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
     """Write the oil [kg] injected at one angle, in a ratio to the gas or through an orifice during a pitch."""
@@ -63,6 +65,8 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
     latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
     writer.network.flash = call, enthalpy, latent
+    none = np.flatnonzero(content.flashed <= 0.0)
+    writer.network.flash_begins = writer.numbers.add(float(content.pressure[none[0] if len(none) else -1]), BEGINS)
 
 
 def write_solution(writer: Writer, content: OilSolution) -> None:

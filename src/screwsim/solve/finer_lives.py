@@ -34,6 +34,7 @@ QUICK = 0.7  # ratio of successive lives' changes below which two lives determin
 SMALL = 0.05  # of the wanted accuracy: change of the last life below which no more are needed
 FAITHFUL = 0.15  # relative error of the corrections in closing, below which one replaces the second life
 DELIVERS = 0.2  # volumetric efficiency above which it may do so: with less delivered, leaks hide larger errors
+STANDS = 0.05  # factor on the tolerance on changes when chambers are closed together beside a closed cycle
 LINEAR = 0.1  # share of such a correction that is assumed to be wrong, at least
 
 
@@ -201,11 +202,14 @@ class _Lives:
 
 
 def chambers_together(asked: Asked) -> Finer:
-    """Return the cycle closed simultaneously from the closed one, where further lives would only repeat its error."""
+    """Return the cycle closed simultaneously from the closed one, where further lives would only repeat its error.
+
+    Chambers begin from the closed cycle: pitches change next to nothing from the first on, and slowly lead far away.
+    """
     if not asked.hidden:
         return NOTHING
     problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
-    wanted = replace(asked.wanted, rtol=FINER * cycle.rtol)
+    wanted = replace(asked.wanted, rtol=FINER * cycle.rtol, tolerance=STANDS * asked.wanted.tolerance)
     finer = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
     if finer.closed:
         return Finer([evaluate(problem, finer).figures])

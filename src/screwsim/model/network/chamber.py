@@ -132,6 +132,7 @@ class Chamber(Cell):
             [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
             [*stops.keep_at_rest(self.network, "f"), "own[STEP_END] = E[E_ANGLE]"] if self.network.stops else [],
+            ["own[FED_LAST] = inflow"] if self.network.flash_begins else [],
         )
 
     def jacobian(self) -> str:
@@ -151,6 +152,7 @@ class Chamber(Cell):
         before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
         valves = [port for port in network.ports if port.one_way]
         after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]
+        after += ["own[FED_FIRST] = inflow"] if network.flash_begins else []
         if network.stops:
             after += [*stops.keep_at_rest(network, "f"), *stops.keep_at_rest(network, "f_phi")]
             after += [*stops.keep_rows_at_rest(network, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]

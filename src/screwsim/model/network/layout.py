@@ -11,6 +11,7 @@ from functools import lru_cache
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PORT_STATE
 
+FED = ("FED_FIRST", "FED_LAST")  # oil [kg/s] that flows in at the start of a step and at its last stage
 AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # impacts of a turn, and the angles of the attempted step
 WAYS = ("ahead", "behind")  # the two sides of a gap
 
@@ -114,6 +115,7 @@ class Layout:
         network, ports = self._network, len(self._network.ports)
         cells = [(number, cell) for number, cell in enumerate(network.cells) if cell]
         opened = [port for port in network.ports if port.opening]
+        after = OPENING + 2 * (ports + len(network.stops))
         areas = [*(self.area(each) for each in network.ports), *(self.area(*each) for each in self.sides)]
         neighbours = {
             f"E_{each}": self.lines + (PORT_STATE + 1) * (i - len(self.met)) for i, each in enumerate(self.met)
@@ -131,7 +133,8 @@ class Layout:
             **{f"HELD_{self.label(port)}": OPENING + ports + port.index for port in opened},
             **_counted("MODE_", self.stops, OPENING + 2 * ports),
             **_counted("DUE_", self.stops, OPENING + 2 * ports + len(self.stops)),
-            **_counted("", AFTER_STOPS if network.stops else (), OPENING + 2 * (ports + len(network.stops))),
+            **_counted("", AFTER_STOPS if network.stops else (), after),
+            **_counted("", FED if network.flash_begins else (), after + len(AFTER_STOPS)),
             **_counted("", self.flows),
             **_counted("PATH_", self._labels),
             **_counted("HEAT_", self.heats),

@@ -113,6 +113,7 @@ class Network:
     phases: bool = False  # whether the gas can have two
     inflow: str = ""  # call for oil through ports [kg/s] (phi, p, width)
     flash: tuple[str, str, str] | None = None  # share of oil that flashes (p), its enthalpy, its heat over c_oil
+    flash_begins: str = ""  # the pressure [Pa] above which no gas flashes
     release: str = ""  # call for (gas, enthalpy, heat over c_oil) released by oil (m_oil, w, s, h, T_oil)
     supply_holds: str = ""  # dissolved gas per oil through ports
     gas_cell: str = ""  # plenum of the gas that flashes or is released

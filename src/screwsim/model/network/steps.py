@@ -3,7 +3,14 @@
 Source: docs/model.md M9, M30, M104–M110; docs/explanation/integrator.md.
 """
 
-from screwsim.model.borders import closes, share_before_border, share_before_switch, share_while_steep, stiff
+from screwsim.model.borders import (
+    closes,
+    share_before_border,
+    share_before_flash,
+    share_before_switch,
+    share_while_steep,
+    stiff,
+)
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, PortState, stream_terms
 from screwsim.model.network.layout import Layout
@@ -35,7 +42,7 @@ def step_texts(network: Network) -> list[str]:
 
 def step_kernels(network: Network) -> list[Kernel]:
     """Return the kernels that those functions call, and those of port states and of gas between two steps."""
-    asked = {share_before_border: network.phases}
+    asked = {share_before_border: network.phases, share_before_flash: bool(network.flash_begins)}
     asked |= dict.fromkeys((share_before_switch, share_while_steep), any(port.one_way for port in network.ports))
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
     return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
@@ -193,6 +200,9 @@ def _share_in_phase(network: Network) -> str:
     for test in tests:
         with to.within("if share == 1.0"):
             to.add(f"share = {test}")
+    if network.flash_begins:  # where oil flows in at either end: the bore's window ends on breakpoints
+        with to.within("if share == 1.0 and own[FED_FIRST] + own[FED_LAST] > 0.0"):
+            to.add(f"share = {share_before_flash.flat_name}({network.flash_begins}, y, y1, u, P, TAB)")
     to.add("return share")
     text = '"""Return the share of a step that holds: up to a switch, an impact or a border of the phases."""'
     return function("chamber__share_in_phase(y, y1, u, rtol, context)", [text, CONTEXT], to.lines)
