@@ -38,7 +38,7 @@ def test_a_row_whose_name_begins_with_a_hash_is_not_left_out_without_a_word():
         sheet_of("name,a\nx,1\n#3,2\n")
     kept = sheet_of('# source, of two parts\nname,a\nx,1\n"#3",2\n# 4,3\n#remark\n#1,2,3\n')
     assert kept.records() == [{"name": "x", "a": "1"}, {"name": "#3", "a": "2"}]
-    assert sheet_of("name,a\nx,1\n#y,2\n").records() == [{"name": "x", "a": "1"}]  # left out: no number, no name of a point
+    assert sheet_of("name,a\nx,1\n#y,2\n").records() == [{"name": "x", "a": "1"}]  # no number: left out
     assert sheet_of("a,b\n1,2\n#3,4\n").records() == [{"a": "1", "b": "2"}]  # numbers have no hash: left out
 
 
