@@ -34,7 +34,7 @@ from screwsim.solve import another, circuit, drive, stability
 from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
 from screwsim.solve.circuit import Search, solved
 
-Trace = bool | Literal["ledger"]  # what is stored over the angle
+Trace = bool | Literal["ledger"]  # what a result keeps over the angle
 
 
 def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
@@ -70,7 +70,7 @@ def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: T
     Without a trace the ledger is not even computed where the scene says `numerics.error: none`. Raises UsageError
     for a fluid that is not available.
     """
-    return _told(scene_of(scene), trace, None)
+    return _result(scene_of(scene), trace, None)
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
@@ -82,10 +82,10 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
     """
     series = Series()
     for scene in scenes:
-        yield _told(scene, trace, series)
+        yield _result(scene, trace, series)
 
 
-def _told(scene: Scene, trace: Trace, series: Series | None) -> Result:
+def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:
     """Return the result of a scene.
 
     An exception inside a user's own effect becomes a failed result that names the effect.

@@ -48,7 +48,7 @@ def test_a_mixture_of_what_flows_back_and_what_is_fresh_is_led_to_the_fresh(shar
     made = share * met + (1.0 - share) * fresh
     found = returning(problem, life(problem, share), line(problem, met), line(problem, made))
     assert found.share == pytest.approx(share)
-    led = found.led(line(problem, made))
+    led = found.extrapolated(line(problem, made))
     assert led == pytest.approx(line(problem, fresh), rel=1e-12)
 
 
@@ -81,7 +81,7 @@ def test_no_more_is_believed_than_half_and_no_change_that_is_far():
     met, far = line(problem, 300.0), line(problem, 300.0 * (1.0 + 2.0 * FARTHEST))
     assert returning(problem, life(problem, 0.9), met, met).share == MOST
     found = returning(problem, life(problem, 0.5), met, far)
-    assert found.share == pytest.approx(0.5) and found.led(far) is far
+    assert found.share == pytest.approx(0.5) and found.extrapolated(far) is far
     for share in (0.0, 1.0):  # nothing flows back; or all, and then anything is as steady
         assert returning(problem, life(problem, share), met, far) is NOTHING
 
@@ -102,7 +102,7 @@ def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
     turns = _Turns(problem, machinery, problem.wanted, Start(begin(problem, machinery)))
     assert turns.integrate() is None
     assert turns.correction() is None
-    made, led = turns.made, turns.returning.led(turns.made)
+    made, led = turns.made, turns.returning.extrapolated(turns.made)
     turns.go_on(None)
     cycle = relax(problem, machinery, problem.wanted, Start(turns.y), last=True)
     assert cycle.status == "ok"

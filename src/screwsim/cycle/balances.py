@@ -76,7 +76,7 @@ def left_late(problem: Problem) -> bool:
 
 
 def crossed(problem: Problem, life: Trajectory) -> float:
-    """Return the gas [kg/life] by which the flow through the suction port differs from that past the angle of leaving.
+    """Return the gas [kg/life] to add to that through the suction port, for what passes the angle of leaving the line.
 
     A chamber reads those ahead from the turn before, so what it gets from them is not quite what they give to those
     behind. Between chambers that are open to one line Δp is a few pascals, and both flows err as the pressure does;

@@ -55,7 +55,7 @@ class Course:
         self._guessed = False
         self._told: dict[int, Array] = {}  # each polynomial's prediction of the next cycle, by its number of cycles
         self._missed: dict[int, float] = {}  # recent error of each
-        self._share = 1.0  # on the wanted tolerance of a step, where the last balances closed
+        self._share = 1.0  # factor on a step's tolerance, as the last cycle needed it
         self._last: CycleSolution | None = None
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 

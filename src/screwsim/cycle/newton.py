@@ -31,9 +31,9 @@ LARGEST = 1.0  # size of a correction, in coordinates, to which larger ones are 
 LEAST_SHARE = 0.4  # ... but none is made if that leaves less: a linear correction is meaningless there
 SINGULAR = 300.0  # ratio of a correction to its residual, above which any state is about as good a cycle as another
 TOO_OFTEN = 3  # shortened or impossible corrections after which no more are made
-NEXT = 1e-9  # share of a pitch before its end at which a chamber's place passes to the one behind
+NEXT = 1e-9  # share of a pitch by which the end of a place stays before the next place
 EVEN = 1e-9  # imaginary part of an eigenvalue over its size, up to which it counts as real
-ITSELF = 1e-6  # departure of an unknown's own derivative from 1 up to which the scene is taken to state it
+ITSELF = 1e-6  # departure of an image's derivatives from identity, up to which the scene states the unknown
 
 
 class Correction(NamedTuple):
@@ -249,7 +249,7 @@ class Corrections:
         return found.times(1.0 / (1.0 - share))
 
 
-def led(problem: Problem, by: Correction, end: Array, y: Array, made: Array) -> Array:
+def corrected_start(problem: Problem, by: Correction, end: Array, y: Array, made: Array) -> Array:
     """Set y [in place] to the corrected state that the next life starts with; return the corrected unknowns.
 
     `end` is the uncorrected state in coordinates.

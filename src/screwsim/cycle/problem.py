@@ -71,7 +71,7 @@ class Problem:
 
     @once
     def rate(self) -> float:
-        """Number of chambers that begin their life per second [1/s]."""
+        """Chambers that begin their life per second [1/s]."""
         return self.parts.omega / self.parts.geometry.pitch
 
     @once

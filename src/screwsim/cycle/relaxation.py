@@ -14,7 +14,7 @@ from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.mixing import finer
-from screwsim.cycle.newton import Correction, Corrections, led
+from screwsim.cycle.newton import Correction, Corrections, corrected_start
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.returning import NOTHING, returning
 from screwsim.cycle.solution import ENOUGH, NO_HOPE, CycleSolution, Start, Wanted
@@ -32,7 +32,7 @@ DEAR_RTOL = 1e-4  # this tolerance; waveform relaxation may take as many
 FIRST_RTOL = 2e-3  # tolerance of a step in the first turn; later ones follow the gap
 THEN = 0.3  # largest ratio of a turn's tolerance to that of the turn before
 AHEAD = 0.015  # tolerance of a turn over the gap of the one before
-LED = 1e-3  # tolerance of a turn over the change that is left after the correction before it
+LED = 1e-3  # tolerance of a turn over the change that the correction before it made
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 DEPTH = 5  # of Anderson's method
 TOO_FAR = 0.3  # distance of a mixture from the newest image, in coordinates, above which it is refused
@@ -47,7 +47,7 @@ FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear corre
 QUICK = 0.2  # ratio of a turn's change to that of the turn before, below which the change to come follows from it
 UNSEEN = 0.1  # share of a turn's change that corrections are assumed to miss before a second one shows it
 FORESEEN = 1.5  # tolerances: change to come, as a correction predicts it, with which the cycle may close
-HEAVIER = 2.0  # weight of the unknowns' change to come: with much oil the energy balance hangs on its temperature
+HEAVIER = 2.0  # weight of the unknowns' change to come: with much oil the energy balance depends on its temperature
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
 PROGRESS = 0.5  # ratio to the smallest gap before, below which a gap is progress
 REFINED = 0.4  # factor on the tolerance of the steps then
@@ -111,7 +111,7 @@ class _Turns:
         self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
         self.before = 1.0, 1.0  # gap and change of the states in the turn before
-        self.corrected = self.led = False  # whether the last turn was corrected, and the one before it
+        self.corrected = self.corrected_before = False  # whether the last turn was corrected, and the one before it
         self.open: Residuals | None = None  # residuals of a turn with the finest steps
         self.residual = self.residual_before = np.inf  # largest of the balances, where steps were the finest
         self.least_gap, self.stalled = np.inf, 0  # smallest gap near the end, and turns since without progress
@@ -126,7 +126,7 @@ class _Turns:
         """Integrate a turn and measure its changes; return the angle [rad] where it stopped, None if it completed."""
         problem, machinery = self.problem, self.machinery
         self.point, self.steps_before = self.vector(self.met), int(machinery.kept[1])
-        self.corrected, self.led = False, self.corrected
+        self.corrected, self.corrected_before = False, self.corrected
         self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
         status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
         if status != 0:
@@ -143,7 +143,7 @@ class _Turns:
         self.moved = NEAR * float(np.maximum.reduce(np.abs(self.image - self.point)))
         if self.number == 1:  # expected mass and work may agree by chance: the states must agree, too
             self.gap = self.first_gap = max(self.gap, self.moved)
-        if self.led and self.left >= SHOWS * self.wanted.tolerance:
+        if self.corrected_before and self.left >= SHOWS * self.wanted.tolerance:
             self.missed = self.gap / self.left
         self.expected, self.residual_before = [now], self.residual
         self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
@@ -234,7 +234,7 @@ class _Turns:
                 work = abs(found.work) / max(abs(self.q[Q_WORK]), self.least_work)
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
                 self.left = max(told, self.gap * self._missed())
-                if self.led:  # also by a linear correction, which erred alike
+                if self.corrected_before:  # it was led here by a linear correction too
                     again = self.missed * self.problem.entries.change(self.made, self.met)
                     self.left = max(self.left, HEAVIER * again)
             return found
@@ -254,7 +254,7 @@ class _Turns:
         """
         if not self.corrections.borrowed:
             return 0.0
-        if not self.led:
+        if not self.corrected_before:
             return UNSEEN
         ratio = self.gap / self.before[0]
         return ratio / (1.0 - ratio) if ratio < LASTING else 0.0
@@ -285,13 +285,13 @@ class _Turns:
         problem, machinery, n = self.problem, self.machinery, self.machinery.n
         made = self.made
         if correction is not None:
-            made = led(problem, correction, self.image[:n], self.y, made)
+            made = corrected_start(problem, correction, self.image[:n], self.y, made)
             ((mass, work),) = self.expected
             self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
             mixed = self._mixed(self.vector(made), self.stalled > 0)
             self.next_rtol = LED * self.left
         else:
-            made = self.returning.led(made)
+            made = self.returning.extrapolated(made)
             mixed = self._mixed(self.image if made is self.made else self.vector(made))
             self.next_rtol = min(THEN * self.rtol, AHEAD * self.gap)
         self.y[:] = states_of(mixed[:n], self.y, machinery.composition)

@@ -30,7 +30,7 @@ class Returning(NamedTuple):
     enthalpy: float = 0.0
     temperature: float = 0.0
 
-    def led(self, made: Array) -> Array:
+    def extrapolated(self, made: Array) -> Array:
         """Return the unknowns `made` with the addition of later turns; unchanged where that is zero."""
         if self.temperature == 0.0:
             return made

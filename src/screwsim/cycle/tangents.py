@@ -2,10 +2,10 @@
 
 A change δ of the coordinates of all chambers alive (chamber by chamber) follows δ' = A δ + B r + F u: A are the
 derivatives of the rates by the states, B the part of A by the chambers ahead, r a change of these alone, u a change of
-the feedback unknowns. A, B, F are evaluated at the middle of each of a few slices and held over it; over a slice z = h
-A is advanced by (1 − z + z²/2)⁻¹, of order 2 and damped where stiff, and the quadratures likewise. That is approximate,
-as Newton's matrix may be; the equations solved remain those of the integrator. Derivatives by the states are those of
-its steps, derivatives by the unknowns are differences of the rates.
+the feedback unknowns. A, B, F are evaluated at the middle of each of a few slices and held over it; over a slice of
+width h, with z = h A, a change is multiplied by (1 − z + z²/2)⁻¹, of order 2 and damped where stiff, and the
+quadratures follow from it. That is approximate, as Newton's matrix may be; the equations solved remain those of the
+integrator. Derivatives by the states are those of its steps, derivatives by the unknowns are differences of the rates.
 
 The derivatives of the unknowns' next values are differences of the image itself. It reads the quadratures, which the
 linearised pitch gives, and where lines pulsate the flow into them over the pitch, whose change is what the slices give

@@ -37,7 +37,7 @@ SHIFT = 1e-6  # of coordinates, for differences of the image
 KEPT = 0.2  # ratio of residuals up to which the derivatives of the iteration before are kept
 LOST = 20.0  # layers around a crossing, within which it may be one of the round before
 STANDS = 0.5 * slices.BEFORE  # layers between a crossing and its slice's end, within which it counts as placed
-ITSELF = 1e-6  # departure of an unknown's own derivative from 1 up to which the scene is taken to state it
+ITSELF = 1e-6  # departure of an image's derivatives from identity, up to which the scene states the unknown
 
 
 class Fineness(NamedTuple):
@@ -59,8 +59,8 @@ class Fineness(NamedTuple):
     estimated: bool = True
 
 
-FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # 1e-5 of a derivative, in 95 of 100 cases
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # 1e-3 of a derivative
+FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # errors of 1e-5 of a derivative, in 95 of 100
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
 
 
 class Closed(NamedTuple):

@@ -82,11 +82,11 @@ def _first(asked: Asked, points: Sequence[Point]) -> str:
     slack = ROUNDING * max(finite, default=0.0)
     for point, value in zip(points, values, strict=True):
         if not (math.isfinite(value) and asked.least - slack <= value <= asked.most + slack):
-            return _told(asked.effect, asked.what, asked.unit, point, value)
+            return _message(asked.effect, asked.what, asked.unit, point, value)
     return ""
 
 
-def _told(effect: str, what: str, unit: str, point: Point, value: float) -> str:
+def _message(effect: str, what: str, unit: str, point: Point, value: float) -> str:
     """Return the message on an impossible value."""
     states = f", T = {in_celsius(point.y[S_T])}, p = {in_bar(point.p)}" if point.m else ""
     shown = f"{value:.6g} {unit}".rstrip()
@@ -163,7 +163,7 @@ def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iter
         wrong = np.flatnonzero(~(finite & (areas >= -slack)))
         if len(wrong):
             where = Point(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
-            yield _told(name, "area", "m²", where, float(areas[wrong[0]]))
+            yield _message(name, "area", "m²", where, float(areas[wrong[0]]))
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:

@@ -31,7 +31,7 @@ REMEDIES: dict[Limit, Callable[[Problem], str]] = {  # of the limits of an equat
     Limit.CRITICAL: lambda problem: (
         f"use a wider discharge port{_larger(problem)}, a lower discharge pressure or warmer {_warming(problem)}"
     ),
-}  # by the limit of an equation of state
+}
 
 NO_MATTER = 3e4  # [kg/m³], denser than any fluid: a diverged iterate, not a state of the gas
 HOT = 1000.0  # [K], more than a machine endures

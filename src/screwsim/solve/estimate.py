@@ -26,7 +26,7 @@ LEAKY = 0.5  # volumetric efficiency below which an error of waveform relaxation
 HIDDEN = 1.5  # factor by which it then exceeds what two turns show
 EMPTY = 2.0  # the same for a machine that delivers nothing: its chambers hold only leaks
 SLOWEST = 0.9  # largest ratio of successive lives' changes that is extrapolated
-BY_CHANCE = 0.3  # share of the trapped gas's error that what little is delivered errs by at least
+BY_CHANCE = 0.3  # of the trapped gas's error: least error of a small delivered amount
 ESTIMATES: dict[str, Estimate] = {TOGETHER: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
 
 

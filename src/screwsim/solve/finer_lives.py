@@ -13,7 +13,7 @@ from screwsim.cycle.balances import met_across, streams_of
 from screwsim.cycle.close import MOST_OF_A_TRY, again
 from screwsim.cycle.coordinates import NEAR
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.newton import Correction, Corrections, led
+from screwsim.cycle.newton import Correction, Corrections, corrected_start
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along
 from screwsim.cycle.search import SEARCH
@@ -159,7 +159,7 @@ class _Lives:
         found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
         if found is None:
             return False
-        self.made, self.correction = led(self.of.problem, found, self.end[:n], self.y, self.made), found
+        self.made, self.correction = corrected_start(self.of.problem, found, self.end[:n], self.y, self.made), found
         return True
 
     def foretold(self, by: Correction, wrong: float) -> Finer:
