@@ -136,11 +136,14 @@ def test_a_value_is_one_of_its_field(base, path, value):
         {"effects": {"blow_hole": "off"}},
         {"overrides": ["base=x"]},
         {"set": {str(i): 1 for i in range(MOST + 1)}},
+        {"set": {"\ud800": 1}},
+        {"effects": {"a\nb": True}},
     ],
 )
-def test_settings_are_mappings_of_a_size(raw):
-    with pytest.raises(Refused):
+def test_settings_are_mappings_of_a_size_whose_names_can_be_told(raw):
+    with pytest.raises(Refused) as told:
         read_changes(raw)
+    assert str(told.value).encode().isascii()
 
 
 def test_values_that_fit_no_scene_are_told_at_their_path(base):

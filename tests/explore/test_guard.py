@@ -2,15 +2,16 @@
 
 import http.client
 import json
+import logging
 
 import pytest
 from each_row import each_row
 from explore_line import Line, served
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from screwsim.explore.guard import LARGEST, Rules
+from screwsim.explore.guard import LARGEST, Guard, Rules
 from screwsim.explore.pages import BURST, RATE, Pace
-from screwsim.explore.serve import is_loopback
+from screwsim.explore.serve import configured, is_loopback
 
 HOST = "127.0.0.1:8421"
 OWN = Rules(frozenset({HOST, "localhost:8421"}))
@@ -196,3 +197,9 @@ def test_another_address_asks_for_the_token(tmp_path):
         found.url = found.url.partition("?")[0]
         with pytest.raises(InvalidStatus), Line(found):
             pass
+
+
+def test_a_request_that_is_no_http_is_not_told_in_the_terminal():
+    configured(Guard(lambda scope, receive, send: None, Rules(frozenset())))
+    logger = logging.getLogger("uvicorn.error")
+    assert not logger.isEnabledFor(logging.WARNING) and logger.isEnabledFor(logging.ERROR)

@@ -54,6 +54,8 @@ def read_changes(raw: Any) -> Changes:
         raise Refused(f"set and effects are no mappings, or hold more than {MOST} changes (reload the page)")
     if not all(isinstance(each, bool) for each in effects.values()):
         raise Refused("an effect is neither on nor off: true or false (reload the page)")
+    if not all(map(str.isprintable, (*values, *effects))):  # half a letter could not even be told
+        raise Refused("a name in the settings is none that can be printed (reload the page)")
     return Changes(values, effects)
 
 

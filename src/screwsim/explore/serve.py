@@ -114,7 +114,7 @@ def prepared(base: Base, rules: Rules, workers: int | None = None, patience: Pat
 
 
 def configured(app: App) -> uvicorn.Config:
-    """Return how the server runs: what it takes is bounded, and nothing is logged."""
+    """Return how the server runs: what it takes is bounded, and nothing is logged but a fault of its own."""
     return uvicorn.Config(
         app,
         http="h11",
@@ -125,6 +125,7 @@ def configured(app: App) -> uvicorn.Config:
         limit_concurrency=MOST_LINES,
         timeout_graceful_shutdown=CLOSING,
         log_config=None,
+        log_level="error",  # and not each request that is no HTTP, of which anyone can send many
         access_log=False,
         proxy_headers=False,
         server_header=False,
