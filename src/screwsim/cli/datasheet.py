@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, loaded
 from screwsim.screen import say
 
 
@@ -43,7 +43,6 @@ def datasheet(
     from screwsim.printing import print_json
     from screwsim.printing.datasheet import print_sheet
     from screwsim.study.datasheet import sheet_of
-    from screwsim.study.progress import for_terminal
 
     sheet = sheet_of(
         scene,
@@ -55,7 +54,7 @@ def datasheet(
         heating=heating,
         profile=profile,
         jobs=jobs,
-        progress=for_terminal("datasheet"),
+        progress=bar("datasheet"),
     )
     if as_json:
         print_json(sheet.document)

@@ -9,16 +9,17 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without, bar, show
 from screwsim.screen import say
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from screwsim.export.inputs import Input
     from screwsim.export.polynomials import Polynomials
     from screwsim.export.table import Table
     from screwsim.scene import Scene
+    from screwsim.study.progress import Progress
 
 app = typer.Typer(
     help="Write what other tools read: FMU, maps for system simulation, loads of the rotors.",
@@ -41,6 +42,10 @@ Most = Annotated[int | None, option("N", "Cases of the grid at most (default: 50
 RANGES = "narrow the ranges, or allow more --most-cases"
 
 
+def _bar() -> Progress:
+    return bar("export")
+
+
 def _told_of_polynomials(scene: Scene, inputs: Sequence[Input]) -> None:
     from screwsim.export.polynomial_table import check_inputs
 
@@ -55,38 +60,8 @@ def _told(scene: Scene, inputs: Sequence[Input]) -> None:
     typer.echo(f"export: simulating a map over {ranges}", err=True)
 
 
-def made(
-    source: str,
-    over: Over,
-    figures: Named,
-    wanted: Wanted,
-    most: Most,
-    overrides: Overrides,
-    without: Without,
-    jobs: Jobs,
-    told: Callable[[Scene, Sequence[Input]], None] | None = None,
-) -> Table:
-    """Return the map that a command names, and say on stderr what is simulated for it."""
-    from screwsim.export.source import map_of
-    from screwsim.study.progress import for_terminal
-
-    return map_of(
-        source,
-        over or (),
-        figures or (),
-        wanted,
-        most,
-        overrides or (),
-        without or (),
-        jobs,
-        lambda: for_terminal("export"),
-        told or _told,
-    )
-
-
 def ended(table: Table, files: list[str], as_json: bool) -> int:
     """Print a map and its files; return the exit code, not ok where its error is above that asked for."""
-    from screwsim.printing import show
     from screwsim.printing.export import map_document, print_map, shortfall
 
     show(as_json, map_document, print_map, table, files)
@@ -117,13 +92,14 @@ def fmu(
     """Write a functional mock-up unit for co-simulation: C, without Python where it runs."""
     options.check_target(output, ".fmu")
     from screwsim.export.fmu import compiler, keep_other_units, write_fmu
+    from screwsim.export.source import map_of
     from screwsim.results.atomic import make_folder
 
     keep_other_units(output)
     if not sources_only:
         compiler()  # is asked for before the map is simulated
-    told = _told_of_polynomials if kind == "polynomial" else None
-    table = made(source, over, figures, wanted, most, overrides, without, jobs, told)
+    told = _told_of_polynomials if kind == "polynomial" else _told
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, told)
     if kind == "polynomial":
         from screwsim.export.polynomial_table import polynomial_table
 
@@ -149,10 +125,11 @@ def modelica(
     """Write a Modelica package of a map of two inputs: tables of the standard library, and polynomials."""
     options.check_target(output, ".mo")
     from screwsim.export.modelica import WRITTEN, identifier, package
+    from screwsim.export.source import map_of
     from screwsim.results.kept import keep_without
 
     keep_without(output, WRITTEN)
-    table = made(source, over, figures, wanted, most, overrides, without, jobs)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _told)
     name = identifier(output.stem)
     written = [_written(output, package(table, name))]
     if name != output.stem:
@@ -176,10 +153,11 @@ def comma_separated(
     """Write the nodes of a map as a table, SI units."""
     options.check_target(output, ".csv")
     from screwsim.export.csv_table import BETWEEN, csv_table
+    from screwsim.export.source import map_of
     from screwsim.results.kept import keep_without
 
     keep_without(output, BETWEEN)
-    table = made(source, over, figures, wanted, most, overrides, without, jobs)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _bar, _told)
     return ended(table, [_written(output, csv_table(table))], as_json)
 
 
@@ -200,7 +178,7 @@ def tespy(
     from screwsim.results.kept import keep_other_documents
 
     keep_other_documents(output, "for", "fluid", "maps")
-    with swept(source, over or (), overrides or (), without or (), jobs, _progress(), _told) as results:
+    with swept(source, over, overrides, without, jobs, _bar(), _told) as results:
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
@@ -222,14 +200,11 @@ def energyplus(
     """Write curves for EnergyPlus: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
-    from screwsim.export.polynomials import document, rated
+    from screwsim.export.polynomials import document, polynomials, rated, swept
 
     made_for.keep_other_objects(output)
-
-    def figures(here: list[str]) -> list[str]:
-        return [made_for.power_of(here), made_for.CAPACITY]
-
-    found = _polynomials(source, figures, over, overrides, without, jobs)
+    with swept(source, over, overrides, without, jobs, _bar(), _told) as results:
+        found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
     text = output.suffix.lower() == ".idf"
     file = _written(output, made_for.idf(objects, made_for.notes(found)) if text else made_for.epjson(objects))
@@ -257,13 +232,11 @@ def en12900(
     """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
     options.check_target(output, ".csv", ".json")
     from screwsim.export.en12900 import BESIDE, FIGURES, en12900_csv, en12900_document, keep_other_coefficients
+    from screwsim.export.polynomials import polynomials, swept
 
     keep_other_coefficients(output)
-
-    def figures(here: list[str]) -> list[str]:
-        return [*FIGURES, *(name for name in BESIDE if name in here)]
-
-    found = _polynomials(source, figures, over, overrides, without, jobs)
+    with swept(source, over, overrides, without, jobs, _bar(), _told) as results:
+        found = polynomials(results, [*FIGURES, *(name for name in BESIDE if name in results.figures)])
     document = en12900_document(found, ip)
     file = _written(output, en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _finished(document, list(found.units), _rows(found), [file], as_json)
@@ -305,26 +278,6 @@ def loads(
     else:
         print_loads(found, result, files)
     return OK if result.status == "ok" else NOT_ALL_OK
-
-
-def _polynomials(
-    source: str,
-    figures: Callable[[list[str]], list[str]],
-    over: Over,
-    overrides: Overrides,
-    without: Without,
-    jobs: Jobs,
-) -> Polynomials:
-    from screwsim.export.polynomials import polynomials, swept
-
-    with swept(source, over or (), overrides or (), without or (), jobs, _progress(), _told) as results:
-        return polynomials(results, figures(results.figures))
-
-
-def _progress():
-    from screwsim.study.progress import for_terminal
-
-    return for_terminal("export")
 
 
 def _rows(found: Polynomials) -> list[tuple[dict[str, float], list[float]]]:

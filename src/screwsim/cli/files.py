@@ -7,7 +7,7 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, Without, bar
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -114,13 +114,12 @@ def validate(
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
     from screwsim.results.kept import keep_other_documents
-    from screwsim.study.progress import for_terminal
     from screwsim.study.validation import document, errors_of, folder_of, run_sources
     from screwsim.study.validation.record import errors_report, report
 
     if output is not None:
         keep_other_documents(output / "validation.json", "version", "verdicts", "sources")
-    outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"), jobs)
+    outcomes = run_sources(folder_of(folder), names or (), bar("validate"), jobs)
     found, errors = document(outcomes), errors_of(outcomes)
     if as_json:
         print_json({**found, "model_errors": errors, "seconds": {each.name: each.seconds for each in outcomes}})

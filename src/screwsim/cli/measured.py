@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from screwsim.cli.declare import File, Texts, argument, option
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, check_target
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, bar, check_target, show
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -24,14 +24,12 @@ def diagnose(
     as_json: AsJson = False,
 ) -> int:
     """Tell from new measured points which parameters of a machine have changed, one or two, and how probably."""
-    from screwsim.printing import show
     from screwsim.printing.diagnosis import diagnosis_document, print_diagnosis
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.diagnosis import diagnose as diagnosed
-    from screwsim.study.progress import for_terminal
 
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
-    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=for_terminal("diagnose"))
+    found = diagnosed(fit, unchanged=unchanged, pairs=pairs, jobs=jobs, progress=bar("diagnose"))
     show(as_json, diagnosis_document, print_diagnosis, found)
     return OK if found.status == "ok" else NOT_ALL_OK
 
@@ -54,12 +52,10 @@ def plan(
 ) -> int:
     """Choose the operating points that would tell most about the parameters of a fit, beside its own."""
     check_target(output, ".csv")
-    from screwsim.printing import show
     from screwsim.printing.plan import keep_measured, plan_document, print_plan, write_plan
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.plan import LEVELS, candidates_of
     from screwsim.study.calibration.plan import plan as planned
-    from screwsim.study.progress import for_terminal
 
     if levels is not None and not paths:
         raise UsageError(f"--levels {levels}: is of ranges (write --path PATH=LOW..HIGH)")
@@ -67,7 +63,7 @@ def plan(
         keep_measured(output)
     fit = read_fit(fit_file, scene=scene, data=data, fixed=False)
     points = candidates_of(fit, candidates, paths or (), LEVELS if levels is None else levels)
-    found = planned(fit, points, count=count, jobs=jobs, progress=for_terminal("plan"))
+    found = planned(fit, points, count=count, jobs=jobs, progress=bar("plan"))
     show(as_json, plan_document, print_plan, found)
     if output is not None and found.steps:
         say(write_plan(output, found), err=as_json)

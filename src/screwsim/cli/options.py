@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,7 @@ from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
+    from screwsim.study.progress import Progress
 
 OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -38,6 +39,23 @@ def loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[s
     from screwsim.scene import load
 
     return load(scene_file, overrides or (), without or ())
+
+
+def bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
+    """Return what shows on stderr how far a study has come."""
+    from screwsim.study.progress import for_terminal
+
+    return for_terminal(title, names)
+
+
+def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any) -> None:
+    """Print what was found: the JSON document of it, or text for people."""
+    from screwsim.printing import print_json
+
+    if as_json:
+        print_json(document(*found))
+    else:
+        printed(*found)
 
 
 def check_results(output: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, base_point, loaded
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -61,10 +61,9 @@ def run(
     result = simulate(scene, trace=True if output is not None else "ledger")
     if left_out and result.performance:
         from screwsim.study.knock_out import knock_out as knocked_out
-        from screwsim.study.progress import for_terminal
 
         names = [f"without {each.name}" for each in left_out]
-        result = knocked_out(scene, result, for_terminal("knock-out", names), left_out)
+        result = knocked_out(scene, result, bar("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertain import with_uncertainty
 
@@ -183,14 +182,13 @@ def sweep(
             "one point is simulated by screwsim run)"
         )
     from screwsim.printing import print_json, print_sweep, sweep_document
-    from screwsim.study.progress import for_terminal
     from screwsim.study.sweep import run_sweep
 
     if output is not None:
         options.check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
     where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit, "batch": batch, "gpu": gpu}
-    summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
+    summary = run_sweep(scene, file, **where, restart=restart, progress=bar())
     document = sweep_document(scene, summary)
     print_json(document) if as_json else print_sweep(document, scene)
     return OK if summary.ok == summary.cases else NOT_ALL_OK
@@ -249,13 +247,12 @@ def accuracy(
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
     from screwsim.study.accuracy import QUICK, Extent, NoReference, files, study, words
-    from screwsim.study.progress import for_terminal
 
     if folder is not None:
         make_folder(folder)
         files.keep_others_of(folder)
     try:
-        found = study(scene, QUICK if quick else Extent(), for_terminal("accuracy"))
+        found = study(scene, QUICK if quick else Extent(), bar("accuracy"))
     except NoReference as error:
         return options.complain(f"{scene_file}: {error}", NOT_ALL_OK)
     say(words.report(found))

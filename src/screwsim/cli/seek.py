@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, loaded, show
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -36,11 +36,9 @@ def find(
 ) -> int:
     """Find the values of paths at which figures are what you want: a speed for a capacity, a size for a duty."""
     scene = loaded(scene_file, overrides, without)
-    from screwsim.printing import show
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
     from screwsim.scene.grid import only
-    from screwsim.study.progress import for_terminal
     from screwsim.study.seek import find_each, question
     from screwsim.study.written import check_scene_file, write_found
 
@@ -54,7 +52,7 @@ def find(
         if several:
             raise UsageError(f"-o {output}: the sweep gives several answers, a row each (write -o FOUND.csv or .h5)")
         check_scene_file(output)
-    rows = find_each(scene, asked, jobs=jobs, progress=for_terminal("find"))
+    rows = find_each(scene, asked, jobs=jobs, progress=bar("find"))
     show(as_json, find_document, print_find, scene, asked, rows)
     found = rows[0]
     if output is not None and table:
@@ -95,11 +93,9 @@ def optimize(
 ) -> int:
     """Find the values of paths at which figures are best: one aim or several, within bounds, over operating points."""
     scene = loaded(scene_file, overrides, without)
-    from screwsim.printing import show
     from screwsim.printing.optimize import optimize_document, print_optimize
     from screwsim.study.optimize import question, run, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
-    from screwsim.study.progress import for_terminal
     from screwsim.study.written import check_scene_file, write_found
 
     if print_points:
@@ -118,7 +114,7 @@ def optimize(
             remedy = "take one of the front: --json has its values"
             raise UsageError(f"--best {best}: of several aims there is no best ({remedy})")
         check_scene_file(best, "--best")
-    found = run(asked, output, jobs=jobs, restart=restart, progress=for_terminal("optimize"))
+    found = run(asked, output, jobs=jobs, restart=restart, progress=bar("optimize"))
     show(as_json, optimize_document, print_optimize, found)
     if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"

@@ -13,7 +13,7 @@ import typer
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, bar, loaded, show
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -40,18 +40,16 @@ def optimum(
 ) -> int:
     """Find the best value of one path, for each point of the sweep's other axes."""
     scene = loaded(scene_file, overrides, without)
-    from screwsim.printing import show
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.inputs import told_efficiency
     from screwsim.study.optimum import optimum as found
     from screwsim.study.optimum import question
-    from screwsim.study.progress import for_terminal
 
     if figure is None and (told := told_efficiency(scene)):
         typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
-    rows = found(scene, asked, jobs=jobs, progress=for_terminal("optimum"))
+    rows = found(scene, asked, jobs=jobs, progress=bar("optimum"))
     if output is not None:
         write_optimum(output, scene, asked, rows)
     show(as_json, optimum_document, print_optimum, scene, asked, rows)
@@ -76,7 +74,6 @@ def performance_map(
     as_json: AsJson = False,
 ) -> int:
     """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over both temperatures, or evaluate them."""
-    from screwsim.printing import show
     from screwsim.printing.performance_map import (
         keep_other_maps,
         map_document,
@@ -129,18 +126,16 @@ def sensitivity(
     as_json: AsJson = False,
 ) -> int:
     """Tell which inputs a figure depends on: Sobol indices over ranges, or with --local derivatives at the point."""
-    scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
     if check_sobol is not None:
         return _checked(scene, check_sobol, jobs, as_json)
     if local:
         return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
         raise UsageError(f"{places[0]}: a path without a range (write --path PATH=LOW..HIGH, or add --local)")
-    from screwsim.printing import show
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
     from screwsim.study.inputs import told_efficiency
-    from screwsim.study.progress import for_terminal
     from screwsim.study.sensitivity import cost_told, read_ranges, usual_samples
     from screwsim.study.sensitivity import sensitivity as studied
 
@@ -148,7 +143,7 @@ def sensitivity(
     names = tuple(dict.fromkeys(figures or ()))
     if not names and (told := told_efficiency(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
-    ranges, progress = read_ranges(scene, paths or ()), for_terminal("sensitivity")
+    ranges, progress = read_ranges(scene, paths or ()), bar("sensitivity")
     samples = usual_samples(len(ranges)) if samples is None else samples
     if sys.stderr.isatty():
         say(wrapped(f"sensitivity: {cost_told(len(ranges), samples)}"), err=True)
@@ -164,12 +159,11 @@ def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
     from screwsim.printing import print_json
     from screwsim.printing.tables import say_title
     from screwsim.printing.uncertain import check_document, print_check
-    from screwsim.study.progress import for_terminal
     from screwsim.study.uncertain import checked, uncertainty
 
     linear = uncertainty(scene, jobs=jobs)
     if linear.slopes.result.status == "ok":
-        linear = checked(scene, linear, count, jobs=jobs, progress=for_terminal("samples"))
+        linear = checked(scene, linear, count, jobs=jobs, progress=bar("samples"))
     if as_json:
         print_json({**linear.as_json(), "sampled": check_document(linear)})
     else:
@@ -188,11 +182,9 @@ def _local(
     as_json: bool,
 ) -> int:
     """Print and write the derivatives of a scene's figures by numbers of it."""
-    from screwsim.printing import show
     from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
-    from screwsim.study.progress import for_terminal
 
     places, ranges = asked
     if ranges:
@@ -202,7 +194,7 @@ def _local(
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")
     names = [figure_of(scene, name) for name in figures]
-    found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
+    found = sensitivities(scene, places, names, jobs=jobs, progress=bar("sensitivity"))
     if output is not None and found.derivatives:
         write_local(output, scene, found)
     show(as_json, local_document, partial(print_local, chosen=names), scene, found)
@@ -218,7 +210,6 @@ def compare(
 ) -> int:
     """Tell what differs between two results files. A difference is a finding: exit code 0."""
     options.check_drawer(folder)
-    from screwsim.printing import show
     from screwsim.printing.compare import comparison_document, print_comparison, write_comparison
     from screwsim.results import open_results
     from screwsim.study.compare import compare as compared
@@ -254,7 +245,6 @@ def calibrate(
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import cost_told, read_fit
     from screwsim.study.calibration.predict import points_to_predict, sampled
-    from screwsim.study.progress import for_terminal
 
     fit = read_fit(fit_file)
     asked = () if predict is None else points_to_predict(fit, predict, "--predict")
@@ -265,10 +255,10 @@ def calibrate(
             keep_other_samples(folder)
     if sys.stderr.isatty():
         say(wrapped(f"calibrate: {cost_told(fit)}"), err=True)
-    found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
+    found = calibrated(fit, jobs=jobs, progress=bar("calibrate"))
     wide = None
     if (posterior or asked) and found.status != "interrupted":
-        wide = sampled(found, asked, jobs=jobs, progress=for_terminal("posterior"))
+        wide = sampled(found, asked, jobs=jobs, progress=bar("posterior"))
     if as_json:
         print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
     else:
@@ -304,16 +294,14 @@ def tolerance(
 ) -> int:
     """Say what errors of a slider-crank's lengths do to its motion and, by Monte Carlo, to the compressor."""
     options.check_drawer(folder)
-    scene = base_point(loaded(scene_file, overrides, without), scene_file)
-    from screwsim.printing import show
+    scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
-    from screwsim.study.progress import for_terminal
     from screwsim.study.tolerance import tolerances
 
     grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
-    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=for_terminal("tolerance"))
+    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=bar("tolerance"))
     show(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
         from screwsim.report.tolerance import draw_machine
@@ -335,7 +323,7 @@ def startup(
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
     options.check_drawer(folder)
-    scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    scene = options.base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
     from screwsim.printing.startup import TRACES, keep_other_traces, text, write_traces
     from screwsim.report.drive import draw_start

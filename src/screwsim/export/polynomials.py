@@ -64,9 +64,9 @@ class Polynomials:
 @contextmanager
 def swept(
     source: str,
-    over: Sequence[str] = (),
-    overrides: Sequence[str] = (),
-    without: Sequence[str] = (),
+    over: Sequence[str] | None = None,
+    overrides: Sequence[str] | None = None,
+    without: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
     told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
@@ -78,7 +78,7 @@ def swept(
             raise UsageError(f"{source}: holds results, which {stray[0]} cannot change (name their scene instead)")
         yield open_results(source)
         return
-    scene = load(source, overrides, without)
+    scene = load(source, overrides or (), without or ())
     if over:
         inputs = read_inputs(scene, over)
         counts = [SATURATION_NODES if one.path in (EVAPORATING, CONDENSING) else OTHER_NODES for one in inputs]

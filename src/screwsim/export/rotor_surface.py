@@ -50,21 +50,11 @@ def surfaces(rotors: Rotors, pieces: int = PROFILE) -> tuple[Surface, Surface]:
     male = np.select([middles <= tip, middles <= chain.trail], [0, 1], 2)
     female = np.select([middles <= chain.trail, middles <= chain.edges[1]], [0, 1], 2)
     male_changes, female_changes = _changes(rotors, kept)
-    one = (kept, psi, male, pair.male_lobes, pair.pitch, -1.0, 0.0, 1.0, TURN, male_changes)
-    females = TURN / pair.female_lobes
-    two = (
-        kept,
-        psi,
-        female,
-        pair.female_lobes,
-        -females,
-        pair.k,
-        pair.centre_distance,
-        -1.0,
-        TURN / pair.k,
-        female_changes,
-    )
-    return _surface(chain.male(), *one), _surface(chain.female(pair), *two)
+    males = (pair.male_lobes, pair.pitch, -1.0, 0.0, 1.0, TURN, male_changes)
+    females = (pair.female_lobes, -TURN / pair.female_lobes, pair.k, pair.centre_distance, -1.0, TURN / pair.k)
+    (x, y), (u, v) = chain.male(), chain.female(pair)
+    one = Surface(x[kept], y[kept], psi, male, *males)
+    return one, Surface(u[kept], v[kept], psi, female, *females, female_changes)
 
 
 def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
@@ -78,10 +68,6 @@ def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
     male = np.interp(middles, [chain.tip, max(chain.trail, chain.tip + 1)], [first, last])
     female = np.interp(middles, [chain.trail, chain.edges[1]], [last, first])
     return male, female
-
-
-def _surface(points: tuple[Array, Array], kept: Array, *rest) -> Surface:
-    return Surface(points[0][kept], points[1][kept], *rest)
 
 
 def _kept(rotors: Rotors, pieces: int) -> Array:

@@ -35,12 +35,12 @@ def is_results(source: str) -> bool:
 
 def map_of(
     source: str,
-    over: Sequence[str] = (),
-    figures: Sequence[str] = (),
+    over: Sequence[str] | None = None,
+    figures: Sequence[str] | None = None,
     wanted: float | None = None,
     most: int | None = None,
-    overrides: Sequence[str] = (),
-    without: Sequence[str] = (),
+    overrides: Sequence[str] | None = None,
+    without: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Callable[[], Progress] | None = None,
     told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
@@ -55,17 +55,17 @@ def map_of(
         if stray:
             raise UsageError(f"{source}: holds results, which {stray[0]} cannot change (name their scene instead)")
         results = open_results(source)
-        names = [figure_named(text, results.figures, results.error) for text in figures]
+        names = [figure_named(text, results.figures, results.error) for text in figures or ()]
         absent = [name for name in names if name not in results.figures]
         if absent:
             raise UsageError(f"{source}: has no {absent[0]} (it has {', '.join(results.figures)})")
         return table_of(results, names or None)
-    scene = load(source, overrides, without)
+    scene = load(source, overrides or (), without or ())
     asked = WANTED if wanted is None else wanted
     if not scene.numerics.accuracy < asked < 1.0:
         what = f"is not between the scene's numerics.accuracy {scene.numerics.accuracy:g} and 1"
         raise UsageError(f"--error {asked:g}: {what} (a map cannot be better than what it is made from)")
-    inputs, outputs = read_inputs(scene, over), read_outputs(scene, figures)
+    inputs, outputs = read_inputs(scene, over or ()), read_outputs(scene, figures or ())
     if told is not None:
         told(scene, inputs)
     most = MOST_CASES if most is None else most

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,14 +47,6 @@ def print_json(document: Any) -> None:
     """Print one JSON document on stdout, with escapes of letters that it may not have."""
     few = not (sys.stdout.encoding or "utf").lower().startswith("utf")
     print(json_safe(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=few)))
-
-
-def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any) -> None:
-    """Print what was found: the JSON document of it, or text for people."""
-    if as_json:
-        print_json(document(*found))
-    else:
-        printed(*found)
 
 
 def write_json(document: Any, path: Path) -> str:

@@ -137,7 +137,7 @@ def print_calibration(found: Calibration) -> None:
 
 def _methods(found: Calibration) -> Iterator[str]:
     """Yield how the slopes by the parameters were found, parameters of one kind together."""
-    names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))
+    names = found.fit.short_names()
     for why in dict.fromkeys(found.methods.values()):
         some = [names[path] for path, each in found.methods.items() if each == why]
         which = "" if len(some) == len(names) else f" of {', '.join(some)}"
@@ -155,7 +155,7 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
         width = f"{known.border[index]} bound"
     low, high = spread(found, index)
     good = "" if low is None or high is None else " … ".join(shown_number(scene, path, each, 3) for each in (low, high))
-    return [found.fit.short_names()[index], shown_value(scene, path, found.values[path], 4), width, good]
+    return [found.fit.short_names()[path], shown_value(scene, path, found.values[path], 4), width, good]
 
 
 def _tolerance(found: Calibration, parameter: Parameter) -> str:
@@ -233,7 +233,7 @@ def _warnings(found: Calibration) -> Iterator[str]:
 
 def _correlations(found: Calibration) -> Iterator[str]:
     known = found.certainty
-    names = found.fit.short_names()
+    names = list(found.fit.short_names().values())
     if known is None or len(names) < 2:
         return
     pairs = [

@@ -99,8 +99,7 @@ def _short(found: Diagnosis, each: Hypothesis) -> str:
 
 
 def _name(found: Diagnosis, path: str) -> str:
-    names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))
-    return names[path]
+    return found.fit.short_names()[path]
 
 
 def _probability(value: float) -> str:

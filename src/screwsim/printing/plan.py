@@ -76,7 +76,7 @@ def _row(found: Plan, index: int, deviations: Sequence[Sequence[float]]) -> list
     per, unit = unit_of_change(found.fit.scene, parameter.path, found.values[parameter.path])
     cells = [f"{per * each[index]:.3g}" for each in deviations]
     less = 1.0 - deviations[-1][index] / deviations[0][index]
-    return [found.fit.short_names()[index], *cells, unit, f"{100.0 * less:.0f} %"]
+    return [found.fit.short_names()[parameter.path], *cells, unit, f"{100.0 * less:.0f} %"]
 
 
 def _told(found: Plan) -> Iterator[str]:
@@ -85,7 +85,7 @@ def _told(found: Plan) -> Iterator[str]:
         yield f"points: {', '.join(first.values)}"
     yield "gain: by how much the logarithm of the volume that the parameters may fill becomes less"
     if found.even:
-        names = dict(zip((each.path for each in found.fit.parameters), found.fit.short_names(), strict=True))
+        names = found.fit.short_names()
         yield f"known beforehand by their bounds alone: {', '.join(names[path] for path in found.even)}"
     if found.idle:
         yield f"not weighed, as nothing is delivered there: {'; '.join(found.idle)}"

@@ -3,5 +3,3 @@
 from screwsim.results.group import Group
 from screwsim.results.read import Results, open_results
 from screwsim.results.write import save
-
-__all__ = ["Group", "Results", "open_results", "save"]

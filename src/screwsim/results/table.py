@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
 from typing import Any, NamedTuple, Protocol
 
@@ -18,6 +18,7 @@ GROUPS = ("performance", "balance", "error", "numerics")
 Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
 TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # the status of a case without a result
+BY_NAME = ("traces", "ledger", "changes", "slopes")  # what of a table has arrays by name, a row a case
 VALUE, EXACT = "number_value", "number_exact"  # beside derivatives: of the number itself, how they were found
 
 
@@ -69,9 +70,8 @@ class Table:
     @property
     def size(self) -> int:
         """Size of the numbers [byte]."""
-        arrays = (self.status, self.figures, self.angle, *self.traces.values(), *self.ledger.values())
-        arrays += (*self.changes.values(), *self.slopes.values())
-        return sum(array.nbytes for array in arrays) + sum(texts.number.nbytes for texts in self.texts.values())
+        arrays = [self.status, self.figures, self.angle, *(texts.number for texts in self.texts.values())]
+        return sum(array.nbytes for array in (*arrays, *(v for part in BY_NAME for v in getattr(self, part).values())))
 
     def column(self, group: str, name: str) -> np.ndarray:
         """Return one figure of all cases (cases,), NaN where none of them calls for it."""
@@ -80,21 +80,14 @@ class Table:
 
     def rows(self, chosen: slice | np.ndarray) -> Table:
         """Return some of the cases."""
-        return Table(
-            self.status[chosen],
-            self.figures[chosen],
-            {name: Texts(texts.words, texts.number[chosen]) for name, texts in self.texts.items()},
-            self.effects,
-            self.states,
-            self.angle,
-            {name: trace[chosen] for name, trace in self.traces.items()},
-            {name: values[chosen] for name, values in self.ledger.items()},
-            self.about,
-            self.inputs,
-            {name: values[chosen] for name, values in self.changes.items()},
-            self.numbers,
-            {name: values[chosen] for name, values in self.slopes.items()},
-        )
+        texts = {name: Texts(each.words, each.number[chosen]) for name, each in self.texts.items()}
+        by_name = {part: {name: v[chosen] for name, v in getattr(self, part).items()} for part in BY_NAME}
+        return replace(self, status=self.status[chosen], figures=self.figures[chosen], texts=texts, **by_name)
+
+    def part(self, part: str, name: str, *width: int) -> np.ndarray:
+        """Return an array of one of the mappings `BY_NAME` (cases, width), NaN where there is none of that name."""
+        found = getattr(self, part)
+        return found[name] if name in found else np.full((len(self), *width), np.nan)
 
 
 class Tables(Protocol):
@@ -275,11 +268,6 @@ def slopes_of(table: Table, name: str, numbers: Iterable[str]) -> np.ndarray:
     return found
 
 
-def changes_of(table: Table, name: str, inputs: int) -> np.ndarray:
-    """Return what the inputs change of a figure (cases, inputs), NaN when the table says nothing of it."""
-    return table.changes[name] if name in table.changes else np.full((len(table), inputs), np.nan)
-
-
 def standard_of(changes: np.ndarray) -> np.ndarray:
     """Return the standard uncertainty (…) of what inputs change (…, inputs): independent ones add in squares."""
     some = np.isfinite(changes).any(axis=-1)
@@ -294,33 +282,62 @@ def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
         raise UsageError(f"output.keep: {what} (write output.keep: performance)")
 
 
+@dataclass(frozen=True)
+class Names:
+    """What tables together have: figures, effects, states, angles, and the names of what a `Table` has by name."""
+
+    about: tuple[Figure, ...] = ()
+    effects: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    angle: tuple[float, ...] = ()
+    traces: tuple[str, ...] = ()
+    ledger: tuple[str, ...] = ()
+    inputs: tuple[str, ...] = ()  # with tolerances
+    changes: tuple[str, ...] = ()  # figures of which these make an uncertainty
+    numbers: tuple[tuple[str, str], ...] = ()  # paths that there are derivatives by, and their SI units
+    slopes: tuple[str, ...] = ()  # figures that have some
+
+    def joined(self, table: Table) -> Names:
+        """Return these with what one more table has; raise UsageError where its traces have other angles."""
+        if self.angle and table.angle.size:
+            same_angles(np.array(self.angle), table.angle)
+        return Names(
+            self.about if table.about == self.about else merged(self.about, table.about),
+            self.effects or table.effects,
+            self.states or table.states,
+            self.angle or tuple(table.angle.tolist()),
+            trace_names((*self.traces, *table.traces)),
+            ledger_names((*self.ledger, *table.ledger)),
+            self.inputs or table.inputs,
+            tuple(dict.fromkeys((*self.changes, *table.changes))),
+            tuple({**dict(self.numbers), **table.numbers}.items()),
+            tuple(dict.fromkeys((*self.slopes, *table.slopes))),
+        )
+
+
 def join(tables: Sequence[Table]) -> Table:
     """Return one table of consecutive tables."""
-    angle = next((table.angle for table in tables if table.angle.size), np.empty(0))
-    for table in tables:
-        if table.angle.size:
-            same_angles(angle, table.angle)
-    about = reduce(merged, {names_of(table.about): table.about for table in tables}.values(), ())
-    traces = trace_names(name for table in tables for name in table.traces)
-    ledger = ledger_names(name for table in tables for name in table.ledger)
-    inputs = next((table.inputs for table in tables if table.inputs), ())
-    changed = dict.fromkeys(name for table in tables for name in table.changes)
-    numbers = {path: unit for table in tables for path, unit in table.numbers.items()}
-    sloped = dict.fromkeys(name for table in tables for name in table.slopes)
+    names = reduce(Names.joined, tables, Names())
+
+    def whole(part: str, *width: int) -> dict[str, np.ndarray]:
+        every = getattr(names, part)
+        return {name: np.concatenate([table.part(part, name, *width) for table in tables]) for name in every}
+
+    paths = [path for path, _ in names.numbers]
     return Table(
         status=np.concatenate([table.status for table in tables]),
-        figures=np.concatenate([_figures_of(table, about) for table in tables]),
+        figures=np.concatenate([_figures_of(table, names.about) for table in tables]),
         texts={name: _joined_texts([table.texts[name] for table in tables]) for name in TEXTS},
-        effects=next((table.effects for table in tables if table.effects), ()),
-        states=next((table.states for table in tables if table.states), ()),
-        angle=angle,
-        traces={name: np.concatenate([rows_of(table, name, angle.size) for table in tables]) for name in traces},
-        ledger={name: np.concatenate([ledger_of(table, name) for table in tables]) for name in ledger},
-        about=about,
-        inputs=inputs,
-        changes={name: np.concatenate([changes_of(table, name, len(inputs)) for table in tables]) for name in changed},
-        numbers=numbers,
-        slopes={name: np.concatenate([slopes_of(table, name, numbers) for table in tables]) for name in sloped},
+        effects=names.effects,
+        states=names.states,
+        angle=np.array(names.angle, float),
+        traces=whole("traces", len(names.angle)),
+        ledger=whole("ledger"),
+        about=names.about,
+        inputs=names.inputs,
+        changes=whole("changes", len(names.inputs)),
+        numbers=dict(names.numbers),
+        slopes={name: np.concatenate([slopes_of(table, name, paths) for table in tables]) for name in names.slopes},
     )
 
 
@@ -342,16 +359,6 @@ def _joined_texts(parts: Sequence[Texts]) -> Texts:
 def renumbered(texts: Texts, place: Mapping[str, int]) -> np.ndarray:
     """Return the numbers of texts where each has another place."""
     return np.array([place[word] for word in texts.words], np.int32)[texts.number]
-
-
-def rows_of(table: Table, name: str, points: int) -> np.ndarray:
-    """Return the trace (cases, points) of a table, NaN when the table has none of that name."""
-    return table.traces[name] if name in table.traces else np.full((len(table), points), np.nan)
-
-
-def ledger_of(table: Table, name: str) -> np.ndarray:
-    """Return an entry of the ledger (cases,) of a table, NaN when the table has none of that name."""
-    return table.ledger[name] if name in table.ledger else np.full(len(table), np.nan)
 
 
 def regrouped(tables: Iterable[Table], sizes: Iterable[int]) -> Iterator[Table]:

@@ -1,7 +1,7 @@
 """The variables of a results file: what they are called, what they mean, and what fills them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from screwsim.results import slopes
 from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
-from screwsim.results.table import GROUPS, NOT_COMPUTED, TEXTS, Table
+from screwsim.results.table import GROUPS, NOT_COMPUTED, TEXTS, Names, Table
 from screwsim.scene.types import Scene
 
 _CASE_TEXTS = {
@@ -29,22 +29,6 @@ _ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
 
 
 @dataclass(frozen=True)
-class Names:
-    """What tables together have: figures of performance, effects, states, angles, names of traces and ledger."""
-
-    figures: tuple[Figure, ...]
-    effects: tuple[str, ...]
-    states: tuple[str, ...]
-    angle: tuple[float, ...]
-    traces: tuple[str, ...]
-    ledger: tuple[str, ...]
-    inputs: tuple[str, ...] = ()  # with tolerances
-    uncertain: tuple[str, ...] = ()  # figures of which these make an uncertainty
-    numbers: tuple[tuple[str, str], ...] = ()  # paths that there are derivatives by, and their SI units
-    sloped: tuple[str, ...] = ()  # figures that have some
-
-
-@dataclass(frozen=True)
 class Column:
     """A variable of the file that is written piece by piece, and its values (cases, …) of a table."""
 
@@ -54,37 +38,15 @@ class Column:
 
 def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]:
     """Return the names of tables, and the different words of each of their texts."""
-    effects: tuple[str, ...] = ()
-    states: tuple[str, ...] = ()
-    angle = np.empty(0)
-    words: dict[str, set[str]] = {name: set() for name in TEXTS}
-    traces: dict[str, None] = {}
-    ledger: dict[str, None] = {}
-    figures: tuple[Figure, ...] = ()
-    inputs: tuple[str, ...] = ()
-    uncertain: set[str] = set()
-    numbers: dict[str, str] = {}
-    sloped: dict[str, None] = {}
+    names, words = Names(), {name: set[str]() for name in TEXTS}
     for head in heads:
-        figures = figures if head.about == figures else merged(figures, head.about)
-        effects, states = effects or head.effects, states or head.states
-        if angle.size and head.angle.size:
-            tables.same_angles(angle, head.angle)
-        angle = angle if angle.size else head.angle
+        names = names.joined(head)
         for name in TEXTS:
             words[name].update(map(text_lines, head.texts[name].words))
-        traces |= dict.fromkeys(head.traces)
-        ledger |= dict.fromkeys(head.ledger)
-        inputs = inputs or head.inputs
-        uncertain.update(head.changes)
-        numbers |= head.numbers
-        sloped |= dict.fromkeys(head.slopes)
-    figures, angles = merged(figures, _ALWAYS), tuple(angle.tolist())
-    spread = tuple(each.name for each in figures if each.name in uncertain)
-    lists = tables.trace_names(traces), tables.ledger_names(ledger), inputs, spread
-    by = tuple(numbers.items()), tuple(each.name for each in figures if each.name in sloped)
-    found = Names(figures, effects, states, angles, *lists, *by)
-    return found, {name: tuple(sorted(several)) for name, several in words.items()}
+    about = merged(names.about, _ALWAYS)
+    changes, sloped = (tuple(each.name for each in about if each.name in of) for of in (names.changes, names.slopes))
+    names = replace(names, about=about, changes=changes, slopes=sloped)
+    return names, {name: tuple(sorted(several)) for name, several in words.items()}
 
 
 class Plan:
@@ -158,11 +120,11 @@ class Plan:
     def _about(self, group: str) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield the figures of a group with the attributes of each; of an error, what it is relative to, too."""
         if group == "error":
-            for each in self.names.figures:
+            for each in self.names.about:
                 about = Variable("1", f"estimated relative numerical error of {each.name}")
                 yield each.name, number_attributes(about) | {RELATIVE_TO: packed(each.scale)}
             return
-        performance = {each.name: Variable(each.units, each.long_name) for each in self.names.figures}
+        performance = {each.name: Variable(each.units, each.long_name) for each in self.names.about}
         groups = {"performance": performance, "balance": outputs.BALANCE, "numerics": outputs.NUMERICS}
         for name, about in groups[group].items():
             yield name, number_attributes(about)
@@ -175,13 +137,13 @@ class Plan:
         for name in self.names.traces:
             about = number_attributes(trace_variable(name)) | self._beside
             data = self.layout.empty(group, name, shape, float, dimensions, about)
-            yield Column(data, lambda table, name=name: tables.rows_of(table, name, points))
+            yield Column(data, lambda table, name=name: table.part("traces", name, points))
 
     def _ledger(self) -> Iterator[Column]:
         group = self._group("ledger")
         for name in self.names.ledger:
             data = self._empty(group, name, float, number_attributes(outputs.ledger_variable(name)))
-            yield Column(data, lambda table, name=name: tables.ledger_of(table, name))
+            yield Column(data, lambda table, name=name: table.part("ledger", name))
 
     def _uncertainty(self) -> Iterator[Column]:
         """Make the standard uncertainty of each figure by the tolerances of the inputs."""
@@ -219,19 +181,19 @@ class Plan:
         data = self.layout.texts(group, slopes.UNITS, words, shape, dimensions, "SI unit of the number")
         units = np.array([words.index(unit) for _, unit in self.names.numbers], np.int32)
         yield Column(data, lambda table: np.tile(units, (len(table), 1)))
-        units_of = {each.name: each.units for each in self.names.figures}
+        units_of = {each.name: each.units for each in self.names.about}
         told = {tables.VALUE: slopes.about_value(), tables.EXACT: slopes.IS_EXACT}
-        sloped = [name for name in self.names.sloped if name not in self._along]
+        sloped = [name for name in self.names.slopes if name not in self._along]
         told |= {name: slopes.about_slope(name, units_of[name]) for name in sloped}
         for name, attributes in told.items():
             data = self.layout.empty(group, name, shape, float, dimensions, attributes | self._beside)
             yield Column(data, lambda table, name=name: tables.slopes_of(table, name, paths))
 
     def _uncertain(self) -> Iterator[Figure]:
-        return (each for each in self.names.figures if each.name in self.names.uncertain)
+        return (each for each in self.names.about if each.name in self.names.changes)
 
     def _changed(self, table: Table, name: str) -> np.ndarray:
-        return tables.changes_of(table, name, len(self.names.inputs))
+        return table.part("changes", name, len(self.names.inputs))
 
 
 def _beside(axes: Sequence[Axis]) -> dict[str, str]:

@@ -19,8 +19,8 @@ from screwsim.results import atomic
 from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
 from screwsim.results.schema import Axis, axes_of
 from screwsim.results.slopes import write_slopes
-from screwsim.results.table import InMemory, Table, Tables, regrouped, table_of
-from screwsim.results.variables import Column, Names, Plan, names_of
+from screwsim.results.table import InMemory, Names, Table, Tables, regrouped, table_of
+from screwsim.results.variables import Column, Plan, names_of
 from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
@@ -117,27 +117,23 @@ class Draft:
             plan = self._plan
             if plan is None or plan.names != names:
                 plan = self._lay_out(names)
-            columns = plan.columns + plan.texts(words)
-            for _ in _fill(columns, plan.shape, plan.shape, source.tables(traces=False)):
-                self._check()
-            if plan.traces:
-                full = (*plan.shape, len(names.angle))
-                for _ in _fill(plan.traces, plan.shape, full, source.tables(traces=True)):
-                    self._check()
-            if plan.slopes:
-                full = (*plan.shape, len(names.numbers))
-                for _ in _fill(plan.slopes, plan.shape, full, source.tables(traces=False)):
-                    self._check()
-            if plan.changes:
-                full = (*plan.shape, len(names.inputs))
-                for _ in _fill(plan.changes, plan.shape, full, source.tables(traces=False)):
-                    self._check()
+            self._write(plan, source, plan.columns + plan.texts(words))
+            self._write(plan, source, plan.traces, len(names.angle))
+            self._write(plan, source, plan.slopes, len(names.numbers))
+            self._write(plan, source, plan.changes, len(names.inputs))
             if knock_out:
                 write_knock_out(plan.layout, knock_out)
             if beside is not None:
                 beside(plan.layout)
             self._close()
             self._put()
+
+    def _write(self, plan: Plan, source: Tables, columns: Sequence[Column], *own: int) -> None:
+        """Write columns over the cases, and over what they have of their `own` beside these."""
+        if columns:
+            pieces = source.tables(traces=columns is plan.traces)
+            for _ in _fill(columns, plan.shape, (*plan.shape, *own), pieces):
+                self._check()
 
     def _put(self) -> None:
         if self._folder is None:

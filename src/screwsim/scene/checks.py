@@ -14,7 +14,7 @@ from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.kinds import check_machine, kind_of, offering
 from screwsim.machine.protocol import OIL
 from screwsim.outputs.customary import in_celsius
-from screwsim.scene.fields import leaf_paths, value_at
+from screwsim.scene.fields import leaves_of, value_at
 from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.stated import stated_faults
@@ -202,10 +202,8 @@ def _on_geometry(scene: Scene) -> Iterator[Fault]:
 
 def check_files(scene: Scene) -> list[Fault]:
     """Return the faults of the curve files that a scene names: not there, not readable, not a curve."""
-    parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
-    leaves = leaf_paths(parameters, scene.machine.kind)
     faults = []
-    curves = {path: leaf.limits["curve"] for path, leaf in leaves.items() if "curve" in leaf.limits}
+    curves = {path: leaf.limits["curve"] for path, leaf in leaves_of(scene).items() if "curve" in leaf.limits}
     for path, column in curves.items():  # any other file is read with its own checks
         name = value_at(scene, path)
         what = None if name is None else _curve_fault(name, column, scene)

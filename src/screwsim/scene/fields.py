@@ -119,6 +119,11 @@ def leaf_paths(parameters: Mapping[str, type], kind: str = TWIN_SCREW) -> dict[s
     return found
 
 
+def leaves_of(scene: Scene) -> dict[str, Leaf]:
+    """Return {dotted path: leaf} of a scene, with the effects that are on in it."""
+    return leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()}, scene.machine.kind)
+
+
 def varies(path: str, leaf: Leaf) -> bool:
     """Tell whether an input may be varied by a sweep."""
     return leaf.kind in SWEEPABLE and path not in FIXED

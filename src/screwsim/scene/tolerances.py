@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.near import nearest
-from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, value_at
+from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
@@ -81,8 +81,7 @@ def read_tolerances(
     given: Mapping[str, Given], block: Node | None, scene: Scene, problems: list[Problem]
 ) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
     """Return the tolerances of a scene by path, and which of them err together; faults are added at their places."""
-    leaves = leaf_paths({name: type(each.parameters) for name, each in scene.effects.items()}, scene.machine.kind)
-    found = {}
+    leaves, found = leaves_of(scene), {}
     for path, each in given.items():
         leaf = leaves.get(path)
         try:

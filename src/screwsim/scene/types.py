@@ -14,20 +14,6 @@ from screwsim.inputs.declare import Found, choice, number, quantity, word
 from screwsim.numerics.settings import NumericsSettings
 from screwsim.outputs.display import About, Brief
 
-__all__ = [
-    "STANDARD_ATMOSPHERE",
-    "ActiveEffect",
-    "DischargeState",
-    "Found",
-    "GasCooler",
-    "Joint",
-    "OilSupply",
-    "Operation",
-    "Output",
-    "Sample",
-    "Scene",
-    "SuctionState",
-]
 NO_SUPERHEAT = (
     "0 K is saturated vapour; wet gas is stated by operation.suction.quality in its place, "
     "with gas.model: real and gas.two_phase: equilibrium"

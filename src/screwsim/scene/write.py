@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from screwsim.inputs.declare import is_derived
-from screwsim.scene.fields import Leaf, Section, leaf_paths, scene_section, section_of
+from screwsim.scene.fields import Leaf, Section, leaves_of, scene_section, section_of
 from screwsim.scene.grid import dimensions
 from screwsim.scene.tolerances import together_text, tolerance_text
 from screwsim.scene.types import Sample, Scene
@@ -29,8 +29,7 @@ def scene_text(scene: Scene) -> str:
 
 
 def _sweep(scene: Scene) -> Iterator[str]:
-    parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
-    leaves = leaf_paths(parameters, scene.machine.kind)
+    leaves = leaves_of(scene)
 
     def listed(path: str) -> str:
         return f"{path}: [{', '.join(_scalar(leaves[path], value, scene.folder) for value in scene.sweep[path])}]"

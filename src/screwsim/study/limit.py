@@ -52,45 +52,28 @@ class Limit:
 @contextmanager
 def running(tasks: Sequence[greenlet]) -> Iterator[None]:
     """Let the time of these run within, which wait for what this one does; of none: stop that of this one."""
-    if not tasks:
-        _stop([getcurrent()])
-    else:
-        _go_on(tasks)
+    going, waiting = (tasks, ()) if tasks else ((), (getcurrent(),))
+    _switch(waiting, going)
     try:
         yield
     finally:
-        if not tasks:
-            _go_on([getcurrent()])
-        else:
-            _stop(tasks)
+        _switch(going, waiting)
 
 
 def handed_on(one: greenlet, other: greenlet) -> None:
     """Stop the time of one, and let that of another run, which goes on in its place."""
+    _switch((one,), (other,))
+
+
+def _switch(stopping: Sequence[greenlet], going: Sequence[greenlet]) -> None:
+    """Stop the time of some tasks, and let that of others run, as far as they have a limit."""
     with _lock:
         now = time.monotonic()
-        if one in _deadlines:
-            _left[one] = _deadlines.pop(one) - now
-        if other in _left:
-            _deadlines[other] = now + _left.pop(other)
-        _arm()
-
-
-def _stop(tasks: Sequence[greenlet]) -> None:
-    with _lock:
-        now = time.monotonic()
-        stopped = {one: _deadlines.pop(one) - now for one in tasks if one in _deadlines}
-        if stopped:
-            _left.update(stopped)
-            _arm()
-
-
-def _go_on(tasks: Sequence[greenlet]) -> None:
-    with _lock:
-        now = time.monotonic()
-        going = {one: now + _left.pop(one) for one in tasks if one in _left}
-        if going:
-            _deadlines.update(going)
+        stopped = {one: _deadlines.pop(one) - now for one in stopping if one in _deadlines}
+        started = {one: now + _left.pop(one) for one in going if one in _left}
+        _left.update(stopped)
+        _deadlines.update(started)
+        if stopped or started:
             _arm()
 
 

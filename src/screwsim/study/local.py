@@ -23,7 +23,7 @@ from screwsim.outputs import Result
 from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_of, with_values
-from screwsim.scene.fields import FIXED, Leaf, leaf_paths, value_at
+from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
 from screwsim.study.each import each
@@ -80,13 +80,9 @@ class Sensitivities(Brief):
         return About(heading, notes, ["number", *figures], rows)
 
 
-def _leaves(scene: Scene) -> dict[str, Leaf]:
-    return leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()}, scene.machine.kind)
-
-
 def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
     """Return the numbers [SI] of a scene by path, and why other inputs of it cannot be moved a little."""
-    leaves = _leaves(scene)
+    leaves = leaves_of(scene)
     values: dict[str, float] = {}
     left_out: dict[str, str] = {}
     for path, leaf in leaves.items():
@@ -130,7 +126,7 @@ def sensitivities(
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in listed(figures)))
     paths = listed(paths)
     values = _asked(scene, paths, every) if paths else every
-    result, leaves = simulate(scene, trace=False) if result is None else result, _leaves(scene)
+    result, leaves = simulate(scene, trace=False) if result is None else result, leaves_of(scene)
     if result.status != "ok":
         return Sensitivities(result)
     exact = found(scene, values, FINE if fine else QUICK)
@@ -162,7 +158,7 @@ def _other_scene(scene: Scene, result: Result) -> str:
         return ""
     if known.machine.kind != scene.machine.kind:
         return f"machine.kind is {known.machine.kind} there, {scene.machine.kind} here"
-    for path in _leaves(scene):
+    for path in leaves_of(scene):
         there, here = value_at(known, path), value_at(scene, path)
         if there != here and not path.startswith(APART):
             shown = (_shown(one, path, value) for one, value in ((known, there), (scene, here)))
@@ -198,7 +194,7 @@ def _differences(
     numerics = scene.numerics
     finer = min(ACCURACY, numerics.accuracy) if numerics.rtol is None else numerics.accuracy
     scene = replace(scene, numerics=replace(numerics, accuracy=finer, error="none"))
-    leaves = _leaves(scene)
+    leaves = leaves_of(scene)
     points = [(path, by) for path, value in values.items() for by in _sides(leaves[path], value)]
     results = each(
         partial(_solved, scene, values, points),

@@ -3,5 +3,3 @@
 from screwsim.study.calibration.read import read_fit
 from screwsim.study.calibration.scene import fitted_text
 from screwsim.study.calibration.solve import calibrate, cost_told
-
-__all__ = ["calibrate", "cost_told", "fitted_text", "read_fit"]

@@ -196,11 +196,11 @@ class Fit:
         together = held_together(self.scene, self.parameters)
         return replace(self, parameters=tuple(held), together=together)
 
-    def short_names(self) -> list[str]:
-        """Return the last words of the parameters' paths, as many as tell them apart."""
-        paths = [each.path.split(".") for each in self.parameters]
-        ends = [path[-1] for path in paths]
-        return [".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for path in paths]
+    def short_names(self) -> dict[str, str]:
+        """Return the last words of the parameters' paths, as many as tell them apart, by path."""
+        paths = {each.path: each.path.split(".") for each in self.parameters}
+        ends = [path[-1] for path in paths.values()]
+        return {name: ".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for name, path in paths.items()}
 
     def first_start(self) -> dict[str, float]:
         """Return the stated starts [SI], the middle of the bounds where none is stated."""

@@ -3,5 +3,3 @@
 from screwsim.study.stages.read import explain_stages, is_stages, read_stages, stages_schema
 from screwsim.study.stages.result import ChainResult
 from screwsim.study.stages.solve import run_stages
-
-__all__ = ["ChainResult", "explain_stages", "is_stages", "read_stages", "run_stages", "stages_schema"]

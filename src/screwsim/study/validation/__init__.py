@@ -17,26 +17,3 @@ from screwsim.study.validation.sources import (
     sibling,
     solved,
 )
-
-__all__ = [
-    "Compared",
-    "Comparison",
-    "NotRun",
-    "Outcome",
-    "Panel",
-    "Row",
-    "Series",
-    "compared",
-    "document",
-    "equal",
-    "errors_of",
-    "folder_of",
-    "model_errors",
-    "names_of",
-    "read_table",
-    "run_sources",
-    "shown",
-    "sibling",
-    "solved",
-    "trend",
-]
