@@ -1,6 +1,7 @@
 """Are derivatives exact? Random scenes of all effects: exact derivatives beside differences of tightly closed cycles.
 
-    python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [--first N] [--accuracy A] [-o PAIRS] [--misses MISSES]
+    python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [--first N] [--accuracy A] [--of PATH] [--step S]
+        [-o PAIRS] [--misses MISSES]
     python tests/tools/derivatives.py --again PAIRS … [-o …] [--misses …]
 
 Scenes are drawn around shipped ones and the structures of `effects_space`, from `OF_CONFIGS` on around all of
@@ -11,7 +12,8 @@ and four times `STEP` are extrapolated twice (Richardson); by what both results 
 (`own`). Errors count over the slope, or over `LEAST` percent per percent where it is less. A pair that errs by more
 than `GOOD` is listed with its reason: `kink` where differences to both sides disagree, `reference` where that is no
 better itself, `slices` where finer slices bring it nearer, else `unexplained`. `--quick` tries none of these: `open`.
-`--again` finds the exact derivatives anew beside the references that a file holds.
+`--again` finds the exact derivatives anew beside the references that a file holds. What a miss owes to the rounding of
+the reference a longer `--step` tells, which has less of it.
 """
 
 from __future__ import annotations
@@ -152,15 +154,15 @@ class Exact:
         return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
 
 
-def rows(scene: Scene, paths: Sequence[str]) -> Iterator[Row]:
-    """Yield a row for each figure and path of a scene."""
+def rows(scene: Scene, paths: Sequence[str], of_numbers: float = STEP) -> Iterator[Row]:
+    """Yield a row for each figure and path of a scene, by differences over a step of numbers."""
     exact = Exact(scene)
     slopes = exact.slopes(paths)
     other = leased(exact.problem)
     tight = Tight(exact.problem, other, exact.widths, RTOL, TOLERANCE)
     at = figures_of(tight.base)
     for path in slopes:
-        step = 0.1 * STEP if path.endswith(ANGLES) else STEP
+        step = 0.1 * of_numbers if path.endswith(ANGLES) else of_numbers
         signs = (1.0, -1.0)
         sides = [
             [figures_of(tight.of(shifted(scene, path, sign * step * many))) for many in MANY.tolist()] for sign in signs
@@ -271,6 +273,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("seed", type=int, nargs="?", default=1)
     parser.add_argument("--first", type=int, default=0, help="the first scene, of a run in parts")
     parser.add_argument("--accuracy", type=float, help="of all scenes (default: their own)")
+    parser.add_argument("--of", metavar="PATH", help="this number of each scene, in place of some by chance")
+    parser.add_argument("--step", type=float, default=STEP, help=f"of a number, in differences (default {STEP:g})")
     parser.add_argument("--again", nargs="+", metavar="PAIRS", default=[], help="beside the references of these files")
     parser.add_argument("--quick", action="store_true", help="try no finer slices: the reason of other misses is open")
     parser.add_argument("-o", metavar="PAIRS", help="file of all pairs")
@@ -287,7 +291,8 @@ def of_scene(asked: argparse.Namespace, number: int, old: list[Row]) -> list[Row
             found, exact = old, again(scene, old)
         else:
             there = list(moving(scene))
-            found = list(rows(scene, list(random.choice(there, min(asked.paths, len(there)), replace=False))))
+            some = [asked.of] if asked.of else random.choice(there, min(asked.paths, len(there)), replace=False)
+            found = list(rows(scene, list(some), asked.step))
         judged(scene, found, exact, asked.quick)
     except (NotClosed, NotTight, Impossible, SceneError, UsageError) as error:
         print(f"{number} {name}: {type(error).__name__}: {error}", file=sys.stderr)

@@ -65,8 +65,7 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
     latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
     writer.network.flash = call, enthalpy, latent
-    none = np.flatnonzero(content.flashed <= 0.0)
-    writer.network.flash_begins = writer.numbers.add(float(content.pressure[none[0] if len(none) else -1]), BEGINS)
+    writer.network.flash_begins = writer.numbers.add(content.begins, BEGINS)
 
 
 def write_solution(writer: Writer, content: OilSolution) -> None:

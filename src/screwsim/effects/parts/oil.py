@@ -15,6 +15,12 @@ class OilContent(NamedTuple):
     flashed: Any
     latent: float
 
+    @property
+    def begins(self) -> float:
+        """The pressure [Pa] below which it flashes, and from which on none does, or no less."""
+        none = [float(p) for p, share in zip(self.pressure, self.flashed, strict=True) if share <= 0.0]
+        return none[0] if none else float(self.pressure[-1])
+
 
 class OilSolution(NamedTuple):
     """Gas dissolved in oil that is released over time (M230–M233); SI units, per kilogram of oil or of gas.
