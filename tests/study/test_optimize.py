@@ -64,7 +64,7 @@ def test_a_function_of_no_module_simulates_here_and_workers_say_that_they_cannot
         lambda: optimize(scene(), **asked, simulate=own, jobs=2),
         lambda: screwsim.run_sweep(FIG1, tmp_path / "x.h5", simulate=own, jobs=2),
     ):
-        with pytest.raises(UsageError, match=r"workers cannot be sent it: .*own.* \(define it .*, or pass jobs=1\)"):
+        with pytest.raises(UsageError, match=r"cannot be sent to workers: .*own.* \(define it .*, or pass jobs=1\)"):
             call()
 
 

@@ -14,11 +14,14 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.printing.plan import print_plan
+from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.design import chosen, covariance, greedy, spread, spreads
-from screwsim.study.calibration.fit import Measured, Prior
+from screwsim.study.calibration.fit import Measured, Point, Prior
+from screwsim.study.calibration.machine import by_tolerance
 from screwsim.study.calibration.plan import candidates_of, plan, point_name, typical
 from screwsim.study.calibration.profile import whitener
+from screwsim.study.uncertain import groups_of
 
 ROOT = Path(__file__).parents[2]
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
@@ -179,6 +182,23 @@ def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
     assert found.steps[0].point.name in ("600 rpm", "4000 rpm")
     assert {step.point.name for step in found.steps} == {"600 rpm", "4000 rpm"}
     assert all(after < before for before, after in zip(found.before, found.steps[-1].deviations, strict=True))
+
+
+def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeypatch):
+    """Each group alone gives the same, at a solution of its own."""
+    scene = screwsim.load(ROOT / "configs" / "paper" / "uncertain.yaml")
+    point = Point("here", {}, {"shaft_power": Measured(12e3, 60.0), "gas_mass_flow": Measured(0.17, 1e-3)})
+    result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
+    alone = [by_tolerance(scene, point, [group])[0] for group in groups]
+    for name in ("found", "simulate"):
+        own = getattr(local, name)
+        monkeypatch.setattr(
+            local, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
+        )
+    together = by_tolerance(scene, point, groups, result)
+    assert calls == ["found"]
+    assert len(groups) > 2 and np.array_equal(np.array(together), np.array(alone))
+    assert by_tolerance(scene, point, ()) == []
 
 
 @pytest.mark.usefixtures("quick")

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import sys
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -23,6 +24,7 @@ from screwsim.scene import Scene, case, case_count
 from screwsim.scene.grid import dimensions
 from screwsim.study import shards
 from screwsim.study.cases import Blocks
+from screwsim.study.columns import Column, write_columns
 from screwsim.study.shards import Parts
 from screwsim.study.sweep import run_sweep
 
@@ -228,13 +230,34 @@ def test_a_disk_that_fills_up_ends_the_sweep_in_one_line_and_loses_nothing(jobs,
 
 def test_a_disk_that_fills_up_over_the_last_file_keeps_all_parts(reference, tmp_path, monkeypatch):
     output = interrupted(tmp_path)
-    monkeypatch.setattr("screwsim.results.write.GuardedFile.write", no_room)
+    monkeypatch.setattr("screwsim.results.guarded.GuardedFile.write", no_room)
     with pytest.raises(UsageError, match=r"out\.h5: cannot be written: No space left on device \(make room"):
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
     monkeypatch.undo()
     assert not output.exists()
     assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused == 120
     assert_same(reference, output)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit of a file's size")
+@pytest.mark.parametrize("room", [0, 3000, 7000, 11_000])
+def test_a_table_that_finds_no_room_is_told_in_one_line_and_the_old_one_stays(room, tmp_path, monkeypatch):
+    import resource
+
+    monkeypatch.setattr("screwsim.study.columns.version", lambda: "0")  # git would be under that limit, too
+
+    columns = {name: Column([1.0, None] * 2000, "W", name) for name in "abc"}
+    columns |= {"status": Column(["ok", "failed"] * 2000, "", "how it ended")}
+    path = tmp_path / "x.h5"
+    path.write_bytes(b"old")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    try:
+        with pytest.raises(UsageError, match=r"x\.h5: cannot be written: File too large \(make room"):
+            write_columns(path, "table", columns)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert path.read_bytes() == b"old" and [each.name for each in tmp_path.iterdir()] == ["x.h5"]
 
 
 def no_room(file, data) -> int:

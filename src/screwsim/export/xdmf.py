@@ -14,6 +14,7 @@ from screwsim.export.rotor_loads import Pressures
 from screwsim.export.rotor_surface import Surface, chamber_angles
 from screwsim.machine.rotors.pair import Array
 from screwsim.results.atomic import replacing, write_text
+from screwsim.results.guarded import new_hdf5
 
 ALONG = 60  # cells along the rotor
 DATA = "/mesh/points", "/mesh/cells"
@@ -37,8 +38,6 @@ def mesh(surface: Surface, pressures: Pressures, along: int = ALONG) -> tuple[Ar
 
 def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int, speed: float) -> list[str]:
     """Write the surface with pressures over one turn of that rotor, return both paths; `speed` of the male [rad/s]."""
-    import h5py
-
     turn = 2.0 * math.pi / abs(surface.turns)  # of the male, while this rotor turns once
     angles = np.arange(steps) * turn / steps
     points, cells = mesh(surface, pressures)
@@ -48,7 +47,7 @@ def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int
     found = [pressures.at(chamber_angles(surface, rotors, float(phi), middle)) - pressures.low for phi in angles]
     values = np.stack([each.ravel() for each in found])
     data, text = stem.with_suffix(".h5"), stem.with_suffix(".xdmf")
-    with replacing(data) as temporary, h5py.File(temporary, "w") as file:
+    with replacing(data) as temporary, new_hdf5(temporary) as file:
         file.create_dataset("mesh/points", data=points, compression="gzip")
         file.create_dataset("mesh/cells", data=cells.astype(np.int64), compression="gzip")
         for number, row in enumerate(values):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -16,6 +15,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import KNOCK_OUT, KNOCK_OUT_STATUSES, Figures, Result
 from screwsim.outputs.derivatives import Slopes
 from screwsim.results import atomic
+from screwsim.results.guarded import GuardedFile
 from screwsim.results.netcdf import Layout, Selection, chunks_of, flag_attributes, number_attributes, text_lines
 from screwsim.results.schema import Axis, axes_of
 from screwsim.results.slopes import write_slopes
@@ -223,66 +223,3 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
 
 def _effects(names: Sequence[str]) -> Mapping[str, Any]:
     return flag_attributes(names, "effect that is left out") | {"labels": "\n".join(names)}
-
-
-class GuardedFile:
-    """A new file whose failure to write is kept in `error` and not raised.
-
-    HDF5 1.14 can crash the process when its own writing fails: it is told that all went well, and whoever writes
-    asks `check` now and then.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("w+b", buffering=0)
-        self.error: OSError | None = None
-
-    def check(self) -> None:
-        """Raise the OSError that stopped the writing, if any."""
-        if self.error is not None:
-            raise self.error
-
-    def write(self, data: memoryview) -> int:
-        """Write all bytes, or keep the reason why not."""
-        left = memoryview(data).cast("B")
-        try:
-            while len(left) and self.error is None:
-                left = left[self._file.write(left) :]
-        except OSError as error:
-            self.error = error
-        return len(data)
-
-    def truncate(self, size: int) -> int:
-        """Set the size of the file."""
-        try:
-            if self.error is None:
-                self._file.truncate(size)
-        except OSError as error:
-            self.error = error
-        return size
-
-    def read(self, size: int) -> bytes:
-        """Read; see `readinto`, which is what h5py calls."""
-        buffer = bytearray(size)
-        self.readinto(memoryview(buffer))
-        return bytes(buffer)
-
-    def readinto(self, buffer: memoryview) -> int:
-        """Read; after a failure there may be less than was written, and zeros stand for it."""
-        size = self._file.readinto(buffer) or 0
-        buffer[size:] = bytes(len(buffer) - size)
-        return len(buffer)
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place."""
-        return self._file.seek(offset, whence)
-
-    def tell(self) -> int:
-        """Return the place."""
-        return self._file.tell()
-
-    def flush(self) -> None:
-        """Nothing is held back."""
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()

@@ -10,6 +10,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Variable
 from screwsim.results.atomic import OTHERS, check_target_kind, make_folder, replacing, write_csv
+from screwsim.results.guarded import new_hdf5
 from screwsim.results.identity import version
 from screwsim.results.kept import keep_other_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
@@ -62,9 +63,7 @@ def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None
 
 
 def _write_hdf5(path: Path, title: str, columns: Mapping[str, Column]) -> None:
-    import h5py
-
-    with h5py.File(path, "w", libver=("v108", "v108"), track_order=True) as file:
+    with new_hdf5(path, libver=("v108", "v108"), track_order=True) as file:
         set_attributes(file, {"Conventions": "CF-1.11", "title": title, "source": f"screwsim {version()}"})
         layout = Layout(file)
         layout.dimension(file, "row", len(next(iter(columns.values())).values))

@@ -11,6 +11,7 @@ import numpy as np
 
 from screwsim.figures import declaration
 from screwsim.results.atomic import replacing, write_csv
+from screwsim.results.guarded import new_hdf5
 from screwsim.results.kept import keep_in, keep_other_hdf5
 from screwsim.study.accuracy.measure import NAMES, Measured
 from screwsim.study.accuracy.words import competing, front, sentence
@@ -59,9 +60,7 @@ def _of_cases(study: Study) -> dict[str, list[Any]]:
 
 
 def _write_hdf5(study: Study, path: Path) -> None:
-    import h5py
-
-    with h5py.File(path, "w") as file:
+    with new_hdf5(path) as file:
         file.attrs["title"] = study.title
         file.attrs["accuracy"] = study.accuracy
         file.attrs["sentence"] = sentence(study)

@@ -212,7 +212,7 @@ def here(
         nothing = np.zeros(count), np.zeros((count, len(places))), empty, Figures()
         return Here(*nothing, why, asked.solutions, asked.failed)
     slopes = asked.slopes(places)
-    own = [by_tolerance(fit.at(point, values), point, group) for group in groups]
+    own = by_tolerance(fit.at(point, values), point, groups)
     paths = [parameter.path for parameter in fit.parameters]
     for (path,), deviation in priors.items():
         i = paths.index(path)

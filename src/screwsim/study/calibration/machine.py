@@ -1,7 +1,7 @@
 """The machine of a fit as it is taken to be, how its points move, and points at which nothing is measured yet."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at
 from screwsim.scene.yaml_tree import Place, Problem, scene_error
 from screwsim.study.calibration.data import read_points
@@ -60,15 +61,24 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
     return tuple(group for group in groups if group), priors
 
 
-def by_tolerance(scene: Scene, point: Point, group: Group) -> Array:
-    """Return what one standard uncertainty of inputs that err together makes of a point's residuals."""
-    found = sensitivities(scene, list(group), list(point.measured), fine=False)
-    total = np.zeros(len(point.measured))
-    for path in group:
-        standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))
-        for row, (figure, measured) in enumerate(point.measured.items()):
-            total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
-    return total
+def by_tolerance(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> list[Array]:
+    """Return what one standard uncertainty of each group of inputs makes of a point's residuals; errors go together.
+
+    The scene is that of the point, and solved anew where its `result` is not known.
+    """
+    if not groups:
+        return []
+    paths = [path for group in groups for path in group]
+    found = sensitivities(scene, paths, list(point.measured), fine=False, result=result)
+    every = []
+    for group in groups:
+        total = np.zeros(len(point.measured))
+        for path in group:
+            standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))
+            for row, (figure, measured) in enumerate(point.measured.items()):
+                total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
+        every.append(total)
+    return every
 
 
 def places_of(fit: Fit, values: Mapping[str, float]) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene import Scene, cross_check
 from screwsim.study.calibration.data import odd_uncertainty
 from screwsim.study.calibration.design import chosen, covariance, spread
 from screwsim.study.calibration.fit import Fit, Measured, Point, prior_of
@@ -230,7 +230,7 @@ def told(
             return Told(np.zeros((0, len(places) + len(groups))), {}, "", odd=f"{name}: {odd}")
     point = replace(point, measured=measured)
     slopes = asked.point_slopes(point, places, result.performance)
-    inputs = [by_tolerance(with_values(fit.machine(values), point.values), point, group) for group in groups]
+    inputs = by_tolerance(fit.at(point, values), point, groups, result if simulate is None else None)
     rows = np.column_stack([slopes, *inputs]) if inputs else slopes
     # what a machine without flow takes tells of its leaks, and nobody rates it
     flow = result.performance.get("gas_mass_flow")
