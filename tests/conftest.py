@@ -29,16 +29,16 @@ LONGEST = (
     "tests/hard/test_hard_cases.py",
     "tests/report/test_browser.py",
     "tests/template/test_new.py",
+    "tests/laws/test_side_by_side.py",
     "tests/hard/test_fuzz.py",
     "tests/report/test_report.py",
+    "tests/study/test_optimize.py",
     "tests/machine/rotors/test_solids.py",
     "tests/cli/test_kept.py",
-    "tests/cli/test_start.py",
-    "tests/effects/test_each_effect.py",
-    "tests/laws/test_side_by_side.py",
-    "tests/study/test_optimize.py",
-    "tests/model/test_along.py",
     "tests/derivatives/test_against_differences.py",
+    "tests/effects/test_each_effect.py",
+    "tests/cli/test_start.py",
+    "tests/model/test_along.py",
     "tests/study/test_sweep.py",
     "tests/study/test_storage.py",
     "tests/results/test_results.py",
@@ -125,7 +125,6 @@ LONGEST = (
     "tests/docs/test_reference_pages.py",
 )
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
-LATER = 4.0  # times as long
 gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
 # workers of sweeps start afresh beside pytest-xdist's threads, and commands that tests look at from outside (apart.py):
@@ -168,14 +167,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Take what was imported and collected, some million objects, out of the searches for garbage.
-
-    And let code run for longer before it is written for speed, which saves a third of its time: over the runs until the
-    sources change a function that takes part in few tests does not pay for that.
-    """
-    from screwsim.codegen import modules
-
-    modules.PATIENCE *= LATER
+    """Take what was imported and collected, some million objects, out of the searches for garbage."""
     gc.freeze()
 
 
