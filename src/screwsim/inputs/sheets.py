@@ -1,8 +1,8 @@
-"""Tables in CSV, the one way in which all of them are read: a line of names, then rows with a cell for each name.
+"""Reads CSV tables, all in the same way: a line of names, then rows with one cell for each name.
 
-Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
-begin with # say nothing. A row with more or fewer cells than there are names is a fault: most often its decimal commas
-have made two cells of one number.
+Cells are separated by commas and may be in double quotes; a number has a decimal point. Empty lines and lines that
+begin with # are skipped. A row with more or fewer cells than there are names is a fault: most often a decimal comma has
+split a number into two cells.
 """
 
 import csv
@@ -15,11 +15,11 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
-_OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
+_OTHER = {";": "semicolons", "\t": "tabs"}  # other separators of cells, which are refused
 
 
 class BadSheet(Exception):
-    """Say in one line, without the file's name, why a table cannot be read, and the remedy; `line` where it lies."""
+    """Say in one line, without the file's name, why a table cannot be read, and the remedy; `line` is where."""
 
     def __init__(self, what: str, line: int | None = None) -> None:
         super().__init__(what if line is None else f"line {line}: {what}")
@@ -29,7 +29,7 @@ class BadSheet(Exception):
 
 @dataclass(frozen=True)
 class Row:
-    """One row: the number of its line in the file, the line as it stands, its cells without blanks around them."""
+    """One row: its line number in the file, the line itself, and its cells without surrounding blanks."""
 
     line: int
     text: str
@@ -38,7 +38,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table: the row of names, and the rows below it, each with as many cells."""
+    """A table: the row of names, and the rows below it with as many cells each."""
 
     head: Row
     rows: tuple[Row, ...]
@@ -49,7 +49,7 @@ class Sheet:
         return self.head.cells
 
     def columns(self, *names: str) -> list[tuple[int, tuple[str, ...]]]:
-        """Return (line, cells of the named columns) of every row; raise BadSheet where a column is missing."""
+        """Return (line, cells of the named columns) for each row; raise BadSheet where a column is missing."""
         if not set(names) <= set(self.names):
             found = ", ".join(name for name in self.names if name) or "none"
             raise BadSheet(
@@ -64,15 +64,15 @@ class Sheet:
 
 
 def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
-    """Return the table of a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
+    """Return the table in a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
     return sheet_of(read_text(path, most))
 
 
 @contextmanager
 def usable(remedy: str, where: str = "") -> Iterator[None]:
-    """Tell as a UsageError in one line why a table read within cannot be had; `where` begins it.
+    """Turn a failure to read a table into a one-line UsageError, which begins with `where`.
 
-    `remedy` is for a file that cannot be read at all.
+    `remedy` is given where the file cannot be read at all.
     """
     before = f"{where}: " if where else ""
     try:
@@ -84,7 +84,7 @@ def usable(remedy: str, where: str = "") -> Iterator[None]:
 
 
 def sheet_of(text: str) -> Sheet:
-    """Return the table of a text; one without any row has a head without names. Raise BadSheet."""
+    """Return the table in a text; without any row its head has no names. Raise BadSheet."""
     numbered = enumerate(text.split("\n"), 1)
     lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
