@@ -17,11 +17,13 @@ _kinds: dict[tuple[Any, ...], Kind] = {}
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """What a value is: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` a context;
-    `F`, `I`, `B` numbers of all lanes, `p`, `v`, `w` arrays of all lanes.
+    """Kind of a value, by a letter.
 
-    A context is a tuple that the caller keeps, in memory that does not change. There is one object of each kind: equal
-    ones are the same, which the compiler asks for each operation.
+    For one number or object: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` context. For all
+    lanes: `F`, `I`, `B` vectors of numbers, and `p`, `v`, `w` arrays (described in the module).
+
+    A context is a tuple that the caller keeps, in memory that does not change. There is only one object of each kind,
+    so that kinds are compared by identity, which the compiler does for each operation.
     """
 
     name: str
