@@ -1,4 +1,4 @@
-"""From a typed scene to the built parts that the composer takes: geometry, gas, oil, effects."""
+"""Builds the parts that the composer takes (geometry, gas, oil, effects) from a typed scene."""
 
 from screwsim.build.own import blamed, faults_of_own
 from screwsim.build.parts import WIDTH, build_parts, parts_of, prepare, regularisation

@@ -1,4 +1,4 @@
-"""Faults of modules of the user's own: gases, machines, effects, which a scene names."""
+"""Faults of user modules (gases, machines, effects) that a scene names."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,11 +13,11 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.kernel import Kernel
 from screwsim.scene.types import Scene
 
-MOST_SHOWN = 60  # characters of a value in a message
+MOST_SHOWN = 60  # largest number of characters of a value in a message
 
 
 def blamed(error: BaseException, own: Iterable[str]) -> str | None:
-    """Return in which of the user's own modules an error was raised; None in none of them."""
+    """Return the user module in which an error was raised; None if it was raised elsewhere."""
     modules = [frame.f_globals.get("__name__", "") for frame, _ in walk_tb(error.__traceback__)]
     tops = {module.partition(".")[0] for module in modules}
     exact = [name for name in own if name in modules]
@@ -27,7 +27,7 @@ def blamed(error: BaseException, own: Iterable[str]) -> str | None:
 
 @contextmanager
 def faults_of_own(scene: Scene) -> Iterator[None]:
-    """Raise UsageError, in one line, for what fails while modules of the user's own are built and compiled."""
+    """Turn any error from building and compiling user modules into a one-line UsageError."""
     try:
         yield
     except UsageError:
@@ -43,7 +43,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
 
 
 def declared(built: Any) -> list[Any]:
-    """Return the parts that `build` of an effect of the user's own returned; raise TypeError where they are none."""
+    """Return the parts that `build` of a user's effect returned; raise TypeError where they are not valid parts."""
     if not isinstance(built, Sequence) or isinstance(built, str):
         raise TypeError(f"build returned {_shown(built)}, not a list of parts")
     for part in built:
@@ -57,7 +57,7 @@ def declared(built: Any) -> list[Any]:
 
 
 def _wrong(kind: str, value: Any) -> str:
-    """Return what is wrong with a field of a part, of the kind that its class declares; '' where nothing is."""
+    """Return what is wrong with a field of a part, given the type declared for it; '' if it is right."""
     if "Kernel" in kind:
         right = value is None or isinstance(value, Kernel)
         return "" if right else f"is {_shown(value)}, no kernel: put @kernel of screwsim.numerics.kernel above its def"

@@ -1,4 +1,4 @@
-"""The parts that the composer takes: geometry, gas, oil, effects, and how they are made ready for a sweep."""
+"""Builds the parts that the composer takes (geometry, gas, oil, effects) and prepares them for a sweep."""
 
 from screwsim.build.stock import Stock, build_gas, build_site
 from screwsim.build.temperatures import completed
@@ -12,13 +12,13 @@ from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import Lines, lines, refrigerating_effect
 from screwsim.scene.types import Scene
 
-WIDTH = 0.25  # of the regularisation over the wanted accuracy
-LEAST = 1e-300  # above nothing
-MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
+WIDTH = 0.25  # width of the regularisation over the requested accuracy
+LEAST = 1e-300  # smallest positive value of a plenum's pressure, temperature and density
+MOST_PREPARED = 10_000  # largest number of operating conditions of a sweep whose fluid data are fetched in advance
 
 
 def build_oil(scene: Scene, at: Lines) -> OilPart | None:
-    """Return the oil of a scene with its supply."""
+    """Return the oil of a scene and its supply; None without oil or without a supply temperature."""
     oil, supply = scene.oil, scene.oil_supply
     if oil is None or supply is None or supply.temperature is None:
         return None
@@ -42,12 +42,12 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
 
 
 def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:
-    """Return what the scene names, built for the composer; what it shares with the scene before is in stock."""
+    """Return the built parts of a scene for the composer, reusing parts of previous scenes from `stock`."""
     return parts_of(completed(scene), stock or Stock(), set_speed)
 
 
 def parts_of(scene: Scene, stock: Stock, set_speed: float | None = None) -> Parts:
-    """Return what `build_parts` does, of a scene that is completed."""
+    """Return what `build_parts` does, from a completed scene."""
     at = lines(scene)
     geometry = stock.geometry(scene.machine)
     effects = stock.effects(scene, geometry, at)
@@ -70,7 +70,10 @@ def parts_of(scene: Scene, stock: Stock, set_speed: float | None = None) -> Part
 def _of_site(
     effects: Effects, scene: Scene, gas: Gas
 ) -> tuple[dict[str, Reservoir], dict[str, float], OilContent | OilSolution | None]:
-    """Return the states of own plenums, first guesses of what the cycle makes, and what the oil brings dissolved."""
+    """Return states of the effects' own plenums, guesses of feedback unknowns, and the gas dissolved in injected oil.
+
+    Feedback unknowns are numbers that the cycle determines (`effects.parts.made`).
+    """
     plenums, made, brings = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made, OilGas))
     if not (plenums or made or brings):
         return {}, {}, None
@@ -90,11 +93,18 @@ def _of_site(
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:
-    """Return the widths ε below which a pressure difference is smoothed: suction port, discharge port [Pa], gaps.
+    """Return the regularisation widths ε of pressure differences: of suction port and discharge port [Pa], and of gaps.
 
+<<<<<<< HEAD
     That of gaps is a share of the mean pressure at their ends. ε is `WIDTH` of the wanted accuracy times the pressure.
     The error control lets the pressure err by about as much; a narrower ε would let that error jump across the flow
     law's steep middle, a wider one costs accuracy that no step can regain (docs/explanation/integrator.md).
+=======
+    The width of gaps is a share of the mean pressure at their ends. ε is `WIDTH` times the requested accuracy times the
+    pressure. Error control lets the pressure err by about as much: a narrower ε would let that error jump across the
+    steep middle of the flow law, a wider one would cost accuracy that no step size recovers
+    (docs/explanation/numerics.md).
+>>>>>>> e639790628659f7987ee66fe3a02753737dd2351
     """
     return _widths(scene, lines(scene))[:3]
 
@@ -105,7 +115,7 @@ def _widths(scene: Scene, at: Lines) -> Widths:
 
 
 def prepare(scene: Scene) -> None:
-    """Ask CoolProp once for what the cases of a sweep need, so that no worker imports it."""
+    """Fetch from CoolProp once the data that the cases of a sweep need, so that no worker imports it."""
     asked = (path for path in scene.sweep if path.startswith(("operation.", "gas.")) and path != "operation.speed")
     conditions = only(scene, asked)
     for index in range(min(case_count(conditions), MOST_PREPARED) if conditions.sweep else 0):

@@ -1,8 +1,8 @@
-"""Numbers that a scene leaves open and that are found with the cycle, each from one figure that is stated instead.
+"""Unknown parameters that a scene leaves open, each found with the cycle from a figure stated in its place.
 
-`oil_supply.discharge_temperature` asks for as much oil as brings the mixture to that temperature (docs/model.md M370),
-`oil_supply.flow` for as much as a pump delivers (M393). What effects leave open is said by their parameters
-(`effects.parts.made`). All are found together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
+`oil_supply.discharge_temperature` states the mixture's discharge temperature that the oil flow must produce
+(docs/model.md M370), `oil_supply.flow` the flow that a pump delivers (M393). Effects define their own open parameters
+(`effects.parts.made`). All are solved together with the cycle (`solve.circuit`), each as a coordinate in kelvin.
 """
 
 import math
@@ -19,38 +19,41 @@ from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
 
 MIXTURE = "mixture_discharge_temperature"
-LOG = 20.0  # [K] of a coordinate for a factor e of an oil flow
-LEAST_OIL, MOST_OIL, FIRST_OIL = 0.02, 60.0, 2.0  # oil over gas
+LOG = 20.0  # [K] change of the coordinate that makes a factor e of the oil flow
+LEAST_OIL, MOST_OIL, FIRST_OIL = 0.02, 60.0, 2.0  # oil per gas by mass: limits and first guess
 OIL = Span(LOG * math.log(LEAST_OIL), LOG * math.log(MOST_OIL))
 
 
 class Asked(NamedTuple):
-    """By how much one coordinate should change [K], and what it leaves open, relative; neither at an end of its way."""
+    """Change that the figures require of a coordinate [K], and the remaining relative error of its flow.
+
+    Both are zero where the coordinate is at an end of its range and would have to move outwards.
+    """
 
     off: float
     open: float
 
 
 def oil_is_sought(scene: Scene) -> bool:
-    """Tell whether the oil's ratio is found."""
+    """Tell whether the oil-to-gas ratio is to be found."""
     supply = scene.oil_supply
     return supply is not None and (supply.discharge_temperature is not None or supply.flow is not None)
 
 
 @Remembered
 def _open(effects: Mapping[str, ActiveEffect]) -> dict[str, Sought]:
-    """Return the parameters of effects that leave a number open, by the effects' names."""
+    """Return the parameters of the effects that leave a number open, by effect name."""
     every = ((name, active.parameters) for name, active in effects.items())
     return {name: parameters for name, parameters in every if isinstance(parameters, Sought) and parameters.is_open}
 
 
 def is_sought(scene: Scene) -> bool:
-    """Tell whether a scene leaves any such number open."""
+    """Tell whether a scene leaves any parameter open."""
     return oil_is_sought(scene) or bool(_open(scene.effects))
 
 
 def spans(scene: Scene) -> list[Span]:
-    """Return the ends of each coordinate, in the order of `standing`."""
+    """Return the range of each coordinate, in the order of `standing`."""
     return [*([OIL] if oil_is_sought(scene) else ()), *_of_effects(scene).values()]
 
 
@@ -59,7 +62,7 @@ def _of_effects(scene: Scene) -> dict[str, Span]:
 
 
 def completed(scene: Scene, near: Sequence[float] | None = None) -> Scene:
-    """Return a scene whose open numbers have values: those `near`, or first guesses."""
+    """Return a scene whose open parameters have values: the coordinates `near`, or first guesses."""
     if not is_sought(scene):
         return scene
     standing_now = standing(scene)
@@ -78,7 +81,7 @@ def _guesses(scene: Scene) -> Iterator[float]:
 
 
 def standing(scene: Scene) -> list[float | None]:
-    """Return where each coordinate stands [K]; None where it has no value yet."""
+    """Return the current value of each coordinate [K]; None where it has none yet."""
     found: list[float | None] = []
     if oil_is_sought(scene):
         assert scene.oil_supply is not None
@@ -88,7 +91,7 @@ def standing(scene: Scene) -> list[float | None]:
 
 
 def placed(scene: Scene, at: Sequence[float]) -> Scene:
-    """Return a scene with its coordinates at these, kept between their ends."""
+    """Return a scene with its coordinates at the given values, limited to their ranges."""
     wanted = [span.kept(x) for span, x in zip(spans(scene), at, strict=True)]
     if oil_is_sought(scene):
         ratio = Found(math.exp(wanted.pop(0) / LOG))
@@ -102,9 +105,9 @@ def placed(scene: Scene, at: Sequence[float]) -> Scene:
 
 
 def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool = False) -> list[Asked] | None:
-    """Return what the figures of a cycle ask of each coordinate; None where a figure has no value.
+    """Return the change that the figures of a cycle require of each coordinate; None where a figure has no value.
 
-    `follows` tells that the oil's temperature goes with that of the discharge, which it then does not hold.
+    `follows`: the oil's temperature moves with that of the discharge, so that the oil does not hold the latter.
     """
     found = []
     for span, x, off in zip(spans(scene), standing(scene), _off(scene, figures, T_oil, follows), strict=True):
@@ -118,7 +121,7 @@ def asked(scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool 
 
 
 def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool) -> Iterator[tuple[float, float] | None]:
-    """Yield by how much each coordinate is about wrong [K], and how much of it is a factor e of its flow."""
+    """Yield (approximate error [K], change [K] that makes a factor e of its flow) of each coordinate."""
     if oil_is_sought(scene):
         yield _off_oil(scene, figures, T_oil)
     for one in _open(scene.effects).values():
@@ -126,7 +129,7 @@ def _off(scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool) 
 
 
 def _off_oil(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> tuple[float, float] | None:
-    """Return by how much the oil's coordinate is about wrong [K], and how much of it is a factor e of its flow."""
+    """Return (approximate error [K], change [K] that makes a factor e of its flow) of the oil's coordinate."""
     assert scene.oil_supply is not None
     if scene.oil_supply.flow is not None:
         share = _share(scene, figures, T_oil)
@@ -137,14 +140,14 @@ def _off_oil(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> tuple[fl
 
 
 def _share(scene: Scene, figures: Mapping[str, Any], T_oil: float) -> float | None:
-    """Return the injected oil over that which is wanted; None where there is none."""
+    """Return the injected oil flow over the requested one; None where no oil is injected."""
     flow = figures.get("oil_mass_flow")
     assert scene.oil is not None and scene.oil_supply is not None and scene.oil_supply.flow is not None
     return flow / (scene.oil.at(T_oil).density * scene.oil_supply.flow) if flow and flow > 0.0 else None
 
 
 def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
-    """Yield that no value of an open number does what is asked: it stands at an end."""
+    """Yield a warning for each open parameter at an end of its range: no value gives the requested figure."""
     if not is_sought(scene):
         return
     ends = list(zip(spans(scene), standing(scene), strict=True))
@@ -159,7 +162,7 @@ def warnings(scene: Scene, figures: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _of_oil(scene: Scene, figures: Mapping[str, Any], ratio: float) -> Iterator[str]:
-    """Yield that the least or most oil per gas does not do what is asked."""
+    """Yield that the smallest or largest oil-to-gas ratio does not give the requested figure."""
     supply, T = scene.oil_supply, figures.get(MIXTURE)
     assert supply is not None
     if supply.flow is not None:

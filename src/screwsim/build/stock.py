@@ -1,4 +1,4 @@
-"""Machine, gas and effects of a scene, and what these can ask of it, kept for the next scene of a sweep."""
+"""Cache of the machine, gas and effects built for scenes of a sweep, and the data that effects can ask of a scene."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 
 
 class _Built(NamedTuple):
-    """Parts of an effect, and what they were built of, which is held: where objects stand tells them."""
+    """Parts of an effect and the objects that they were built from.
+
+    The objects are kept alive because the cache identifies them by their `id`.
+    """
 
     active: ActiveEffect
     geometry: MachineGeometry
@@ -37,21 +40,21 @@ class _Built(NamedTuple):
 
 
 class Stock:
-    """What was built of machine and effects for the scenes before: the next of a sweep shares most of it.
+    """Cache of the machine, gas and effects built for previous scenes: scenes of a sweep share most of them.
 
-    Sections that are the same objects give the same parts, which is what `model.series.Composer` looks for. Some more
-    than the last are kept: those of courses that are solved side by side.
+    Identical section objects give identical part objects, which `model.series.Composer` relies on. More than the last
+    ones are kept, for courses that are solved side by side.
     """
 
     def __init__(self) -> None:
-        self._gas: dict[tuple[Any, ...], tuple[GasSettings, Gas]] = {}  # by the settings' id, and what else tells it
-        self._geometry: dict[tuple[Any, ...], MachineGeometry] = {}  # by the settings' id, and the files they name
+        self._gas: dict[tuple[Any, ...], tuple[GasSettings, Gas]] = {}  # by id of the settings, and by `GasModel.told`
+        self._geometry: dict[tuple[Any, ...], MachineGeometry] = {}  # by id of the settings, and stamps of their files
         self._built: dict[str, dict[tuple[Any, ...], _Built]] = {}
         self._effects: dict[tuple[int, ...], tuple[list[_Built], Effects]] = {}
-        self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that tells them
+        self._whole: dict[tuple[Any, ...], tuple[Any, Any, Effects]] = {}  # by all of a scene that matters
 
     def lent(self) -> Stock:
-        """Return one that holds the same, and keeps for itself what it builds."""
+        """Return an independent copy: it has the same contents, and additions to it do not come back."""
         found = Stock()
         for name in ("_gas", "_geometry", "_effects", "_whole"):
             setattr(found, name, dict(getattr(self, name)))
@@ -59,7 +62,7 @@ class Stock:
         return found
 
     def gas(self, scene: Scene) -> Gas:
-        """Return the gas of a scene; the same one where the scene's gas tells it, with what it follows from."""
+        """Return the gas of a scene: the same object for the same settings and the same dependence on the lines."""
         settings, told = scene.gas, find_gas_model(scene.gas.model).told
         if settings.relative_humidity or told is None:
             return build_gas(scene)
@@ -103,22 +106,22 @@ class Stock:
         return found or keep(known, key, _Built(active, geometry, _built(name, active, numbers, geometry)))
 
 
-_files = Remembered(files_in)  # of a machine, an effect's parameters or all effects
+_files = Remembered(files_in)  # files that a machine, an effect's parameters or all effects name
 
 
 def _stamps(part: Any) -> tuple[tuple[int, ...], ...]:
-    """Return what tells these files from those that were read before: what was built of others is not taken."""
+    """Return stamps of the files that a part of a scene names: a changed file makes its parts be built anew."""
     return tuple(map(stamp, _files(part)))
 
 
 @Remembered
 def _numbered(effects: Mapping[str, ActiveEffect]) -> dict[str, Any]:
-    """Return the effects that ask for numbers of the scene around them."""
+    """Return the effects that take numbers from the scene around them."""
     return {name: active for name, active in effects.items() if active.effect.numbers is not None}
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
-    """Return the effects' parts without factors on the areas of effects that the scene does not name."""
+    """Return the effects' parts, without area factors on effects that the scene does not have."""
     scaled = [part for items in effects.values() for part in items if isinstance(part, Scaled)]
     idle = {part.by for part in scaled if part.effect not in effects}
     idle -= {part.by for part in scaled if part.effect in effects}
@@ -132,7 +135,7 @@ def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
 
 
 def _built(name: str, active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
-    """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
+    """Return the parts of an effect; for an expander the flow paths of the machine run backwards."""
     built = active.effect.build(active.parameters, geometry)
     built = declared(built) if "." in name else list(built)
     if active.effect.numbers is not None:
@@ -148,7 +151,7 @@ def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
 
 
 def around_of(scene: Scene, at: Lines) -> Around:
-    """Return what effects can ask of the scene."""
+    """Return the data of the scene that effects can ask for."""
     oil, supply = scene.oil, scene.oil_supply
     T_oil = supply.temperature if supply is not None else None
     tip_speed = scene.machine.surface_speed(scene.operation.speed)
@@ -157,7 +160,7 @@ def around_of(scene: Scene, at: Lines) -> Around:
 
 
 def build_site(scene: Scene, gas: Gas) -> Site:
-    """Return what the state of an effect's own plenum can be made of."""
+    """Return the data from which the state of an effect's own plenum can be computed."""
     at, effect = lines(scene), refrigerating_effect(scene)
     liquid = None if effect is None else suction_enthalpy(scene) - effect
     around = around_of(scene, at)
@@ -178,13 +181,13 @@ def build_gas(scene: Scene) -> Gas:
 
 
 def asked_of(scene: Scene) -> Asked:
-    """Return what a scene says of its gas."""
+    """Return the settings of a scene's gas."""
     said = scene.gas
     return Asked(said.name, said.isentropic_exponent, said.two_phase, lambda: lines(scene).T_s)
 
 
 def _check_own(gas: Gas, at: Lines) -> None:
-    """Raise TypeError where a gas of the user's own lacks a function or contradicts itself."""
+    """Raise TypeError where a user's gas lacks a function or is inconsistent."""
     missing = lacking(gas)
     if missing:
         raise TypeError(f"its gas has no {', '.join(missing)}")

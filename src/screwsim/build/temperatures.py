@@ -1,4 +1,4 @@
-"""A scene completed by what is found with its cycle: temperatures of oil and separator, losses of a package."""
+"""Completes a scene with quantities found with its cycle: temperatures of oil and separator, losses of a package."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -18,24 +18,24 @@ from screwsim.scene.checks import oil_faults
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Found, Scene
 
-WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
+WARMED, COOLED = 45.0, 12.0  # [K] first guesses: mixture above suction gas, temperature drop of oil in its cooler
 
 
 class Temperatures(NamedTuple):
-    """Temperatures [K] that effects.separator finds: of the oil's supply, and of the separator."""
+    """Temperatures [K] found by effects.separator: of the oil supply and of the separator."""
 
     supply: float
     separator: float
 
 
 def package_of(scene: Scene) -> LosesPressure | None:
-    """Return the parameters of the effect that puts a package around the machine; None where there is none."""
+    """Return the parameters of the effect that puts a package around the machine; None without one."""
     return next(iter(_of(scene.effects, LosesPressure).values()), None)
 
 
 @Remembered
 def _of(effects: Mapping[str, ActiveEffect], kind: type) -> dict[str, Any]:
-    """Return the parameters of a kind among those of effects, by the effects' names."""
+    """Return the parameters of a given type among those of the effects, by effect name."""
     every = ((name, active.parameters) for name, active in effects.items())
     return {name: parameters for name, parameters in every if isinstance(parameters, kind)}
 
@@ -46,16 +46,16 @@ def completed(
     losses: PressureLosses | None = None,
     open_numbers: Sequence[float] | None = None,
 ) -> Scene:
-    """Return a scene in which all has values that is found with the cycle: what is `near`, or first guesses.
+    """Return a scene with values for everything found with the cycle: the values given nearby, or first guesses.
 
-    These are temperatures that effects.separator finds, and the losses of a package. Raise Unfound where oil or effects
-    cannot be at the first guess either.
+    These are the temperatures that effects.separator finds, the losses of a package, and open parameters (`sought`).
+    Raise Unfound where oil or effects do not admit the first guess either.
     """
     package = package_of(scene)
     if package is not None and scene.losses is None:
         at = lines(scene)
         guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
-        near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver
+        near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver air
         scene = changed(scene, losses=losses if near_by else guess)
     return _tempered(sought.completed(scene, open_numbers), near)
 
@@ -78,14 +78,14 @@ def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
 
 
 def _kept(scene: Scene) -> Scene:
-    """Return a scene whose oil comes with the temperature that a cooler keeps, and follows that where it is moved."""
+    """Return a scene whose oil is supplied at the temperature that its cooler keeps, and follows that temperature."""
     supply, outlet = scene.oil_supply, _cooling(scene).outlet
     assert supply is not None
     return changed(scene, oil_supply=changed(supply, temperature=None if outlet is None else Found(outlet)))
 
 
 def filled(scene: Scene, at: Temperatures) -> Scene:
-    """Return a scene with these temperatures in place of those that it leaves open."""
+    """Return a scene with the given temperatures in place of those that it leaves open."""
     supply, effects = scene.oil_supply, scene.effects
     assert supply is not None
     if open_temperatures(scene)[0]:
@@ -99,12 +99,12 @@ def filled(scene: Scene, at: Temperatures) -> Scene:
 
 
 def _cooling(scene: Scene) -> CoolsOil:
-    """Return what a scene says of its oil's cooler."""
+    """Return the settings of the scene's oil cooler."""
     return next(iter(_of(scene.effects, CoolsOil).values()), CoolsOil())
 
 
 def open_temperatures(scene: Scene) -> tuple[bool, bool]:
-    """Tell whether the temperatures of the oil's supply and of the separator are found with the cycle."""
+    """Tell whether the temperatures of oil supply and separator are to be found with the cycle."""
     supply = scene.oil_supply
     if supply is None:
         return False, False
@@ -113,23 +113,23 @@ def open_temperatures(scene: Scene) -> tuple[bool, bool]:
 
 
 def _asking(scene: Scene) -> dict[str, ActiveEffect]:
-    """Return the effects of a scene that ask for the separator's temperature, which the scene does not state."""
+    """Return the effects of a scene that need the separator temperature and do not state it."""
     asking = _of(scene.effects, InSeparator)
     return {name: scene.effects[name] for name, one in asking.items() if _is_open(one.separator_temperature)}
 
 
 def in_separator(scene: Scene) -> list[InSeparator]:
-    """Return the parameters of those effects that ask for the separator's temperature, stated or not."""
+    """Return the parameters of the effects that need the separator temperature, stated or not."""
     return list(_of(scene.effects, InSeparator).values())
 
 
 def _is_open(value: float | None) -> bool:
-    """Tell whether a temperature is not stated: absent, or where the search for it stands."""
+    """Tell whether a temperature is not stated: absent, or the current value of the search."""
     return value is None or isinstance(value, Found)
 
 
 def temperature_faults(scene: Scene) -> list[Fault]:
-    """Return why effects or the oil cannot be at the temperatures with which a scene was completed."""
+    """Return why oil or effects do not admit the temperatures with which a scene was completed."""
     found = [] if scene.oil is None else list(oil_faults(scene))
     T = None if scene.oil_supply is None else scene.oil_supply.temperature
     if T is not None and not COLDEST <= T <= HOTTEST:
@@ -141,7 +141,7 @@ def temperature_faults(scene: Scene) -> list[Fault]:
 
 
 def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
-    """Return first guesses: of a mixture that is warmer than suction gas, and of gas that does not condense."""
+    """Return first guesses: a mixture warmer than the suction gas, hot enough for gas that condenses not to do so."""
     at, T_c = lines(scene), scene.operation.condensing_temperature
     T = at.T_s + WARMED if kept.discharge is None else kept.discharge
     if T_c is None and (condenses(scene.gas) or _asking(scene)):

@@ -1,6 +1,5 @@
-"""From the text of kernels to machine code: read, given types, written as LLVM's language, compiled, called.
+"""Compiler of kernels: reads their text, infers types, writes LLVM IR, compiles it to machine code and calls it.
 
-What is compiled is a small part of Python: floats, integers, truth values and arrays that the caller owns; `if`,
-`while`, `for … in range`; calls of other kernels and of `math`. The text runs as plain Python, too, which is its
-reference.
+It compiles a small part of Python: floats, integers, truth values, and arrays that the caller owns; `if`, `while`, `for
+… in range`; calls of other kernels and of `math`. The same text also runs as plain Python, which is the reference.
 """

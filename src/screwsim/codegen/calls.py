@@ -1,6 +1,6 @@
-"""Calls of machine code: arguments of Python as words of eight bytes, results back.
+"""Calls of machine code: Python arguments are passed as words of eight bytes, results are returned likewise.
 
-A call takes microseconds as it is: where an array stands is remembered, and kinds are numbers here.
+Since a call itself takes only microseconds, addresses of arrays are remembered and kinds are represented by numbers.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import numpy as np
 
 from screwsim.codegen.kinds import FLOAT, INTEGER, TRUTH, Kind, array
 
-MOST_KNOWN = 512  # arrays
+MOST_KNOWN = 512  # largest number of arrays whose addresses are remembered
 MOST_AXES = 3
-KINDS: list[Kind] = [FLOAT, INTEGER, TRUTH]  # by number
+KINDS: list[Kind] = [FLOAT, INTEGER, TRUTH]  # kinds by their number
 _FLOAT, _INTEGER, _TRUTH = range(3)
 _FLOATS, _INTEGERS = np.dtype(np.float64), np.dtype(np.int64)
-known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
+known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: kind and words of an array
 _contexts: dict[tuple[Any, ...], int] = {}
 _adding = threading.Lock()
 for _of in (FLOAT, INTEGER):
@@ -29,7 +29,7 @@ for _of in (FLOAT, INTEGER):
 
 
 class Context(tuple[Any, ...]):
-    """A tuple of arrays, by place or by name, that many calls are given: looked at once."""
+    """A tuple of arrays, unnamed or named, that is passed to many calls: its words are determined once."""
 
     number: int
     words: tuple[float, ...]
@@ -46,7 +46,7 @@ class Context(tuple[Any, ...]):
 
 
 def take(argument: Any, kinds: list[int], words: list[float]) -> None:
-    """Add the number of an argument's kind, and its words; raise TypeError for what compiled code cannot read."""
+    """Append the number of an argument's kind, and its words; raise TypeError where compiled code cannot read it."""
     what = type(argument)
     if what is np.ndarray:
         found = known.get(id(argument))
@@ -77,7 +77,7 @@ def take(argument: Any, kinds: list[int], words: list[float]) -> None:
 
 
 def _added(key: tuple[Any, ...], names: tuple[str, ...], inner: Sequence[int]) -> int:
-    """Return the number of a kind of context that is met for the first time, or was by another thread just now."""
+    """Return the number of a new kind of context, which another thread may have added just now."""
     with _adding:
         if key not in _contexts:
             KINDS.append(Kind("c", tuple(KINDS[one] for one in inner), names=names))
@@ -86,7 +86,7 @@ def _added(key: tuple[Any, ...], names: tuple[str, ...], inner: Sequence[int]) -
 
 
 def copied(arrays: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return copies of arrays of float64 or int64, in one block: where each stands is known from the first call on."""
+    """Return copies of arrays of float64 or int64 in one block; their addresses are known from the first call on."""
     block = np.empty(sum([each.size for each in arrays]))
     address, at = ctypes.addressof(ctypes.c_char.from_buffer(block)), 0  # type: ignore[arg-type]
     if len(known) >= MOST_KNOWN - len(arrays):
@@ -116,14 +116,14 @@ def _number(argument: Any) -> int:
 
 def _look_at(table: np.ndarray) -> tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]:
     of, axes, flags = table.dtype, table.ndim, table.flags
-    floats = of is _FLOATS or of == _FLOATS  # the first is quick, and nearly always so
+    floats = of is _FLOATS or of == _FLOATS  # the first test is quick and nearly always true
     if not (floats or of == _INTEGERS) or not flags.c_contiguous or not flags.aligned or not 0 < axes <= MOST_AXES:
         raise TypeError(f"a compiled function takes whole arrays of float64 or int64, not {of} of {table.shape}")
     number = _TRUTH + axes + (0 if floats else MOST_AXES)
     if flags.writeable and table.size:
         address = ctypes.addressof(ctypes.c_char.from_buffer(table))  # type: ignore[arg-type]
     else:
-        address = table.ctypes.data  # the same, slower
+        address = table.ctypes.data  # the same address, slower
     found = weakref.ref(table), number, (address, *table.shape)
     if len(known) >= MOST_KNOWN:
         known.clear()
@@ -132,7 +132,7 @@ def _look_at(table: np.ndarray) -> tuple[weakref.ref[np.ndarray], int, tuple[int
 
 
 class Variant:
-    """A function compiled for kinds of arguments; called with their words."""
+    """A function compiled for given kinds of arguments; called with their words."""
 
     def __init__(self, entry: Callable[[Any, Any], int], kinds: Sequence[Kind], returned: str) -> None:
         self._entry = entry

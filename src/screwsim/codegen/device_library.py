@@ -1,8 +1,8 @@
-"""What functions of a program become on a GPU, a point a thread: text in LLVM's language without a call to the outside.
+"""Library of functions compiled for a GPU, one thread per point: LLVM IR without external calls.
 
-A device has no library of the processor's: exponentials, logarithms and powers are those of lanes
-(`codegen.lane_math`), what else a scene may call is written here. Products and sums are never joined, so that a device
-gives the bits that a processor gives with the same functions.
+A device has no C library: exponentials, logarithms and powers are those of the lanes (`codegen.lane_math`), the other
+functions that a scene may call are written here. Products and sums are never fused, so that a device gives the same
+bits as a processor with the same functions.
 """
 
 import ast
@@ -19,10 +19,10 @@ from screwsim.codegen.operations import OF_TWO
 from screwsim.codegen.program import Program, read
 from screwsim.numerics.kernel import Kernel, kernel
 
-TURNS = "turns"  # the symbol that a driver finds
+TURNS = "turns"  # symbol of the kernel for the driver
 PER_LN10 = 1.0 / math.log(10.0)
 PER_HALF_PI = 2.0 / math.pi
-HALF_PI_HIGH, HALF_PI_LOW = 1.5707963267341256, 6.077100506506192e-11  # the first has 33 bits: its multiples are exact
+HALF_PI_HIGH, HALF_PI_LOW = 1.5707963267341256, 6.077100506506192e-11  # π/2; the high part has 33 bits: exact multiples
 S3, S5, S7, S9, S11, S13, S15, S17 = ((-1.0) ** ((i - 1) // 2) / math.factorial(i) for i in range(3, 18, 2))
 C4, C6, C8, C10, C12, C14, C16 = ((-1.0) ** (i // 2) / math.factorial(i) for i in range(4, 17, 2))
 BY_INDEX = """define ptx_kernel void @{turns}(ptr %words, ptr %outs, i64 %count) {{
@@ -52,7 +52,7 @@ declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
 
 @kernel
 def log1p_on_device(x):
-    """Return the logarithm of one and x: that of their sum, and what the sum lost."""
+    """Return the logarithm of 1 + x, corrected for the rounding of the sum."""
     u = 1.0 + x
     found = log_of_lanes(u) - ((u - 1.0) - x) / u
     found = x if u == 1.0 else found
@@ -67,7 +67,7 @@ def log10_on_device(x):
 
 @kernel
 def wave(r, quarter):
-    """Return the sine, a quarter of a turn on the cosine, of an angle within an eighth of a turn [rad]."""
+    """Return the sine of an angle within an eighth of a turn [rad] plus a number of quarter turns."""
     z = r * r
     z2 = z * z
     z4 = z2 * z2
@@ -79,14 +79,14 @@ def wave(r, quarter):
 
 @kernel
 def sin_on_device(x):
-    """Return the sine of an angle of some thousand turns at the most [rad]."""
+    """Return the sine of an angle of at most some thousand turns [rad]."""
     quarter = math.floor(x * PER_HALF_PI + 0.5)
     return wave((x - quarter * HALF_PI_HIGH) - quarter * HALF_PI_LOW, quarter)
 
 
 @kernel
 def cos_on_device(x):
-    """Return the cosine of an angle of some thousand turns at the most [rad]."""
+    """Return the cosine of an angle of at most some thousand turns [rad]."""
     quarter = math.floor(x * PER_HALF_PI + 0.5)
     return wave((x - quarter * HALF_PI_HIGH) - quarter * HALF_PI_LOW, quarter + 1)
 
@@ -97,10 +97,10 @@ HELD = {**WRITTEN, **{name: each.__name__ for name, each in OWN.items()}}
 
 
 class DeviceEmitter(Emitter):
-    """Writes one function for a thread."""
+    """Writes one function for a single thread."""
 
     def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
-        bits = {"bits_of": ("double", INTEGER), "of_bits": ("i64", FLOAT)}  # only in `codegen.lane_math`
+        bits = {"bits_of": ("double", INTEGER), "of_bits": ("i64", FLOAT)}  # used only in `codegen.lane_math`
         if name in bits:
             given, kind = bits[name]
             return lambda values, node: Value(
@@ -122,7 +122,7 @@ class DeviceEmitter(Emitter):
 
 
 class DeviceLibrary(Library):
-    """A library whose functions run on a device."""
+    """A library of functions that run on a GPU."""
 
     def __init__(self, program: Program, known: Mapping[int, int] | None = None) -> None:
         written = read(lane_math.texts(*OWN.values(), wave))
@@ -134,7 +134,7 @@ class DeviceLibrary(Library):
         return DeviceEmitter(self, name, kinds)
 
     def of_threads(self, name: str, kinds: tuple[Kind, ...]) -> str:
-        """Return the text of a kernel: `turns(words, results, count)`, where each thread takes those of its place."""
+        """Return the text of a GPU kernel `turns(words, results, count)`, in which each thread evaluates one point."""
         symbol = "one"
         returned, text = self.entry(name, kinds, symbol)
         text = text.replace(f'define i64 @"{symbol}"', f'define internal i64 @"{symbol}"')

@@ -1,7 +1,7 @@
-"""One function of a text for given kinds of arguments, in LLVM's language.
+"""Writes one function of a text, for given kinds of arguments, in LLVM IR.
 
-Variables stand in memory of the function; LLVM puts them into registers. A variable that is an integer here and a float
-there is a float: the function is written again until no kind widens.
+Variables are kept in the function's stack memory; LLVM moves them into registers. A variable that is an integer in one
+place and a float in another is a float: the function is written again until no kind widens.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from screwsim.codegen.library import Library
 
 
-LONG = 1000  # lines of a function beyond which it stays one of its own
-MOST_PASSES = 3  # after which a variable that is not known is never given a value
+LONG = 1000  # number of lines beyond which a function is never inlined
+MOST_PASSES = 3  # number of passes after which an unknown variable counts as never assigned
 
 
 def leaves(statements: Sequence[ast.stmt]) -> bool:
-    """Tell whether a function is left by a return wherever these statements end."""
+    """Tell whether these statements always end in a return."""
     for each in statements:
         match each:
             case ast.Return():
@@ -46,7 +46,7 @@ class Emitter(Expressions):
     def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
         self.library, self.node, self.given = library, library.program.functions[name], tuple(arguments)
         self.kinds: dict[str, Kind] = {}
-        self.wide: dict[str, Kind] = {}  # what a variable must hold at least
+        self.wide: dict[str, Kind] = {}  # narrowest kind that a variable needs
         self.returns: Kind | None = None
         names = [each.arg for each in self.node.args.args]
         if len(names) != len(self.given):
@@ -69,12 +69,12 @@ class Emitter(Expressions):
         if returned != NOTHING and not leaves(self.node.body):
             raise self.fail(self.node, "it may end without a return")
         self._end(returned)
-        apart = " noinline" if len(self.lines) > LONG else ""  # compiled once, not into each of its callers
+        apart = " noinline" if len(self.lines) > LONG else ""  # compiled once, not in each of its callers
         head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"
         return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
 
     def _end(self, returned: Kind) -> None:
-        """Write what follows the last statement."""
+        """Write the code after the last statement."""
         if not self.closed:
             self.add("ret void" if returned == NOTHING else f"ret {returned.returned} zeroinitializer")
 
@@ -102,10 +102,10 @@ class Emitter(Expressions):
     # ---- variables -------------------------------------------------------------------------------------------------
 
     def store(self, name: str, value: Value, node: ast.AST) -> None:
-        """Give a variable a value."""
+        """Assign a value to a variable."""
         if value.kind == NOTHING:
             raise self.fail(node, f"{name} is given nothing")
-        known = self.kinds.get(name) if self.depth else None  # outside of branches it may change
+        known = self.kinds.get(name) if self.depth else None  # outside branches the kind may change
         known = known or self.wide.get(name)
         kind = joined(known or value.kind, value.kind)
         if kind is None:
@@ -128,18 +128,18 @@ class Emitter(Expressions):
         return self.places[name]
 
     def slot(self, part: str) -> str:
-        """Return memory of the function for one register."""
+        """Return stack memory for one register."""
         place = f"%s{len(self.slots)}"
         self.slots.append(f"  {place} = alloca {part}")
         return place
 
     def load(self, name: str, node: ast.AST) -> Value:
-        """Return a variable's or a constant's value."""
+        """Return the value of a variable or a constant."""
         if name in self.kinds or name in self.last:
             kind = self.kinds.setdefault(name, self.last.get(name, FLOAT))
             parts = zip(kind.parts, self._place(name), strict=True)
             return Value(kind, tuple(self.new(f"load {part}, ptr {place}") for part, place in parts))
-        if name in self.assigned and self.passes <= MOST_PASSES:  # in a loop, before it is written
+        if name in self.assigned and self.passes <= MOST_PASSES:  # read in a loop before its assignment is written
             self.again = True
             return constant(0.0)
         found = self.library.constant(name)
@@ -152,11 +152,11 @@ class Emitter(Expressions):
     def body(self, statements: Sequence[ast.stmt]) -> None:
         for each in statements:
             if self.closed:
-                return  # what follows is never reached
+                return  # the rest is never reached
             self.statement(each)
 
     def inside(self, statements: Sequence[ast.stmt]) -> None:
-        """Write what may run, or not, or again."""
+        """Write statements that may run never, once or repeatedly."""
         self.depth += 1
         self.body(statements)
         self.depth -= 1
@@ -220,7 +220,7 @@ class Emitter(Expressions):
         self.start(after)
 
     def _bounds(self, bounds: Sequence[ast.expr], node: ast.For) -> tuple[Value, Value, int]:
-        """Return first, last and step of a range."""
+        """Return start, stop and step of a range."""
         values = [self.whole(self.expression(each), each) for each in bounds]
         first = values[0] if len(values) > 1 else constant(0)
         last = values[0] if len(values) == 1 else values[1]
@@ -284,7 +284,7 @@ class Emitter(Expressions):
         self.closed = True
 
     def _returned(self, value: Value, node: ast.Return) -> Value:
-        """Return what is given back as the kind that all returns have."""
+        """Return a returned value, converted to the kind common to all returns."""
         kind = joined(self.returns or value.kind, value.kind)
         if kind is None or "c" in (kind.name, *(each.name for each in kind.of)):
             raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
@@ -293,7 +293,7 @@ class Emitter(Expressions):
         return self.as_kind(value, kind)
 
     def give_back(self, kind: Kind, parts: Sequence[str]) -> None:
-        """Return from the function."""
+        """Write the return of a value."""
         whole = parts[0] if parts else ""
         if kind.name in f"{ARRAYS}t":
             whole = "undef"

@@ -1,4 +1,4 @@
-"""Expressions of a text in LLVM's language: names, choices, elements and parts of arrays, calls of kernels."""
+"""Expressions of a text in LLVM IR: names, conditional expressions, elements and parts of arrays, calls of kernels."""
 
 import ast
 import math
@@ -13,18 +13,18 @@ EMPTY = {"np.empty": False, "np.zeros": True}
 
 
 class Expressions(Operations):
-    """What an emitter writes for an expression; it knows the variables."""
+    """Part of an emitter that writes expressions; it knows the variables."""
 
     def load(self, name: str, node: ast.AST) -> Value:
-        """Return a variable's or a constant's value."""
+        """Return the value of a variable or a constant."""
         raise NotImplementedError
 
     def slot(self, part: str) -> str:
-        """Return memory of the function for one register."""
+        """Return stack memory for one register."""
         raise NotImplementedError
 
     def expression(self, node: ast.expr) -> Value:
-        if type(node) is ast.Name:  # nearly all are one of these two
+        if type(node) is ast.Name:  # nearly all nodes are one of these two
             return self.load(node.id, node)
         if type(node) is ast.BinOp:
             return self.operation(node.op, self.expression(node.left), self.expression(node.right), node)
@@ -56,7 +56,7 @@ class Expressions(Operations):
         raise self.fail(node, "this is not compiled")
 
     def _attribute(self, of: Value, name: str, node: ast.expr) -> Value:
-        """Return an array's shape, or what a context holds under a name."""
+        """Return an array's shape, or the item of a context with a given name."""
         if of.kind.name == "a" and name == "shape":
             return Value(Kind("t", (INTEGER,) * of.kind.axes), of.parts[1:])
         if name not in of.kind.names:
@@ -72,7 +72,10 @@ class Expressions(Operations):
         return self.compare(ast.NotEq(), value, constant(0), node)
 
     def _both(self, every: bool, nodes: Sequence[ast.expr]) -> Value:
-        """Return whether all hold, or any; what decides is the last that is evaluated."""
+        """Return whether all conditions hold, or any.
+
+        Later ones are evaluated only where earlier ones do not decide.
+        """
         after, met = self.labels("after")[0], []
         for k, node in enumerate(nodes):
             value = self.truth(node)
@@ -204,11 +207,11 @@ class Expressions(Operations):
         return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
 
     def beside(self) -> list[str]:
-        """Return what every kernel is given before its arguments."""
+        """Return the arguments that every kernel takes before its own."""
         return []
 
     def _room(self, node: ast.Call, cleared: bool) -> Value:
-        """Return an array of the function's own, gone when it returns."""
+        """Return an array in the function's stack memory, which ends with the function."""
         shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
         sizes = [self.whole(self.expression(each), each).parts[0] for each in shape]
         whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"

@@ -1,7 +1,8 @@
-"""Kinds of values in compiled text: number, array, tuple; what each is made of in LLVM's language.
+"""Kinds of values in compiled text (number, array, tuple) and the LLVM types of the registers that hold them.
 
-Where points run side by side (`codegen.lanes`) a number is one of all lanes, and an array is shared by them, has their
-elements beside each other (`p`), or is one of each lane: `v` at an address of its own, `w` a part of such a `p`.
+Where points are computed side by side (`codegen.lanes`), a number may be a vector with one value for each lane. An
+array may be shared by all lanes, may hold vectors (`p`), or may be a different one for each lane: `v` with an address
+for each lane, `w` a part of a `p` that begins at a different place for each lane.
 """
 
 from __future__ import annotations
@@ -10,23 +11,25 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
-LANES = 8  # points side by side: numbers in the widest registers of today's processors
+LANES = 8  # points computed side by side: floats in the widest registers of today's processors
 _kinds: dict[tuple[Any, ...], Kind] = {}
 
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """What a value is: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` a context;
-    `F`, `I`, `B` numbers of all lanes, `p`, `v`, `w` arrays of all lanes.
+    """Kind of a value, by a letter.
 
-    A context is a tuple that the caller keeps, in memory that does not change. There is one object of each kind: equal
-    ones are the same, which the compiler asks for each operation.
+    For one number or object: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` context. For all
+    lanes: `F`, `I`, `B` vectors of numbers, and `p`, `v`, `w` arrays (described in the module).
+
+    A context is a tuple that the caller keeps, in memory that does not change. There is only one object of each kind,
+    so that kinds are compared by identity, which the compiler does for each operation.
     """
 
     name: str
     of: tuple[Kind, ...] = ()
     axes: int = 0
-    names: tuple[str, ...] = ()  # of what a context holds, where it has names
+    names: tuple[str, ...] = ()  # names of a context's items, if they have any
 
     def __new__(cls, name: str, of: tuple[Kind, ...] = (), axes: int = 0, names: tuple[str, ...] = ()) -> Kind:
         key = name, of, axes, names
@@ -38,7 +41,7 @@ class Kind:
 
     @cached_property
     def parts(self) -> tuple[str, ...]:
-        """The types of the registers that hold a value, in LLVM's language."""
+        """LLVM types of the registers that hold a value."""
         if self.name in ARRAYS:
             first = "ptr" if self.name in "ap" else ADDRESSES
             return (first, *("i64" for _ in range(self.axes)))
@@ -48,7 +51,7 @@ class Kind:
 
     @property
     def returned(self) -> str:
-        """The type that a function returns."""
+        """LLVM type that a function with a result of this kind returns."""
         if self.name == "n":
             return "void"
         return "{" + ", ".join(self.parts) + "}" if self.name in "apvwt" else self.parts[0]
@@ -60,8 +63,8 @@ ADDRESSES = f"<{LANES} x ptr>"
 _REGISTERS = {"f": "double", "i": "i64", "b": "i1", "c": "ptr"}
 _REGISTERS |= {name.upper(): f"<{LANES} x {one}>" for name, one in _REGISTERS.items() if name != "c"}
 FLOAT, INTEGER, TRUTH, NOTHING = Kind("f"), Kind("i"), Kind("b"), Kind("n")
-FLOATS, INTEGERS, TRUTHS = Kind("F"), Kind("I"), Kind("B")  # of all lanes
-NUMBERS = (TRUTH, INTEGER, FLOAT)  # each holds those before it
+FLOATS, INTEGERS, TRUTHS = Kind("F"), Kind("I"), Kind("B")  # vectors of all lanes
+NUMBERS = (TRUTH, INTEGER, FLOAT)  # each can hold those before it
 OF_LANES = {TRUTH: TRUTHS, INTEGER: INTEGERS, FLOAT: FLOATS}
 OF_ONE = {many: one for one, many in OF_LANES.items()}
 
@@ -71,17 +74,17 @@ def array(of: Kind, axes: int) -> Kind:
 
 
 def row_of(kind: Kind) -> Kind:
-    """Return what an array holds along its first axis."""
+    """Return the kind of an array's items along its first axis."""
     return kind.of[0] if kind.axes == 1 else Kind(kind.name, kind.of, kind.axes - 1)
 
 
 def joined(one: Kind, other: Kind) -> Kind | None:
-    """Return the kind that holds both; None where none does."""
+    """Return the kind that can hold both kinds; None where none can."""
     if one == other:
         return one
     if one in NUMBERS and other in NUMBERS:
         return max(one, other, key=NUMBERS.index)
-    if OF_ONE.get(one, one) in NUMBERS and OF_ONE.get(other, other) in NUMBERS:  # of all lanes, if either is
+    if OF_ONE.get(one, one) in NUMBERS and OF_ONE.get(other, other) in NUMBERS:  # a vector, if either is one
         return OF_LANES[max(OF_ONE.get(one, one), OF_ONE.get(other, other), key=NUMBERS.index)]
     if one.name == other.name == "t" and len(one.of) == len(other.of):
         inner = [joined(a, b) for a, b in zip(one.of, other.of, strict=True)]
@@ -90,35 +93,35 @@ def joined(one: Kind, other: Kind) -> Kind | None:
 
 
 def words_of(kind: Kind) -> int:
-    """Return the words of 8 bytes of an argument."""
+    """Return the number of 8-byte words of an argument."""
     if kind.name == "c":
         return sum(words_of(each) for each in kind.of)
     return sum(LANES if part[0] == "<" else 1 for part in kind.parts)
 
 
 def laned(kind: Kind) -> Kind:
-    """Return the kind in which every number is one of all lanes."""
+    """Return the kind in which every number is a vector of all lanes."""
     if kind.name == "t":
         return Kind("t", tuple(laned(each) for each in kind.of))
     return OF_LANES.get(kind, kind)
 
 
 def floating(kind: Kind) -> Kind:
-    """Return the kind in which every float is one of all lanes."""
+    """Return the kind in which every float is a vector of all lanes."""
     if kind.name == "t":
         return Kind("t", tuple(floating(each) for each in kind.of))
     return FLOATS if kind == FLOAT else kind
 
 
 class Value(NamedTuple):
-    """A value in registers; `known` is that of a number that is the same in every run."""
+    """A value in registers; `known` is its number, if that is a compile-time constant."""
 
     kind: Kind
     parts: tuple[str, ...]
     known: Any = None
 
     def items(self) -> list[Value]:
-        """Return the values in a tuple."""
+        """Return the items of a tuple."""
         found, at = [], 0
         for kind in self.kind.of:
             count = len(kind.parts)

@@ -1,4 +1,4 @@
-"""Expressions of a text for points side by side: choices under a mask, elements and parts of arrays of all lanes."""
+"""Expressions for points computed side by side: choices under a mask, elements and parts of lane arrays."""
 
 import ast
 from collections.abc import Sequence
@@ -9,14 +9,17 @@ from screwsim.codegen.program import constant
 
 
 class LaneExpressions(LaneOperations):
-    """What an emitter writes for an expression of all lanes; it knows the variables, and sets the mask."""
+    """Part of an emitter that writes expressions for all lanes.
+
+    It knows the variables, and sets the mask of active lanes.
+    """
 
     def set_mask(self, mask: str) -> None:
-        """Say which lanes are at work from here on."""
+        """Set the mask of the lanes that are active from here on."""
         self.add(f"store {MASK} {mask}, ptr %m")
 
     def _both(self, every: bool, nodes: Sequence[ast.expr]) -> Value:
-        """Return whether all hold, or any; a lane that knows already does not ask what follows."""
+        """Return whether all conditions hold, or any; lanes that are already decided are inactive in later ones."""
         found, before = self.truth(nodes[0]), ""
         for node in nodes[1:]:
             if found.known is not None:
@@ -41,7 +44,7 @@ class LaneExpressions(LaneOperations):
         return found
 
     def _compared(self, left: ast.expr, ops: Sequence[ast.cmpop], others: Sequence[ast.expr], node: ast.expr) -> Value:
-        """Return whether all hold; what follows is not worked out where no lane asks for it any more."""
+        """Return whether all comparisons hold; later operands are not computed where no lane needs them."""
         before, after = self.expression(left), self.expression(others[0])
         whole = self.compare(ops[0], before, after, node)
         if len(ops) == 1:

@@ -1,4 +1,4 @@
-"""What functions of a program become for points side by side, and what Python calls of them."""
+"""Library of functions compiled for points side by side, and their entries from Python."""
 
 from screwsim.codegen import lane_math, lane_rows
 from screwsim.codegen.kinds import LANES, NOTHING, TRUTHS, Kind, words_of
@@ -9,7 +9,7 @@ from screwsim.codegen.program import Program, read
 
 
 class LaneLibrary(Library):
-    """A library whose functions do for all lanes what they do for one."""
+    """A library whose functions compute all lanes at once."""
 
     def __init__(self, program: Program) -> None:
         written = read(lane_math.texts())
@@ -22,9 +22,9 @@ class LaneLibrary(Library):
         return LaneEmitter(self, name, kinds)
 
     def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
-        """Return what `Library.entry` does; the first word is a bit for each lane that is at work.
+        """Return what `Library.entry` does; the first word has one bit for each active lane.
 
-        An argument of all lanes takes a word of each.
+        An argument that differs between lanes takes one word for each lane.
         """
         lines = [f"  %bits = load i{LANES}, ptr %in", f"  %mask = bitcast i{LANES} %bits to {MASK}"]
         given, at = [f"{MASK} %mask"], 1

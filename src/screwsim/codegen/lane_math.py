@@ -1,8 +1,8 @@
-"""Exponential, logarithm and power of all lanes: as kernels of arithmetic alone, which a processor does side by side.
+"""Exponential, logarithm and power for all lanes: kernels of plain arithmetic, which a processor computes side by side.
 
-Each is what its series gives: exp, also less one, to two units in the last place, log to 2, a power to as many as its
-exponent times the logarithm has whole units, and one. `bits_of` and `of_bits` take a float for the
-whole number of its 64 bits.
+Each is a series. The errors are up to two units in the last place for exp and exp − 1 and two for log; for a power, as
+many as the whole part of exponent times logarithm, and one more. `bits_of` and `of_bits` convert a float to the integer
+with the same 64 bits and back.
 """
 
 import math
@@ -13,12 +13,12 @@ from typing import Any
 from screwsim.numerics.kernel import Kernel, Slot, flatten, kernel
 
 PER_LN2 = 1.0 / math.log(2.0)
-LN2_HIGH = 0.6931471803691238  # its last bits are nothing, so that multiples of it are exact
+LN2_HIGH = 0.6931471803691238  # its last bits are zero, so that its multiples are exact
 LN2_LOW = 1.9082149292705877e-10
-SHIFTED = 6755399441055744.0  # 1.5 * 2**52: a float added to it is rounded to a whole number, in its last bits
-LEAST, MOST = -708.0, 709.0  # beyond: nothing, too much
-ROOT_HALF = 4604544271217802188  # bits of the root of a half
-SMALL = 2.2250738585072014e-308  # the least float of full precision; below it there is nothing
+SHIFTED = 6755399441055744.0  # 1.5 * 2**52: adding a float rounds it to a whole number, held in the last bits
+LEAST, MOST = -708.0, 709.0  # arguments below which exp is taken as zero, above which as infinite
+ROOT_HALF = 4604544271217802188  # bits of √(1/2)
+SMALL = 2.2250738585072014e-308  # smallest float of full precision; positive values below count as zero
 E2, E3, E4, E5, E6, E7 = (1.0 / math.factorial(i) for i in range(2, 8))
 E8, E9, E10, E11, E12, E13 = (1.0 / math.factorial(i) for i in range(8, 14))
 A3, A5, A7, A9, A11 = (2.0 / i for i in range(3, 13, 2))
@@ -26,7 +26,7 @@ A13, A15, A17, A19, A21 = (2.0 / i for i in range(13, 23, 2))
 
 
 class _OfBits(Slot):
-    """A function that the compiler knows."""
+    """A function built into the compiler."""
 
     def __init__(self, name: str, function: Callable[[Any], Any]) -> None:
         super().__init__(name)
@@ -50,7 +50,7 @@ of_bits = _OfBits("of_bits", _float)
 
 @kernel
 def less_one(r):
-    """Return the exponential less one, on half a logarithm of two to both sides."""
+    """Return exp(r) − 1 for |r| ≤ ln(2)/2."""
     r2 = r * r
     r4 = r2 * r2
     a = E2 + r * E3 + r2 * (E4 + r * E5)
@@ -61,7 +61,7 @@ def less_one(r):
 
 @kernel
 def exp_of_lanes(x):
-    """Return the exponential: 2^n times a polynomial on half a logarithm of two to both sides."""
+    """Return the exponential: 2^n times a polynomial for a remainder within ±ln(2)/2."""
     held = min(max(x, LEAST), MOST)
     shifted = held * PER_LN2 + SHIFTED
     n = shifted - SHIFTED
@@ -75,7 +75,7 @@ def exp_of_lanes(x):
 
 @kernel
 def expm1_of_lanes(x):
-    """Return the exponential less one: 2^n times that of the rest, and 2^n less one."""
+    """Return exp(x) − 1: 2^n times exp(r) − 1 of the remainder r, plus 2^n − 1."""
     held = min(max(x, LEAST), MOST)
     shifted = held * PER_LN2 + SHIFTED
     n = shifted - SHIFTED
@@ -89,7 +89,7 @@ def expm1_of_lanes(x):
 
 @kernel
 def log_of_lanes(x):
-    """Return the logarithm: that of a power of two, and of what is left between the root of a half and that of two."""
+    """Return the logarithm: that of a power of two plus that of the remaining factor between √(1/2) and √2."""
     bits = bits_of(x)
     k = (bits - ROOT_HALF) // 4503599627370496
     m = of_bits(bits - k * 4503599627370496)
@@ -107,7 +107,7 @@ def log_of_lanes(x):
 
 @kernel
 def power_of_lanes(x, y):
-    """Return x^y of a positive x, and 0^y of none."""
+    """Return x^y for x > 0, and 0^y for x = 0."""
     return exp_of_lanes(y * log_of_lanes(x))
 
 
@@ -115,7 +115,7 @@ KERNELS: tuple[Kernel, ...] = (less_one, exp_of_lanes, expm1_of_lanes, log_of_la
 
 
 def texts(*more: Kernel) -> str:
-    """Return the functions, and more that use them, as a text, under the names that the compiler calls them by."""
+    """Return these functions, and more that use them, as a text, under the names by which the compiler calls them."""
     kernels = (*KERNELS, *more)
     text = "\n\n".join(flatten(kernels, {"bits_of": "bits_of", "of_bits": "of_bits"}).values())
     for each in kernels:

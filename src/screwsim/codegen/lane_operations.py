@@ -1,7 +1,7 @@
-"""What `operations` writes, of all lanes at once: numbers are vectors, what differs between lanes is masked.
+"""Operations for all lanes at once, as `operations` writes them for one: numbers are vectors, differences are masked.
 
-A whole number that is the same in all lanes stays one: indices of loops, places in arrays. A float never does, but for
-a number of the text.
+A whole number that is the same in all lanes (loop indices, places in arrays) stays a scalar. A float never does, except
+a literal of the text.
 """
 
 import ast
@@ -32,8 +32,8 @@ from screwsim.codegen.program import constant, float_text
 
 REAL, WHOLE, MASK = FLOATS.parts[0], INTEGERS.parts[0], TRUTHS.parts[0]
 NONE_OF_THEM, ALL_OF_THEM = "zeroinitializer", "splat (i1 true)"
-VECTORED = ("sqrt", "fabs", "copysign", "floor", "ceil")  # instructions of the processor
-WRITTEN = {  # `codegen.lane_math`
+VECTORED = ("sqrt", "fabs", "copysign", "floor", "ceil")  # vector instructions of the processor
+WRITTEN = {  # kernels of `codegen.lane_math` that replace functions of `math`
     "exp": "exp_of_lanes",
     "expm1": "expm1_of_lanes",
     "log": "log_of_lanes",
@@ -44,17 +44,17 @@ POWERS_OF_TWO = tuple(1 << n for n in range(63))
 
 
 class LaneOperations(Expressions):
-    """Operators and functions of numbers of all lanes; `mask` tells which of them are at work."""
+    """Operators and functions for numbers of all lanes; `mask` shows which lanes are active."""
 
-    sums: dict[str, tuple[str, int]]  # registers that are another one and a number of the text
-    of_table: dict[str, tuple[str, str, int]]  # addresses of numbers of a table: its name, place, places further on
+    sums: dict[str, tuple[str, int]]  # registers that are another register plus a literal
+    of_table: dict[str, tuple[str, str, int]]  # addresses of items of a constant table: its name, index, and offset
 
     def mask(self) -> str:
-        """Return which lanes are at work."""
+        """Return the mask of active lanes."""
         return self.new(f"load {MASK}, ptr %m")
 
     def both(self, one: str, other: str) -> str:
-        """Return where both hold; what the second is where the first does not is of no account."""
+        """Return where both hold; the second may be anything where the first does not hold."""
         return self.new(f"select {MASK} {one}, {MASK} {other}, {MASK} {NONE_OF_THEM}")
 
     def without(self, one: str, other: str) -> str:
@@ -62,7 +62,7 @@ class LaneOperations(Expressions):
         return self.both(one, self.new(f"xor {MASK} {other}, {ALL_OF_THEM}"))
 
     def any_of(self, mask: str) -> Value:
-        """Return whether any lane is at work."""
+        """Return whether any lane is active."""
         return Value(TRUTH, (self.new(f"icmp ne i{LANES} {self.new(f'bitcast {MASK} {mask} to i{LANES}')}, 0"),))
 
     # ---- kinds -----------------------------------------------------------------------------------------------------
@@ -76,11 +76,11 @@ class LaneOperations(Expressions):
         return self.new(f"shufflevector <{LANES} x {part}> {one}, <{LANES} x {part}> poison, {nought}")
 
     def laned(self, value: Value) -> Value:
-        """Return a value in which every number is one of all lanes."""
+        """Return a value in which every number is a vector of all lanes."""
         return self.as_kind(value, laned(value.kind))
 
     def floating(self, value: Value) -> Value:
-        """Return a value in which every float is one of all lanes."""
+        """Return a value in which every float is a vector of all lanes."""
         return self.as_kind(value, floating(value.kind))
 
     def as_kind(self, value: Value, kind: Kind) -> Value:
@@ -141,7 +141,7 @@ class LaneOperations(Expressions):
         if isinstance(op, ast.FloorDiv) and b.known in POWERS_OF_TWO:
             return Value(INTEGERS, (self.new(f"ashr {WHOLE} {x}, splat (i64 {POWERS_OF_TWO.index(b.known)})"),))
         y = self.as_whole(b)
-        if b.known is None:  # nothing is divided in lanes that are not at work
+        if b.known is None:  # inactive lanes divide by 1
             y = self.new(f"select {MASK} {self.mask()}, {WHOLE} {y}, {WHOLE} splat (i64 1)")
         left = self.new(f"srem {WHOLE} {x}, {y}")
         apart = self.new(f"icmp slt {WHOLE} {self.new(f'xor {WHOLE} {left}, {y}')}, zeroinitializer")
@@ -153,7 +153,7 @@ class LaneOperations(Expressions):
         return Value(INTEGERS, (self.new(f"sub {WHOLE} {quotient}, {less}"),))
 
     def _rest(self, x: str, y: str) -> Value:
-        """Return the rest of a division as Python takes it: rounded down."""
+        """Return the remainder of a division as Python defines it: with the quotient rounded down."""
         left = self.called("fmod", [Value(FLOATS, (x,)), Value(FLOATS, (y,))]).parts[0]
         other = self.new(f"fcmp olt {REAL} {self.new(f'fmul {REAL} {left}, {y}')}, zeroinitializer")
         more = self.new(f"fadd {REAL} {left}, {y}")
@@ -191,7 +191,7 @@ class LaneOperations(Expressions):
     # ---- functions -------------------------------------------------------------------------------------------------
 
     def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
-        plain = {"bits_of": (FLOATS, INTEGERS), "of_bits": (INTEGERS, FLOATS)}  # only in `codegen.lane_math`
+        plain = {"bits_of": (FLOATS, INTEGERS), "of_bits": (INTEGERS, FLOATS)}  # used only in `codegen.lane_math`
         if name in plain:
             given, found = plain[name]
             return lambda values, node: Value(found, (self._as_bits(values[0], given, found),))
@@ -214,7 +214,7 @@ class LaneOperations(Expressions):
         return self._one_by_one(name, given, 2 if function in OF_TWO else 1)
 
     def _one_by_one(self, name: str, given: Sequence[Value], count: int) -> Value:
-        """Return a function's values, asked lane by lane; those that are not at work ask for that of one."""
+        """Return a function's values, computed lane by lane; inactive lanes compute that of 1."""
         self.library.declare(
             f"declare double @{name}({', '.join(['double'] * count)}) nounwind willreturn memory(none)"
         )
@@ -249,7 +249,7 @@ class LaneOperations(Expressions):
         return best
 
     def chosen(self, where: str, one: Value, other: Value) -> Value:
-        """Return the first value in some lanes, the second in the others: numbers, or tuples of these."""
+        """Return the first value in the lanes `where`, the second in the others: numbers, or tuples of numbers."""
         one, other = self.laned(one), self.laned(other)
         kind = joined(one.kind, other.kind)
         if kind is None:
@@ -278,7 +278,7 @@ class LaneOperations(Expressions):
         return Value(kind, tuple(parts))
 
     def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
-        """Return where an element stands: one address, or (`v`) one of each lane."""
+        """Return the address of an element: one address, or (`v`) one for each lane."""
         indices = index.elts if isinstance(index, ast.Tuple) else [index]
         if of.kind.name not in ARRAYS or len(indices) != of.kind.axes:
             raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
@@ -292,7 +292,7 @@ class LaneOperations(Expressions):
         return self.moved(of, at)
 
     def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
-        """Return the address so many elements on, and the kind of array that begins there."""
+        """Return the address a number of elements further on, and the kind of array that begins there."""
         one, name = of.kind.of[0].parts[0], of.kind.name
         uniform = at.kind in OF_LANES
         where = f"i64 {self.as_kind(at, INTEGER).parts[0]}" if uniform else f"{WHOLE} {self.as_whole(at)}"
@@ -301,7 +301,7 @@ class LaneOperations(Expressions):
             return self.new(f"getelementptr inbounds <{LANES} x {one}>, {base}, {where}"), of.kind
         if name == "a" and uniform:
             return self.new(f"getelementptr inbounds {one}, {base}, {where}"), of.kind
-        if name in "pw":  # elements of one lane are so many apart
+        if name in "pw":  # elements of one lane are LANES numbers apart
             count = self.operation(ast.Mult(), at, constant(LANES), ast.Pass())
             where = f"{count.kind.parts[0]} {count.parts[0]}"
         if name == "p":
@@ -315,7 +315,7 @@ class LaneOperations(Expressions):
         return found, Kind({"a": "v", "v": "v", "p": "w", "w": "w"}[name], of.kind.of, of.kind.axes)
 
     def read(self, place: str, kind: Kind) -> Value:
-        """Return what stands at an address: in lanes that are not at work anything."""
+        """Return the value at an address; undefined in inactive lanes."""
         of = kind.of[0]
         if kind.name == "a":
             return self.floating(Value(of, (self.new(f"load {of.parts[0]}, ptr {place}"),)))
@@ -331,9 +331,9 @@ class LaneOperations(Expressions):
         return Value(many, (self.new(f"call {part} @{name}({given})"),))
 
     def _looked_up(self, one: str, table: str, at: str, more: int) -> str:
-        """Return numbers of a table of the text, of which each lane loads its own: quicker than a gather.
+        """Return numbers of a constant table, loaded one for each lane, which is faster than a gather.
 
-        Places that differ by a number of the text only are taken apart but once.
+        For indices that differ only by a literal the lanes are extracted once.
         """
         held = self.new(f"select {MASK} {self.mask()}, {WHOLE} {at}, {WHOLE} splat (i64 {max(0, -more)})")
         found = "poison"
@@ -346,7 +346,7 @@ class LaneOperations(Expressions):
         return found
 
     def write(self, place: str, kind: Kind, value: Value) -> None:
-        """Put a value where lanes are at work."""
+        """Store a value in the active lanes."""
         many = OF_LANES[kind.of[0]]
         part, register, mask = many.parts[0], self.as_kind(value, many).parts[0], self.mask()
         if kind.name == "p":

@@ -1,8 +1,8 @@
-"""Histories of all lanes, read a row at a time: neighbouring numbers are loaded together and transposed into lanes.
+"""Reads histories of all lanes a row at a time: adjacent numbers are loaded together and transposed into lanes.
 
-Gathering eight numbers of eight lanes takes as long as eight loads of eight numbers each. So what
-`numerics.history.read` does for one column after the other is done here for eight columns of one lane, lane by lane.
-Each number is made by the same operations in the same order: no bit differs.
+Gathering eight numbers for eight lanes takes as long as eight loads of eight numbers each. So, while
+`numerics.history.read` interpolates one column after the other, this does eight columns of one lane at once, lane by
+lane. Each number results from the same operations in the same order, so that no bit differs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from screwsim.numerics.history import NUDGE
 if TYPE_CHECKING:
     from screwsim.codegen.library import Library
 
-LOCATE, READ = "history__locate", "history__read"  # of `numerics.history`, in a text
+LOCATE, READ = "history__locate", "history__read"  # names of functions of `numerics.history` in a text
 _ONE = Kind("f")
 _TIMES = Kind("v", (_ONE,), 1)
 KINDS = {
@@ -34,12 +34,12 @@ OF_READ = (
     f"{PLACES} %dense, i64 %n_dense, i64 %n_rows, i64 %n_columns, {WHOLE} %step, ptr %into, i64 %n"
 )
 OF_LOCATE = f"{MASK} %mask, {REAL} %phi, {REAL} %middle, {PLACES} %times, i64 %n_times, {WHOLE} %steps, {WHOLE} %hint"
-FEW = 2  # columns that are not worth a block
-ROWS = 4  # of a step: both its ends, c3, c4
+FEW = 2  # number of columns up to which they are read one by one
+ROWS = 4  # rows of a step in the history: values at both ends, c3, c4
 
 
 class Rows:
-    """Writes a function of all lanes: `written` as an emitter does."""
+    """Writes a function for all lanes, with `written` as an emitter has it."""
 
     returns: Kind | None = NOTHING
 
@@ -58,7 +58,7 @@ class Rows:
         return found
 
     def ends(self, step: str) -> tuple[str, str]:
-        """Return the times at both ends of a step of each lane, which stand beside each other."""
+        """Return the times at both ends of each lane's step, which are adjacent in memory."""
         pairs = []
         for lane in range(LANES):
             base = self.new(f"extractelement {PLACES} %times, i64 {lane}")
@@ -85,7 +85,7 @@ class Rows:
 
 
 class Locator(Rows):
-    """Writes `numerics.history.locate`: most lanes find what they look for where they found it before."""
+    """Writes `numerics.history.locate`: most lanes find their step where they found it before."""
 
     returns: Kind | None = INTEGERS
 
@@ -118,7 +118,7 @@ class Locator(Rows):
     def _go(
         self, block: str, after: str, coming: list[tuple[str, str, str, str]], on: tuple[str, str], how: str
     ) -> None:
-        """Write a loop in which lanes go a step on while both conditions hold."""
+        """Write a loop in which lanes move one step at a time while both conditions hold."""
         at = len(self.lines) + 1
         self.lines.append(f"{block}:")
         one, other = (self.new(each) for each in on)
@@ -143,7 +143,7 @@ class RowReader(Rows):
         declare = self.library.declare
         declare(f"declare {REAL} {LOAD}(ptr, i32, {MASK}, {REAL})")
         declare(f"declare void {STORE}({REAL}, ptr, i32, {MASK})")
-        step = self.new(f"select {MASK} %mask, {WHOLE} %step, {WHOLE} zeroinitializer")  # there is a row of that
+        step = self.new(f"select {MASK} %mask, {WHOLE} %step, {WHOLE} zeroinitializer")  # step 0 always exists
         theta = self._share(step)
         rest = self.new(f"fsub {REAL} splat (double 1.0), {theta}")
         stride = self.new("mul i64 %n_rows, %n_columns")
@@ -169,18 +169,18 @@ class RowReader(Rows):
         self.lines.append(f"  br i1 {self.new(f'icmp {how} i64 {one}, {other}')}, label %{then}, label %{orelse}")
 
     def _share(self, step: str) -> str:
-        """Return θ, the share of the step."""
+        """Return θ, the fraction of the step."""
         ends = self.ends(step)
         gone, whole = self.new(f"fsub {REAL} %phi, {ends[0]}"), self.new(f"fsub {REAL} {ends[1]}, {ends[0]}")
         return self.new(f"fdiv {REAL} {gone}, {whole}")
 
     def _in_all(self, vector: str, lane: int) -> str:
-        """Return one lane's number in all places of a register."""
+        """Return a register with one lane's number in all places."""
         places = ", ".join([f"i32 {lane}"] * LANES)
         return self.new(f"shufflevector {REAL} {vector}, {REAL} poison, <{LANES} x i32> <{places}>")
 
     def _block(self, firsts: list[str], shares: list[tuple[str, str]]) -> None:
-        """Write what fills as many columns as there are lanes, from `%at` on."""
+        """Write the code that fills as many columns as there are lanes, from `%at` on."""
         left = self.new("sub i64 %n, %at")
         given = f"insertelement {WHOLE} poison, i64 {left}, i64 0"
         every = self.new(f"shufflevector {WHOLE} {self.new(given)}, {WHOLE} poison, <{LANES} x i32> zeroinitializer")
@@ -197,7 +197,7 @@ class RowReader(Rows):
         self.lines.append(f"  call void {STORE}({REAL} {row}, ptr {place}, i32 8, {MASK} {where})")
 
     def _column(self, firsts: list[str], theta: str, rest: str) -> None:
-        """Write what fills the column `%c`: of each lane one number after the other."""
+        """Write the code that fills the column `%c`, one lane after the other."""
         parts = []
         for row in range(ROWS):
             skip, found = self.new(f"add i64 {self.new(f'mul i64 %n_columns, {row}')}, %c"), "poison"
@@ -216,7 +216,7 @@ class RowReader(Rows):
         return self.new(f"fadd {REAL} {one}, {other}")
 
     def _value(self, first: str, share: tuple[str, str], columns: str) -> str:
-        """Return what `history.read` makes of one lane's columns."""
+        """Return the values that `history.read` gives for one lane's columns."""
         parts = []
         for row in range(ROWS):
             skip = self.new(f"add i64 {self.new(f'mul i64 %n_columns, {row}')}, %at")
@@ -225,7 +225,7 @@ class RowReader(Rows):
         return self._cubic(parts, *share)
 
     def _turned(self, rows: list[str]) -> list[str]:
-        """Return the columns of rows, by halves that change places: blocks of four, of two, of one."""
+        """Return the transpose of rows, by exchanging halves: blocks of four, of two, of one."""
         size = LANES // 2
         while size:
             turned = list(rows)

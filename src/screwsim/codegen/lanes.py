@@ -1,9 +1,8 @@
-"""One function of a text for points side by side: what `emit` writes, with a mask of the lanes that are at work.
+"""Writes one function for points computed side by side: like `emit`, with a mask of active lanes.
 
-A branch that lanes do not take together is taken by those that want it while the others wait; a loop runs until none
-of its lanes is left. So each lane does what it would do alone, operation by operation, whatever the others do: no bit
-of its results depends on them. A variable's value is that of the lanes that were at work when it was given; what others
-hold stays.
+Where lanes take different branches, those that take a branch run while the others wait; a loop runs until none of its
+lanes is left. So each lane computes what it would compute alone, operation by operation: no bit of its results depends
+on the other lanes. An assignment changes a variable only in the lanes that are active; other lanes keep their values.
 """
 
 from __future__ import annotations
@@ -24,14 +23,14 @@ if TYPE_CHECKING:
 
 
 class _Loop(NamedTuple):
-    """Slots of masks: lanes that go on with a loop, lanes that go on after it; where those go that are done."""
+    """Memory of two masks: lanes that continue a loop, and lanes that continue after it (have not returned)."""
 
     inside: str
     after: str
 
 
 class LaneEmitter(LaneExpressions, Emitter):
-    """Writes one function of all lanes; `split` tells how many branches that lanes take apart it is within."""
+    """Writes one function for all lanes; `split` counts the enclosing branches in which lanes are separated."""
 
     def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
         Emitter.__init__(self, library, name, arguments)
@@ -60,10 +59,10 @@ class LaneEmitter(LaneExpressions, Emitter):
     # ---- variables -------------------------------------------------------------------------------------------------
 
     def store(self, name: str, value: Value, node: ast.AST) -> None:
-        """Give a variable a value, in the lanes that are at work."""
+        """Assign a value to a variable in the active lanes."""
         super().store(name, self.laned(value) if self.split and self.apart else self.floating(value), node)
 
-    apart = True  # do lanes differ in what is stored?
+    apart = True  # whether the stored value may differ between lanes
 
     def _put(self, part: str, register: str, place: str, masked: bool | None = None) -> None:
         if (self.split > 0 if masked is None else masked) and part[0] == "<":
@@ -72,7 +71,7 @@ class LaneEmitter(LaneExpressions, Emitter):
         self.add(f"store {part} {register}, ptr {place}")
 
     def masks(self, first: str) -> str:
-        """Return room for a mask."""
+        """Return memory for a mask."""
         slot = self.slot(MASK)
         self.add(f"store {MASK} {first}, ptr {slot}")
         return slot
@@ -154,7 +153,7 @@ class LaneEmitter(LaneExpressions, Emitter):
         self.set_mask(self.new(f"load {MASK}, ptr {loop.after}"))
 
     def _go_on(self, loop: _Loop) -> str:
-        """Let those work that have not left a loop; return them."""
+        """Activate the lanes that have not left a loop; return their mask."""
         now = self.new(f"load {MASK}, ptr {loop.inside}")
         self.set_mask(now)
         return now
@@ -211,7 +210,7 @@ class LaneEmitter(LaneExpressions, Emitter):
             self._end_loop(loop)
 
     def _for_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
-        """Write a loop of which lanes go round different times."""
+        """Write a loop whose number of iterations differs between lanes."""
         first, last, step = bounds
         loop, counter = self._begin_loop(), self.slot(WHOLE)
         self.add(f"store {WHOLE} {self.as_whole(first)}, ptr {counter}")
@@ -277,7 +276,7 @@ class LaneEmitter(LaneExpressions, Emitter):
         return [f"{MASK} {self.mask()}"]
 
     def _room(self, node: ast.Call, cleared: bool) -> Value:
-        """Return an array of the function's own, of all lanes."""
+        """Return an array in the function's stack memory, for all lanes."""
         assert ast.unparse(node.func) in EMPTY
         shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
         sizes = [self.whole(self.expression(each), each) for each in shape]
@@ -295,5 +294,5 @@ class LaneEmitter(LaneExpressions, Emitter):
 
 
 def _leaves(statements: Sequence[ast.stmt]) -> bool:
-    """Tell whether lanes may leave what surrounds statements."""
+    """Tell whether lanes may leave the block that surrounds statements."""
     return any(isinstance(each, ast.Return | ast.Break | ast.Continue) for each in nodes(*statements))

@@ -1,4 +1,4 @@
-"""Functions of a text in LLVM's language, and which are compiled together because one calls the other."""
+"""Functions of a text in LLVM IR, and which are compiled together because one calls the other."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from screwsim.codegen.operations import Operations
 
 FAULT = "@fault = internal global i64 0"
-_Key = tuple[str, tuple[Kind, ...]]  # a function, the kinds of its arguments
+_Key = tuple[str, tuple[Kind, ...]]  # name of a function, and kinds of its arguments
 
 
 @dataclass
 class _Written:
-    """A function for kinds of arguments, and what it asks for: functions, constants, declarations."""
+    """A function written for given kinds of arguments, and what it needs: functions, constants, declarations."""
 
     symbol: str
     text: str = ""
@@ -35,11 +35,11 @@ class _Written:
 
 
 class Writer(Protocol):
-    """What writes a function; what that returns is known once it is `written`."""
+    """Interface of an object that writes a function; the kind returned is known once it is `written`."""
 
     @property
     def returns(self) -> Kind | None:
-        """The kind of what the function returns."""
+        """The kind that the function returns."""
         ...
 
     def written(self, symbol: str) -> str:
@@ -48,10 +48,10 @@ class Writer(Protocol):
 
 
 class Library:
-    """What functions of a program become, each written once; with `checks` every index is held within its array.
+    """Functions of a program in LLVM IR, each written once; with `checks` every index is kept within its array.
 
-    `outside` are addresses of functions of this process that the program calls, with numbers and arrays, for nothing.
-    `known` are arguments of an entry, by place, that are the same whole numbers in every call.
+    `outside` are addresses of functions of this process that the program calls with numbers and arrays; they return
+    nothing. `known` are arguments of an entry, by position, that are the same whole numbers in every call.
     """
 
     known: Mapping[int, int] = MappingProxyType({})
@@ -59,7 +59,7 @@ class Library:
     def __init__(self, program: Program, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         self.program, self.outside, self.checks = program, outside or {}, checks
         self._functions: dict[_Key, _Written] = {}
-        self._open: list[_Written] = []  # those that are being written, each called by the one before
+        self._open: list[_Written] = []  # functions being written, each called by the one before
         self._arrays: dict[str, tuple[Value, str]] = {}
 
     def declare(self, line: str) -> None:
@@ -76,11 +76,11 @@ class Library:
         return None if value is None else constant(value)
 
     def emitter(self, name: str, kinds: tuple[Kind, ...]) -> Writer:
-        """Return what writes a function."""
+        """Return the writer of a function."""
         return Emitter(self, name, kinds)
 
     def function(self, name: str, kinds: tuple[Kind, ...]) -> tuple[str, Kind]:
-        """Return the symbol of a function for kinds of arguments, and the kind of what it returns."""
+        """Return the symbol of a function for kinds of arguments, and the kind that it returns."""
         key = (name, kinds)
         if self._open:
             self._open[-1].calls[key] = None
@@ -102,7 +102,7 @@ class Library:
         return found.symbol, found.returned
 
     def checked(self, writer: Operations, place: str, size: str, node: ast.AST) -> str:
-        """Return an index; with checks one that is within its array, and a note of one that was not."""
+        """Return an index; with checks, one kept within its array, after code that records a fault where it was not."""
         if not self.checks:
             return place
         bad = writer.new(f"icmp uge i64 {place}, {size}")
@@ -111,9 +111,9 @@ class Library:
         return writer.new(f"select i1 {bad}, i64 0, i64 {place}")
 
     def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
-        """Return the kind and the text of what Python calls, `symbol(in, out)`, with all that it calls.
+        """Return the kind and text of the entry `symbol(in, out)` that Python calls, with all functions that it calls.
 
-        Arguments and results are words of 8 bytes; those that are known are not read.
+        Arguments and results are words of 8 bytes; the words of known arguments are not read.
         """
         given, lines, at = [], [], 0
         for k, kind in enumerate(kinds):
@@ -155,7 +155,7 @@ class Library:
         return returned, self.whole_text((name, kinds), symbol, lines)
 
     def whole_text(self, key: _Key, symbol: str, lines: list[str]) -> str:
-        """Return the text of what Python calls, given its lines, with all that it calls."""
+        """Return the text of an entry, given its lines, with all functions that it calls."""
         call = "\n".join([f'define i64 @"{symbol}"(ptr %in, ptr %out) nounwind {{', *lines, "}"])
         found: dict[_Key, _Written] = {}
         left = [key]

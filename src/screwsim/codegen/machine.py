@@ -1,4 +1,4 @@
-"""Machine code of a text in LLVM's language: optimised for this processor, loaded into this process."""
+"""Machine code from LLVM IR: optimised for this processor and loaded into this process."""
 
 import ctypes
 import threading
@@ -7,14 +7,14 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
-SOON = 0  # level of code that is to be there soon: written in a fifth of the time, two to three times as slow
+PASSES, CODE = 1, 3  # LLVM levels 0 to 3 of passes and code: more passes take twice the time for no faster code
+SOON = 0  # level of quickly compiled code: a fifth of the compile time, two to three times as slow
 _alone = threading.RLock()
-_own = threading.local()  # a thread's targets
+_own = threading.local()  # targets of each thread
 
 
 def _target(level: int = CODE) -> llvm.TargetMachine:
-    """Return this thread's idea of this processor, which writes code of a level."""
+    """Return this thread's target machine for this processor and a level of code."""
     targets = _own.__dict__.setdefault("targets", {})
     if level not in targets:
         with _alone:
@@ -35,7 +35,7 @@ def processor() -> str:
 
 
 def compiled(text: str, fast: bool = False) -> bytes:
-    """Return the object code of a text: soon, or `fast`, which takes five times as long.
+    """Return the object code of a text: compiled quickly, or `fast` to run, which takes five times as long to compile.
 
     No pass may change a bit of a result: both give the same.
     """
@@ -48,7 +48,7 @@ def compiled(text: str, fast: bool = False) -> bytes:
     builder = llvm.create_pass_builder(machine, tuning)
     if fast:
         passes = builder.getModulePassManager()
-    else:  # variables into registers, and no more
+    else:  # only variables into registers
         passes = llvm.create_new_module_pass_manager()
         passes.add_sroa_pass()
         passes.add_simplify_cfg_pass()
@@ -61,7 +61,7 @@ def _linker() -> Any:
     return llvm.create_lljit_compiler(_target())
 
 
-_kept: list[Any] = []  # what must live as long as its code
+_kept: list[Any] = []  # objects that must live as long as their code
 CALL = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)
 
 
@@ -69,17 +69,17 @@ def loaded(code: bytes, symbol: str) -> Any:
     """Return the entry of object code, to be called with the addresses of arguments and results."""
     library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
     with _alone:
-        tracker = library.link(_linker(), f"{symbol} {len(_kept)}")  # a name of its own
+        tracker = library.link(_linker(), f"{symbol} {len(_kept)}")  # a unique name
         _kept.append(tracker)
     return CALL(tracker[symbol])
 
 
-DEVICE, FEATURES = "sm_75", "+ptx78"  # the least that is written for: a driver translates it for what it has
-DEVICE_PASSES = 2  # what the driver is given is small then, and its own part of the work short
+DEVICE, FEATURES = "sm_75", "+ptx78"  # oldest architecture supported: the driver translates the PTX for its device
+DEVICE_PASSES = 2  # keeps the PTX small, and the driver's part of compiling short
 
 
 def for_device(text: str) -> str:
-    """Return the PTX of a text; joined products and sums are not in it."""
+    """Return the PTX of a text, without fused multiply-adds."""
     with _alone:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()

@@ -1,11 +1,12 @@
-"""Modules: texts of kernels whose functions are compiled when they are first called, and kept.
+"""Modules: texts of kernels whose functions are compiled when first called, and cached.
 
-A module's name is the hash of all its text and of what compiles it, so that an edit anywhere makes another one and a
-stale one cannot be run. What is compiled of it, one file for each function and kinds of arguments, is kept in the cache
-folder; a text that is not asked to compile anything is not even read.
+A module's name is the hash of its whole text and of the compiler, so that any edit gives another module and stale code
+cannot run. Compiled code is kept in the cache folder, one file for each function and kinds of arguments; a text from
+which nothing is compiled is not even parsed.
 
-A function is written soon at first. Once that has run for a while, in this process and those before, it is written
-again for speed, with the same bits: who waits for a first result need not wait for what only many results pay for.
+A function is first compiled quickly. Once that code has run for a while, in this process and earlier ones, it is
+compiled again for speed, with the same bits: a first result need not wait for compilation that pays off only over many
+results.
 """
 
 from __future__ import annotations
@@ -26,34 +27,34 @@ from screwsim.numerics import compiling, store
 from screwsim.numerics.garbage import no_search
 
 _loaded: dict[str, Module] = {}
-_alone = threading.RLock()  # two threads would make two modules of one text
-_libraries: dict[int, tuple[Module, Any]] = {}  # of the modules that were compiled last: a text read takes megabytes
+_alone = threading.RLock()  # keeps two threads from making two modules of one text
+_libraries: dict[int, tuple[Module, Any]] = {}  # of the last modules compiled: a parsed text takes megabytes
 _writing = threading.RLock()
 MOST_LIBRARIES = 3
-PATIENCE = 5e-6  # [s a byte] that code which was written soon runs before it is written for speed: what that takes
-SHARES = 16  # of that time: what a process has run of it is told others in so many steps
-_FULL = 4096  # [byte] of the file of these
-_measuring: list[object] = []  # who measures times: each step on it is one of the interpreter's own
+PATIENCE = 5e-6  # [s/byte] run time of quick code before it is compiled for speed: about the time that this takes
+SHARES = 16  # number of parts of that time in which a process reports its run time to other processes
+_FULL = 4096  # [byte] largest file of these reports
+_measuring: list[object] = []  # one object for each measurement of times; list operations are atomic
 
 
 @cache
 def _compiler() -> str:
-    """Return what decides on machine code beside the text: this package, LLVM, the processor."""
-    from screwsim.codegen.machine import processor  # here, since it takes long to import
+    """Return a hash of what determines machine code beside the text: this package, LLVM, the processor."""
+    from screwsim.codegen.machine import processor  # here because it is slow to import
 
     sources = (path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
     return hashlib.sha256(b"\n".join([*sources, processor().encode()])).hexdigest()
 
 
 def module_name(text: str, of: str) -> str:
-    """Return the module's name: a hash of its text, of what compiles it, and the processor."""
+    """Return the module's name: a hash of its text, of the compiler and of the processor."""
     digest = hashlib.sha256("\n".join([text, _compiler()]).encode()).hexdigest()
     return f"screwsim_{of}_{digest[:24]}"
 
 
 @contextmanager
 def for_speed() -> Iterator[None]:
-    """Write code for speed at once, in all threads: where times are measured."""
+    """Compile for speed at once, in all threads: for measurements of times."""
     own = object()
     _measuring.append(own)
     try:
@@ -63,27 +64,27 @@ def for_speed() -> Iterator[None]:
 
 
 def load(text: str, of: str, fast: bool = False) -> Module:
-    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
+    """Return the module of a text; `of` begins its name. Its compiled code is kept in the cache folder.
 
-    A `fast` one is written for speed at once: one text for all models, which is compiled but once.
+    A `fast` one is compiled for speed at once: for a text common to all models, which is compiled only once.
     """
     name = module_name(text, of)
     with _alone:
         if name not in _loaded:
-            store.keep_text(f"{name}.py", text)  # to be read by people; nothing is taken from there
+            store.keep_text(f"{name}.py", text)  # for people to read; never read back
             _loaded[name] = Module(name, text, fast=fast)
         return _loaded[name]
 
 
 class Module(ModuleType):
-    """Functions of a text, by name; `outside` are addresses of functions of this process that the text calls."""
+    """Functions of a text by name; `outside` are addresses of functions of this process that the text calls."""
 
     def __init__(
         self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False, fast: bool = False
     ) -> None:
         super().__init__(name)
         self.text, self._outside, self._checks, self.fast = text, dict(outside or {}), checks, fast
-        self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
+        self.made: list[str] = []  # functions compiled in this process, not found in the cache
 
     def __getattr__(self, name: str) -> Function:
         if name.startswith("__") or f"\ndef {name}(" not in f"\n{self.text}":
@@ -91,21 +92,24 @@ class Module(ModuleType):
         return self.__dict__.setdefault(name, Function(self, name))
 
     def compiled(self, name: str, kinds: tuple[Kind, ...], fast: bool = False) -> tuple[Variant, int]:
-        """Return a function for kinds of arguments, as it was kept or compiled now, and its bytes; none if fast."""
+        """Return a function for kinds of arguments, from the cache or compiled now, and its size [byte].
+
+        0 if it is fast.
+        """
         from screwsim.codegen import machine
 
         returned, code, symbol, fast = self._code(name, kinds, fast)
         return Variant(machine.loaded(code, symbol), kinds, returned), 0 if fast else len(code)
 
     def of_lanes(self, name: str, kinds: tuple[Kind, ...]) -> Any:
-        """Return the entry of a function of points side by side (`codegen.lane_library`), written for speed."""
+        """Return the entry of a function for points side by side (`codegen.lane_library`), compiled for speed."""
         from screwsim.codegen import machine
 
         _, code, symbol, _ = self._code(name, kinds, True)
         return machine.loaded(code, symbol)
 
     def of_device(self, name: str, kinds: tuple[Kind, ...], numbers: Mapping[int, int]) -> bytes:
-        """Return the PTX of a kernel, a thread a point (`codegen.device_library`); kept as machine code is."""
+        """Return the PTX of a GPU kernel, one thread per point (`codegen.device_library`), cached like machine code."""
         from screwsim.codegen import device_library, machine, program
 
         symbol = f"{self._symbol(name, kinds)}.{'.'.join(f'{k}_{number}' for k, number in numbers.items())}.ptx"
@@ -118,7 +122,10 @@ class Module(ModuleType):
         return kept
 
     def run_file(self, name: str, kinds: tuple[Kind, ...]) -> str:
-        """Return the name of the file that tells how long a function which was written soon has run; '': none does."""
+        """Return the name of the file that records how long a quickly compiled function has run.
+
+        '' where there is none.
+        """
         return "" if self._outside or self._checks else f"{self._symbol(name, kinds)}.ran"
 
     def _symbol(self, name: str, kinds: tuple[Kind, ...]) -> str:
@@ -126,7 +133,7 @@ class Module(ModuleType):
         return f"{self.__name__}.{name}.{of}"
 
     def _code(self, name: str, kinds: tuple[Kind, ...], fast: bool) -> tuple[str, bytes, str, bool]:
-        """Return what a function returns, its machine code, the symbol of its entry, and whether it is fast."""
+        """Return a function's returned kind, machine code, symbol of its entry, and whether that is fast."""
         from screwsim.codegen import machine
 
         symbol, kept = self._symbol(name, kinds), None
@@ -157,12 +164,12 @@ class Module(ModuleType):
                 found = self, library.Library(program.read(self.text), self._outside, self._checks)
             if len(_libraries) >= MOST_LIBRARIES:
                 _libraries.pop(next(iter(_libraries)))
-            _libraries[id(self)] = found  # the last one
+            _libraries[id(self)] = found  # now the most recent
             return found[1].entry(name, kinds, symbol)
 
 
 class Function:
-    """A function of a module, compiled for the kinds of arguments that it is called with."""
+    """A function of a module, compiled for the kinds of arguments with which it is called."""
 
     def __init__(self, module: Module, name: str) -> None:
         self._module, self._name = module, name
@@ -172,7 +179,7 @@ class Function:
     def __call__(self, *arguments: Any) -> Any:
         kinds: list[int] = []
         words: list[float] = []
-        for each in arguments:  # the commonest as `take` does, without a call
+        for each in arguments:  # the most common kinds as in `take`, without a call
             what = type(each)
             if what is float:
                 kinds.append(0)
@@ -190,13 +197,16 @@ class Function:
         return (variant or self._made(key))(words)
 
     def bound(self, numbers: int, *rest: Any) -> Callable[..., Any]:
-        """Return the function of so many first numbers alone, all float: where the rest stands is looked at once."""
+        """Return the function of its first `numbers` arguments, all floats.
+
+        The words of the others are determined once.
+        """
         kinds, words = [0] * numbers, list[float]()
         for each in rest:
             take(each, kinds, words)
         key, variants = tuple(kinds), self._variants
 
-        def call(*first: float, held: Any = rest) -> Any:  # arrays live as long as what knows where they stand
+        def call(*first: float, held: Any = rest) -> Any:  # `held` keeps alive the arrays whose addresses are used
             variant = variants.get(key)
             return (variant or self._made(key))((*first, *words))
 
@@ -210,7 +220,7 @@ class Function:
             return self._variants[key]
 
     def hasten(self, key: tuple[int, ...]) -> None:
-        """Write for speed what was written soon."""
+        """Compile for speed what was compiled quickly."""
         with self._alone:
             if isinstance(self._variants[key], _Tried):
                 with compiling.again():
@@ -224,16 +234,16 @@ class Function:
 
 
 class _Tried:
-    """A variant that was written soon, of so many bytes, and how long it has run.
+    """A quickly compiled variant, its size [byte], and how long it has run.
 
-    `file` tells what processes before ran of it, a line a share of its time; '': it is not kept.
+    `file` records how long earlier processes ran it, one line for each part of the time; '': no record is kept.
     """
 
     def __init__(self, variant: Variant, function: Function, key: tuple[int, ...], size: int, file: str) -> None:
         self._variant, self._function, self._key, self._size, self._file = variant, function, key, size, file
         before = sum(store.sound(line) is not None for line in store.read_lines(file, _FULL)) if file else 0
         self._share = PATIENCE * size / SHARES
-        self._ran = before * self._share if before else 0.0  # a share may be endless
+        self._ran = before * self._share if before else 0.0  # a share may be infinite
         self._untold = self._ran + self._share
 
     def __call__(self, words: Sequence[float]) -> Any:
@@ -245,7 +255,10 @@ class _Tried:
         return found
 
     def _consider(self) -> None:
-        """Write it for speed where it has run for long enough, or tell others how long it has."""
+        """Compile it for speed where it has run long enough.
+
+        Otherwise record for other processes how long it has run.
+        """
         if _measuring or self._ran > PATIENCE * self._size:
             self._function.hasten(self._key)
             if self._file:

@@ -1,4 +1,4 @@
-"""Arithmetic, comparisons, elements of arrays and functions of `math`, in LLVM's language."""
+"""Arithmetic, comparisons, elements of arrays and functions of `math` in LLVM IR."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ COMPARED: dict[type, tuple[str, str, Callable[[Any, Any], bool]]] = {
     ast.Gt: ("sgt", "ogt", operator.gt),
     ast.GtE: ("sge", "oge", operator.ge),
 }
-LARGEST_POWER = 64  # multiplied out
-# functions of one or two floats: LLVM's own, and those of the C library
+LARGEST_POWER = 64  # largest integer exponent that is multiplied out
+# functions of one or two floats: intrinsics of LLVM, and those of the C library
 OWN = {name: f"llvm.{name}.f64" for name in ("sqrt", "exp", "log", "log10", "log2", "sin", "cos", "pow", "copysign")}
 OWN |= {"fabs": "llvm.fabs.f64"}
 LIBRARY = ("expm1", "log1p", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "atan2", "hypot", "cbrt", "erf")
@@ -42,7 +42,7 @@ OF_TWO = ("pow", "copysign", "atan2", "hypot", "fmod")
 
 
 class Operations:
-    """What an emitter writes for operators and functions; `lines` of the block that is being written."""
+    """Part of an emitter that writes operators and functions; `lines` are those of the block being written."""
 
     library: Library
     lines: list[str]
@@ -59,7 +59,7 @@ class Operations:
         self.lines.append("  " + line)
 
     def new(self, operation: str) -> str:
-        """Write an operation; return the register that holds its result."""
+        """Write an operation; return the register of its result."""
         self.count += 1
         self.add(f"%v{self.count} = {operation}")
         return f"%v{self.count}"
@@ -84,7 +84,7 @@ class Operations:
     # ---- kinds -----------------------------------------------------------------------------------------------------
 
     def as_kind(self, value: Value, kind: Kind) -> Value:
-        """Return a value as one of a kind that holds it."""
+        """Return a value converted to another kind."""
         if value.kind == kind:
             return value
         if kind.name == "t":
@@ -92,7 +92,7 @@ class Operations:
             return Value(kind, tuple(part for one in items for part in one.parts))
         if value.known is not None:
             return constant(float(value.known) if kind == FLOAT else int(value.known))
-        if value.kind == FLOAT:  # into an element of an array of integers
+        if value.kind == FLOAT:  # stored in an array of integers
             return Value(INTEGER, (self.new(f"fptosi double {value.parts[0]} to i64"),))
         if value.kind == TRUTH:
             how = "zext i1 {} to i64" if kind == INTEGER else "uitofp i1 {} to double"
@@ -108,13 +108,13 @@ class Operations:
         return self.as_kind(value, INTEGER)
 
     def items(self, value: Value) -> list[Value]:
-        """Return what a tuple holds."""
+        """Return the items of a tuple or a context."""
         if value.kind.name == "c":
             return [self.of_context(value, k) for k in range(len(value.kind.of))]
         return value.items()
 
     def of_context(self, value: Value, k: int) -> Value:
-        """Return one thing that a context holds: read from memory that does not change."""
+        """Return one item of a context, read from memory that does not change."""
         kind = value.kind.of[k]
         first = sum(len(each.parts) for each in value.kind.of[:k])
         parts = []
@@ -143,7 +143,7 @@ class Operations:
         return Value(FLOAT, (self.new(f"{BY_FLOATS[type(op)]} double {self.as_float(a)}, {self.as_float(b)}"),))
 
     def _divided(self, rest: bool, a: Value, b: Value, both: bool, node: ast.AST) -> Value:
-        """Return quotient or rest as Python takes them: rounded down."""
+        """Return quotient or remainder as Python defines them: with the quotient rounded down."""
         if not both:
             if not rest:
                 raise self.fail(node, "// of floats is not compiled; use math.floor")
@@ -215,7 +215,7 @@ class Operations:
         raise NotImplementedError
 
     def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
-        """Return where an element of an array stands, and its kind."""
+        """Return the address of an array's element, and its kind."""
         indices = index.elts if isinstance(index, ast.Tuple) else [index]
         if of.kind.name != "a" or len(indices) != of.kind.axes:
             raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
@@ -233,7 +233,7 @@ class Operations:
     # ---- functions -------------------------------------------------------------------------------------------------
 
     def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
-        """Return what writes a call of a function that is not a kernel; None for what is not known."""
+        """Return the writer of calls of a function that is not a kernel; None where it is unknown."""
         plain = {"abs": self._abs, "min": self._extreme, "max": self._extreme, "int": self._int, "float": self._float}
         if name in plain or name == "len":
             return plain.get(name, self._length)
@@ -247,7 +247,7 @@ class Operations:
         return lambda values, node: self.called(function, values)
 
     def called(self, function: str, values: Sequence[Value]) -> Value:
-        """Return a function's value of one or two floats."""
+        """Return the value of a function of one or two floats."""
         name = OWN.get(function) or ROUNDED.get(function) or function
         count = 2 if function in OF_TWO else 1
         self.library.declare(
@@ -265,7 +265,7 @@ class Operations:
         return Value(INTEGER, (self.new(f"select i1 {below.parts[0]}, i64 {other}, i64 {value.parts[0]}"),))
 
     def _extreme(self, values: Sequence[Value], node: ast.Call) -> Value:
-        """Return the least or largest, the first of equal ones."""
+        """Return the smallest or largest value, the first of equal ones."""
         kind = FLOAT if any(value.kind == FLOAT for value in values) else INTEGER
         op = ast.Gt() if ast.unparse(node.func) == "max" else ast.Lt()
         best = self.as_kind(values[0], kind)

@@ -1,4 +1,4 @@
-"""A text of kernels, read: its functions and its constants."""
+"""Parser of a text of kernels: its functions and its constants."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from screwsim.numerics.kernel import nodes, parsed
 
 
 class CannotCompile(TypeError):
-    """A text holds what is not compiled: where, and what."""
+    """A text contains something that cannot be compiled: says where and what."""
 
 
 FUNCTION = re.compile(r"^def (\w+)", re.MULTILINE)
-BEHIND = re.compile(r"^(?=[^\s)#])", re.MULTILINE)  # a function ends where a line begins that is none of its own
+BEHIND = re.compile(r"^(?=[^\s)#])", re.MULTILINE)  # end of a function: next line neither indented, `)` nor #
 
 
 class Functions(Mapping[str, ast.FunctionDef]):
-    """Functions of a text by name, each read when it is first asked for: of most texts a part is compiled."""
+    """Functions of a text by name, each parsed when first needed: of most texts only a part is compiled."""
 
     def __init__(self, texts: Mapping[str, str]) -> None:
         self._texts, self._read = dict(texts), dict[str, ast.FunctionDef]()
@@ -46,7 +46,7 @@ class Functions(Mapping[str, ast.FunctionDef]):
         return len(self._texts)
 
     def and_those_of(self, other: Functions) -> Functions:
-        """Return these and others, which take the place of these of their names."""
+        """Return these functions with those of another, which replace functions of the same names."""
         return Functions(self._texts | other._texts)
 
 
@@ -59,7 +59,7 @@ class Program:
     _assigned: dict[str, set[str]] = field(default_factory=dict)
 
     def assigned_in(self, function: str) -> set[str]:
-        """Return the names that a function gives values."""
+        """Return the names that a function assigns."""
         if function not in self._assigned:
             found = (each for each in nodes(self.functions[function]) if isinstance(each, ast.Name))
             self._assigned[function] = {each.id for each in found if isinstance(each.ctx, ast.Store)}
@@ -67,7 +67,10 @@ class Program:
 
 
 def read(text: str) -> Program:
-    """Return what a text holds; raise CannotCompile for anything but imports, constants and functions."""
+    """Return the functions and constants of a text.
+
+    Raise CannotCompile for anything but imports, constants and functions.
+    """
     functions, others, at = dict[str, str](), list[tuple[int, str]](), 0
     for head in FUNCTION.finditer(text):
         if head.start() < at:
@@ -84,7 +87,7 @@ def read(text: str) -> Program:
 
 
 def _read_others(found: Program, text: str, lines_before: int) -> None:
-    """Read what stands between functions."""
+    """Read the text between functions."""
     for node in parsed(text).body if text.strip() else ():
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
@@ -103,7 +106,7 @@ def _constant(node: ast.expr) -> Any:
 
 
 def float_text(value: float) -> str:
-    """Return a float in LLVM's language: its bits."""
+    """Return a float in LLVM IR: its bits."""
     return f"0x{struct.unpack('>Q', struct.pack('>d', value))[0]:016X}"
 
 

@@ -1,19 +1,20 @@
 """Air package: filter, valves, separator element, aftercooler and fan around the machine, rated by ISO 1217.
 
-What: the scene's lines are those of the package: suction is its inlet, discharge its outlet. Each part that is named
-takes a pressure that goes with the square of the free air delivered (M340, M341), so that the machine sucks below and
-discharges above what is stated (M342); flow and losses are found together (M343). A minimum-pressure valve keeps what
-lies before it at its pressure. Input power is that of motor, inverter and fan (M345); specific power and isentropic
-efficiency are those of ISO 1217 (M346, M347). Heat of the package by the first law (M348), of the aftercooler by its
-approach (M344). Unloaded, the inlet valve leaves a pressure to the machine, the separator is blown down to another, and
-nothing is delivered. Humid air counts with the water that condenses on its way (M360), which is drained where it falls
-out (M361); the aftercooler takes its heat too (M362).
+What: the lines stated in the scene are those of the package: suction is its inlet, discharge its outlet. Each part that
+is named causes a pressure loss in proportion to the square of the free air delivered (M340, M341), so that the machine
+sucks in below and discharges above the stated pressures (M342); flow and losses are solved for together (M343). A
+minimum-pressure valve keeps the pressure upstream of it at its setting. Input power is that of motor, inverter and fan
+(M345); specific power and isentropic efficiency are those of ISO 1217 (M346, M347). The heat that leaves the package
+follows from the first law (M348), that of the aftercooler from its approach (M344). Unloaded, the inlet valve leaves a
+stated pressure to the machine, the separator is blown down to another, and nothing is delivered. Humid air includes the
+water that condenses on its way (M360), which is drained where it falls out (M361); the aftercooler takes its heat too
+(M362).
 Source: ISO 1217:2009 with amendment 1:2016 (terms; isentropic power with the exponent 1.4 of air); turbulent loss
-(textbook). Losses of the parts have no value here but what a scene states.
-Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks, and nothing
-but condensate drains, between the machine and the outlet; the cooling air comes with the temperature of the inlet; the
-fan's power heats that air.
-Other figures, and the ledger, are the machine's, between the inlet and what it discharges to.
+(textbook). The parts have no default losses: the scene states them.
+Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks, and nothing but
+condensate drains, between the machine and the outlet; the cooling air has the temperature of the inlet; the fan's power
+heats that air.
+Other figures, and the ledger, are those of the machine, from the inlet to the pressure to which it discharges.
 Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan; state,
 unloaded.
 """

@@ -1,12 +1,12 @@
-"""Slide valve: part of the trapped gas goes back to suction before compression begins, and the radial port follows.
+"""Slide valve: part of the trapped gas returns to suction before compression begins, and the radial port moves too.
 
 What: with the slide moved by x (0: full load, 1: its end) a slot to the suction line stays open until
 φ_0 + x (φ_1 − φ_0), its area x S_slot; the radial discharge port of area S_r opens at φ_a + x (φ_b − φ_a) and closes
 with the chamber's life (M162): nozzle flow (M12, M13). Where `machine.slide_valve` states the slide of rotors with a
-profile, the slot's area by angle is that of its geometry (M164), and the machine's own radial port follows it.
+profile, the area of the slot over the angle is that of its geometry (M164), and the machine's own radial port follows.
 Source: geometry of a slide in the housing's cusp (textbook); one of the four ways that Chernov et al. 2015 name.
-Assumptions: straight motion of both edges with x; `machine.discharge_port` is the axial port, which stays (with
-`machine.slide_valve`: both); the suction line keeps its state, as with any gas that flows back into it.
+Assumptions: both edges move linearly with x; `machine.discharge_port` is the axial port, which does not move (with
+`machine.slide_valve`: both ports); the suction line keeps its state, as with any gas that flows back into it.
 Parameters: flow_coefficient; position, slot_area, closes; radial_area, radial_opens, radial_opens_moved; or area_file.
 """
 

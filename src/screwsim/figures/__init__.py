@@ -1,4 +1,4 @@
-"""The figures that a scene calls for (`registry`), their numerical errors (`errors`) and their customary units."""
+"""Figures that a scene calls for (`registry`), their numerical errors (`errors`) and their customary units."""
 
 from screwsim.figures.registry import (
     Performance,

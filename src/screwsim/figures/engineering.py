@@ -1,6 +1,6 @@
-"""Numbers for people: the customary unit of a stored quantity [SI], its digits, its name in words.
+"""Numbers for people: customary unit, digits and readable name of a stored quantity [SI].
 
-One table for the screen, the figures and the page.
+The same table serves the screen, the figures and the page.
 """
 
 from screwsim.figures.registry import declared
@@ -30,13 +30,13 @@ __all__ = [
 
 
 def shown_name(name: str) -> str:
-    """Return the name of a figure as a person writes it."""
+    """Return the name of a figure as people write it."""
     words = " ".join("COP" if word == "cop" else word for word in name.split("_"))
     return words.replace("built in", "built-in")
 
 
 def figure_scales(figure: Figure) -> tuple[tuple[float, float, str], ...]:
-    """Return (from this size on, factor, unit) of a performance figure, largest first; K stays K."""
+    """Return (smallest size, factor, unit) of a performance figure, largest size first; K stays K."""
     if figure.units == "1":
         return ((0.0, 100.0, "%"),) if figure.scale == EFFICIENCY else ((0.0, 1.0, ""),)
     return SCALES.get(figure.shown or figure.units, ((0.0, 1.0, figure.units),))
@@ -52,7 +52,7 @@ def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
 
 
 def figure_text(figure: Figure | str, value: float) -> str:
-    """Return a performance figure [SI] with its unit for people, as a sentence has it: a temperature in °C."""
+    """Return a performance figure [SI] with its unit, as written in a sentence: a temperature in °C."""
     about = declared(figure) if isinstance(figure, str) else figure
     if about.units == "K":
         return f"{printed_celsius(value)} °C"
@@ -60,17 +60,17 @@ def figure_text(figure: Figure | str, value: float) -> str:
 
 
 def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
-    """Return factor and unit in which people write a performance figure of such a size [SI]; K stays K."""
+    """Return the factor and unit in which people write a performance figure of a given size [SI]; K stays K."""
     return next(((f, u) for least, f, u in figure_scales(figure) if abs(size) >= least), (1.0, figure.units))
 
 
 def read_in(figure: Figure, size: float) -> tuple[float, str, float]:
-    """Return factor and unit in which people read a figure of such a size [SI], and what is taken off: °C for K."""
+    """Return factor and unit in which people read a figure of a given size [SI], and the offset taken off: °C for K."""
     return (1.0, "°C", ZERO_CELSIUS) if figure.units == "K" else (*figure_unit(figure, size), 0.0)
 
 
 def error_text(name: str, value: float, error: float) -> str:
-    """Return the error of a figure relative to it; in its unit where it is larger than the figure, or is of °C."""
+    """Return the relative error of a figure; in its unit where it exceeds the figure, or the figure is in °C."""
     if declared(name).units == "K":
         return f"{error:.0e} K" if error < 1e-3 else f"{error:.1g} K"
     return f"{error / abs(value):.0e}" if error <= abs(value) > 0.0 else figure_text(name, error)

@@ -1,4 +1,4 @@
-"""Numerical errors of performance figures, each relative to what its declaration says (contract: error)."""
+"""Numerical errors of performance figures, each relative to the scale that its declaration names."""
 
 from collections.abc import Callable, Mapping
 from math import prod
@@ -7,14 +7,15 @@ from typing import Any
 from screwsim.figures.registry import declared
 from screwsim.outputs import ITSELF, POWER, TIMES, Figure, Figures, Scale
 
-LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts as passing through zero
+LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow is treated as passing through zero
 
 
 def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, least_work: float = 0.0) -> Figures:
-    """Return |found − better| of every figure over its `error_scale`; None where either is, or none is asked for.
+    """Return |found − better| of each figure over its `error_scale`; None where a value or the scale is missing.
 
-    Powers [W] and work [J] below the least ones are rounding. Where the better one is exactly nothing, as the flow of a
-    machine that sucks nothing, the scale is that of the other.
+    Differences of powers and work are never taken relative to less than `least_power` [W] and `least_work` [J], below
+    which they are rounding. Where the better value is exactly zero, as the flow of a machine that draws in nothing, the
+    scale is that of the other one.
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
     errors: dict[str, float | None] = dict.fromkeys(found)
@@ -46,9 +47,9 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
 
 
 def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
-    """Return what a relative error of a flow, `lost`, makes of the figures that are declared to err as it does.
+    """Return the errors of the figures that depend on a flow, given the flow's relative error `lost`.
 
-    `by` names what they declare: `by_flow`, `by_oil` … (`outputs.Figure`).
+    `by` is the field by which figures declare that dependence: `by_flow`, `by_oil` … (`outputs.Figure`).
     """
     known = {name: value for name, value in found.items() if value is not None}
     about: Mapping[str, Figure] = getattr(found, "about", {})
@@ -69,18 +70,18 @@ def flow_errors(found: Figures, lost: float, by: str = "by_flow") -> Figures:
 
 
 def error_of(name: str, size: float, figures: Mapping[str, Any]) -> float:
-    """Return what an error of a figure in its own unit is relative to its `error_scale`."""
+    """Return the error of a figure, given in its own unit, relative to its `error_scale`."""
     known = {each: 0.0 if value is None else value for each, value in figures.items()}
     return size / max(error_scale(name, declared(name, figures).scale, known), 1e-300)
 
 
 def needed(name: str, scale: Scale) -> tuple[str, ...]:
-    """Return the figures that `error_scale` asks for."""
+    """Return the figures that `error_scale` needs."""
     return tuple(filter(None, (name, *scale.of, scale.where, TIMES[scale.times])))
 
 
 def error_scale(name: str, scale: Scale, known: Mapping[str, Any], larger: Callable[[Any, Any], Any] = max) -> Any:
-    """Return what the relative error of a figure is relative to; figures that are None count as zero in `known`.
+    """Return the scale of a figure's relative error; `known` must have zero for figures that are None.
 
     For arrays `larger` is numpy's maximum.
     """
@@ -98,10 +99,10 @@ def error_scale(name: str, scale: Scale, known: Mapping[str, Any], larger: Calla
 def error_in_unit(
     name: str, performance: Mapping[str, Any], errors: Mapping[str, Any], otherwise: float | None = None
 ) -> float | None:
-    """Return the estimated error of a figure in its own unit; by a relative one, or None, where none is estimated.
+    """Return the estimated error of a figure in its own unit: `otherwise`, a relative one, replaces a missing estimate.
 
-    An error is relative to its `error_scale`, which is another than the figure itself of a power, a superheat, a flow
-    beside the net one.
+    None without either. An error is relative to its `error_scale`, which differs from the figure itself for a power, a
+    superheat, or a flow beside the net flow.
     """
     relative = errors.get(name)
     relative = otherwise if relative is None else relative
@@ -112,7 +113,7 @@ def error_in_unit(
 
 
 def worst(errors: Figures) -> tuple[str, float]:
-    """Return the figure of the largest error, and that error."""
+    """Return the figure with the largest error, and that error."""
     found, largest = "", 0.0
     for name, error in errors.items():
         if error is not None and (error > largest or not found):

@@ -1,4 +1,4 @@
-"""The figures that a scene calls for: the core's own by what it states, those of effects as these declare them."""
+"""Figures that a scene calls for: those of the core, by what the scene states, and those that effects declare."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from screwsim.outputs.display import Shown, table_html, table_text
 from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
-_ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # whether a scene has what no key of its own tells
+_ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # conditions on a scene that no single key expresses
     HEATED[0]: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
     CHANGED[0]: lambda scene, parts: bool(parts.all(SuctionChange)) or parts.suction_line,
     WALLED[0]: lambda scene, parts: bool(parts.walls),
@@ -52,9 +52,9 @@ _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # whether a scene has 
 
 
 class Performance(Figures):
-    """Performance figures with what is declared of them; one that the scene does not call for says what would give it.
+    """Performance figures with their declarations; the error for a missing one says what would call for it.
 
-    `about` holds the figures that the scene calls for, of a case that failed, too.
+    `about` holds the figures that the scene calls for, also of a case that failed.
     """
 
     def __init__(self, values: Mapping[str, Any], about: Mapping[str, Figure]) -> None:
@@ -71,7 +71,7 @@ class Performance(Figures):
         return super().__getattr__(name)
 
     def described(self, name: str) -> Shown | None:
-        """Return unit and meaning of a figure, None where they are not declared."""
+        """Return unit and meaning of a figure; None where it is not declared."""
         about = self.about.get(name) or PERFORMANCE.get(name)
         return None if about is None else shown_of(about, self.get(name))
 
@@ -82,7 +82,7 @@ class Performance(Figures):
         return table_html("performance", (), shown(self))
 
     def copy(self) -> Performance:
-        """Return the same figures, to be changed."""
+        """Return a copy of the figures that may be changed."""
         return Performance(self, self.about)
 
 
@@ -93,7 +93,7 @@ def known() -> dict[str, Figure]:
 
 
 def declaration(name: str, figures: Any = None) -> Figure | None:
-    """Return what is declared of a figure: with `figures`, in this program, or by a user's effect that it imported."""
+    """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect."""
     about: Mapping[str, Figure] = getattr(figures, "about", {})
     found = about.get(name) or known().get(name)
     if found is None:
@@ -102,7 +102,7 @@ def declaration(name: str, figures: Any = None) -> Figure | None:
 
 
 def declared(name: str, figures: Any = None) -> Figure:
-    """Return what is declared of a figure (`declaration`); raise ValueError of one that nobody declares."""
+    """Return the declaration of a figure (`declaration`); raise ValueError where there is none."""
     about = declaration(name, figures)
     if about is None:
         where = "no entry in screwsim.outputs, and no effect declares it"
@@ -127,7 +127,7 @@ def _traces(effects: Mapping[str, Effect]) -> dict[str, Variable]:
 
 
 def needs_of(name: str) -> str:
-    """Return in words what calls for a figure; empty where nothing does, or every scene."""
+    """Return in words what calls for a figure; empty where nothing does, or every scene does."""
     if name in PERFORMANCE:
         return " or ".join(map(_with_effects, PERFORMANCE[name].needs))
     every = (catalogue() | imported()).items()
@@ -136,13 +136,13 @@ def needs_of(name: str) -> str:
 
 
 def _with_effects(need: str) -> str:
-    """Return what calls for a figure of the core; of a role of effects with those of the catalogue that have it."""
+    """Return the condition for a figure of the core; for a role of effects also the catalogue's effects with it."""
     those = having(need)
     return f"{need}, such as {' or '.join(those)}" if those else need
 
 
 def _has(scene: Scene, role: str) -> bool:
-    """Tell whether an effect of a scene says that it has a role there."""
+    """Tell whether an effect of a scene has a role in it."""
     every = ((active, active.effect.roles.get(role)) for active in scene.effects.values())
     return any(key is not None and (not key or _states(scene, active.parameters, key)) for active, key in every)
 
@@ -157,15 +157,15 @@ _last: tuple[tuple[Any, ...], Any, dict[str, Figure]] = (), None, {}
 
 
 def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
-    """Return the figures that a scene calls for; what the case before called for, where both state the same.
+    """Return the figures that a scene calls for; those of the previous case are reused where both state the same.
 
-    Raise UsageError, in one line, of an effect that gives a figure which nobody declares.
+    Raise UsageError, in one line, where an effect gives a figure that is declared nowhere.
     """
     global _last
     same = scene.effects, parts.effects, scene.machine, scene.gas, scene.oil, parts.geometry
     operation = _stated(scene.operation), _stated(scene.oil_supply), parts.oil is None, parts.set_speed is None
     operation = *operation, saturates(scene)
-    last, stated, found = _last  # at once: threads share it
+    last, stated, found = _last  # read as one: threads share it
     if len(last) != len(same) or stated != operation or not all(map(is_, same, last)):
         found = _called_for(scene, parts)
         _last = same, operation, found
@@ -174,7 +174,7 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
 
 @Remembered
 def _stated(part: Any) -> Any:
-    """Return which values a section states, in words or at all: what figures are called for by."""
+    """Return which values a section states, and its words: these decide which figures are called for."""
     if isinstance(part, float) or part is None:  # most of them
         return part is None
     if is_dataclass(part):
@@ -184,7 +184,7 @@ def _stated(part: Any) -> Any:
 
 
 def _called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
-    """Return the core's figures, the effects' losses before the sum, then other figures."""
+    """Return the core's figures, with the effects' losses before the shaft power, then other figures."""
     given = dict(_given(scene, parts))
     losses = {part.figure for _, part in parts.all(PowerLoss)}
     called: dict[str, Figure] = {}
@@ -198,7 +198,7 @@ def _called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
 
 
 def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
-    """Yield the figures that effects give, as they declare them, or as somebody else does whose name they take."""
+    """Yield the figures that effects give, as they declare them, or as the core or another effect declares them."""
     whose: dict[str, tuple[str, Figure]] = {}
     for name, active in scene.effects.items():
         own = {each.name: each for each in active.effect.figures}
@@ -219,7 +219,7 @@ def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
 
 
 def borrowed(name: str, effect: Effect, given: Iterable[str]) -> dict[str, Figure]:
-    """Return the figures that an effect gives and does not declare, as others do; raise Impossible where none does."""
+    """Return the figures that an effect gives but others declare; raise Impossible where one is declared nowhere."""
     own = {each.name for each in effect.figures}
     nobody = next((figure for figure in given if figure not in own and figure not in known()), None)
     if nobody is not None:
@@ -238,7 +238,7 @@ def _is_there(need: str, scene: Scene, parts: Parts, parameters: Any) -> bool:
 
 
 def _states(scene: Scene, parameters: Any, path: str, word: str = "") -> bool:
-    """Tell whether a scene states a path, '.key' among the parameters of the effect, and with a word that word."""
+    """Tell whether a scene states a path ('.key': of the effect's parameters), with `word` that it is that word."""
     value: Any = parameters if path.startswith(".") else scene
     for name in path.removeprefix(".").split("."):
         if isinstance(value, ActiveEffect):
@@ -248,7 +248,7 @@ def _states(scene: Scene, parameters: Any, path: str, word: str = "") -> bool:
 
 
 def merged(one: Iterable[Figure], other: Iterable[Figure]) -> tuple[Figure, ...]:
-    """Return the figures of both, each new one behind that which it follows in the other."""
+    """Return the figures of both, each one that only `other` has behind its predecessor there."""
     every = list(one)
     names = [each.name for each in every]
     place = 0
@@ -263,19 +263,19 @@ def merged(one: Iterable[Figure], other: Iterable[Figure]) -> tuple[Figure, ...]
 
 
 def packed(scale: Scale) -> str:
-    """Return a scale as text: what it has beside its defaults, as JSON."""
+    """Return an error scale as text: its values other than the defaults, as JSON."""
     return json.dumps({name: value for name, value in asdict(scale).items() if value != getattr(ITSELF, name)})
 
 
 def unpacked(text: str) -> Scale | None:
-    """Return a scale from its text; None where it is none."""
+    """Return an error scale from its text; None where the text is not one."""
     with suppress(ValueError, TypeError, AttributeError):
         return scale_of(json.loads(text))
     return None
 
 
 def scale_of(values: Mapping[str, Any]) -> Scale:
-    """Return a scale of values by name; raise TypeError where they make none."""
+    """Return an error scale from values by name; raise TypeError where they are not valid."""
     scale = Scale(**{**values, "of": tuple(values.get("of", ()))})
     kinds = (isinstance(getattr(scale, each.name), type(each.default)) for each in fields(Scale))
     if not all((*kinds, *(isinstance(name, str) for name in scale.of))) or scale.times not in TIMES:

@@ -1,1 +1,1 @@
-"""What comes from outside: fields that declare it, files that hold it, faults that say what is wrong with it."""
+"""Inputs from outside: declarations of fields, files, and faults that say what is wrong with an input."""

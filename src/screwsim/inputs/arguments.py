@@ -1,4 +1,4 @@
-"""Arguments of public functions: each is held to its kind before anything begins, and told of in one line."""
+"""Checks of the arguments of public functions: a wrong kind is reported in one line before anything begins."""
 
 import functools
 import inspect
@@ -16,17 +16,17 @@ R = TypeVar("R")
 
 
 class Kind(NamedTuple):
-    """What an argument may be: whether a value is such, and words for one that is not, with the remedy."""
+    """Kind of an argument: a test whether a value is of that kind, and words for one that is not, with the remedy."""
 
     holds: Callable[[Any], bool]
     words: str
 
 
 def takes(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Return what makes a function raise UsageError of an argument of another kind; a default of None passes.
+    """Return a decorator that checks the kinds of arguments and raises UsageError; None passes where it is the default.
 
-    What is not stated of an argument is as `USUAL` says of its name. Of a mapping, whose values the function reads
-    itself, the kinds say nothing but that it is one.
+    Arguments not stated here have the kind of their name in `USUAL`. Of a mapping only the type is checked: the
+    function checks its values itself.
     """
 
     def around(function: Callable[P, R]) -> Callable[P, R]:
@@ -50,13 +50,13 @@ def takes(**own: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 def shown(value: Any) -> str:
-    """Return a value as a message shows it: its text where that is short, else the name of its type."""
+    """Return a value as messages show it: its repr where that is short, else the name of its type."""
     text = repr(value)
     return text if len(text) <= 40 and " object at " not in text else f"of type {type(value).__name__}"
 
 
 def one_of(*values: Any) -> Kind:
-    """Return the kind of which these are all, numpy's own among them: True is not 1 here."""
+    """Return the kind that consists of these values, numpy's included; True does not count as 1."""
     names = [repr(value) for value in values]
     words = f"none of {', '.join(names)}"
     return Kind(lambda given: any(_is(given, value) for value in values), words)
@@ -73,17 +73,17 @@ def _flag(given: Any) -> bool:
 
 
 def instance(kind: type, remedy: str) -> Kind:
-    """Return the kind of the objects of a class; `remedy` says what to pass."""
+    """Return the kind of the instances of a class; `remedy` says what to pass."""
     return Kind(lambda given: isinstance(given, kind), f"no {kind.__name__} (pass {remedy})")
 
 
 def whole(least: int, words: str) -> Kind:
-    """Return the kind of whole numbers from `least` on."""
+    """Return the kind of whole numbers of at least `least`."""
     return Kind(lambda given: _whole(given) and given >= least, words)
 
 
 def ends_of(path: str, given: Any) -> tuple[float, float]:
-    """Return the two ends of a range; raise UsageError where they are no pair of numbers, the lower one first."""
+    """Return the two ends of a range; raise UsageError unless they are two numbers, the lower one first."""
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
         raise UsageError(f"{path}: {shown(given)} is no range (pass two numbers [SI], the lower one first)")
     ends = tuple(given)
@@ -113,7 +113,7 @@ def _file(given: Any) -> bool:
 
 
 def _texts(given: Any) -> bool:
-    """Tell whether these are texts, or one alone; what can be read but once is not looked into."""
+    """Tell whether a value is a text or a collection of texts; an iterator is not consumed to check its items."""
     if isinstance(given, str):
         return _text(given)
     if isinstance(given, list | tuple | set | frozenset | Mapping):
@@ -122,7 +122,7 @@ def _texts(given: Any) -> bool:
 
 
 def _numbers(given: Any) -> bool:
-    """Tell whether these are numbers, or a text of some; what can be read but once is not looked into."""
+    """Tell whether a value is a text or an iterable of numbers; an iterator is not consumed to check its items."""
     if isinstance(given, str | bytes):
         return isinstance(given, str) and _text(given)
     return isinstance(given, Iterable) and (isinstance(given, Iterator) or all(map(_number, given)))
@@ -138,7 +138,7 @@ JOBS = Kind(
 )
 SEED = whole(0, "no seed (pass a whole number from 0 on)")
 FLAG = Kind(_flag, "neither True nor False")
-REAL = Kind(_real, "no number")  # also NaN, of which the function itself tells
+REAL = Kind(_real, "no number")  # NaN passes: the function reports it itself
 NUMBER = Kind(_number, "no number")
 QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number nor a text as '3000 rpm'")
 TEXT = Kind(lambda given: isinstance(given, str), "no text")
@@ -148,12 +148,12 @@ CALLED = Kind(callable, "nothing that can be called")
 PROGRESS = Kind(_progress, "no progress (pass True, False or None)")
 NUMBERS = Kind(_numbers, "neither a text as '140, 163 mm' nor a list of numbers")
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
-# arguments that mean the same wherever they are taken
+# arguments that mean the same in every function
 USUAL: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
 USUAL |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
 USUAL |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLED)
 
 
 def listed(given: str | Iterable[T] | None) -> list[str] | list[T]:
-    """Return what is given as a list; of one text, which is an iterable of its letters, that text alone."""
+    """Return an argument as a list: a single text, though iterable, becomes a list of that text."""
     return [] if given is None else [given] if isinstance(given, str) else list(given)

@@ -1,14 +1,14 @@
 """Declarations of inputs: what a field of a scene means, without parsing, units or files.
 
-The lower layers (machine, fluid, effects, numerics) describe their inputs as frozen dataclasses whose
-fields are made with `quantity`, `number`, `count`, `choice` and `file`. Values are in SI units; the layer
-`scene` reads the descriptions and turns YAML text into these dataclasses.
+The lower layers (machine, fluid, effects, numerics) describe their inputs as frozen dataclasses whose fields are made
+with `quantity`, `number`, `count`, `choice` and `file`. Values are in SI units; the layer `scene` reads the
+descriptions and turns YAML text into these dataclasses.
 
-What a field cannot be is refused: `gt`, `ge`, `lt`, `le`, and of every quantity what its kind says that no machine goes
-beyond. What it hardly is, outside `hardly=(low, high)`, is taken and warned of.
+A value outside the limits `gt`, `ge`, `lt`, `le`, or beyond what the kind of a quantity admits, is refused. A value
+outside `hardly=(low, high)` is implausible: it is accepted with a warning.
 
-A field that another one may state in its place names that in `otherwise`: the speed by `tip_speed`. Its value is then a
-`Derived` one, which follows anew whenever what it follows from changes, and is not written.
+A field whose value another field can state instead names that field in `otherwise`: the speed can be stated by
+`tip_speed`. Its value is then a `Derived` one, which is computed anew whenever its source changes, and is not written.
 """
 
 import dataclasses
@@ -21,17 +21,17 @@ REQUIRED: Any = dataclasses.MISSING
 
 
 class Derived(float):
-    """A quantity that the scene does not state itself: it follows from what it states."""
+    """A quantity that the scene does not state itself: it follows from other values."""
 
 
 class Found(float):
-    """A quantity that a scene leaves open and that is found with the cycle: where the search stands, 0 before it."""
+    """A quantity that a scene leaves open, found with the cycle: the current value of the search, 0 before it."""
 
 
-AUTO = "auto"  # how a scene asks for it
+AUTO = "auto"  # word in a scene for a quantity to be found
 
 
-AREA, VOLUME = "area_m2", "volume_m3"  # columns of curves over the angle
+AREA, VOLUME = "area_m2", "volume_m3"  # column names of curves over the angle
 
 
 class DerivedCount(int):
@@ -48,7 +48,7 @@ def is_derived(value: Any) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as one that a scene states itself."""
+    """Return a value as if the scene stated it itself."""
     for kind in (Derived, DerivedCount, DerivedWord):
         if isinstance(value, kind):
             return kind.__mro__[1](value)
@@ -57,12 +57,12 @@ def plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Kind:
-    """A dimension: the SI unit inside, an example of how a person writes it, and what no machine goes beyond."""
+    """A dimension: its SI unit, an example of how a person writes it, and limits that no machine exceeds."""
 
     name: str
     si: str
     example: str
-    most: float = math.inf  # of a magnitude
+    most: float = math.inf  # of the magnitude
     least: float = -math.inf
 
 
@@ -131,9 +131,9 @@ def _field(
 
 
 class Limits(TypedDict, total=False):
-    """What bounds a number [SI]: what it cannot be beyond, what it hardly is beyond, what to write in its place.
+    """Limits of a number [SI]: bounds, the plausible range `hardly`, and what to write instead of a refused value.
 
-    `otherwise` are fields of the same section that state it in its place; with `auto` it may be found with the cycle.
+    `otherwise` names fields of the same section that can state it instead; with `auto` it may be found with the cycle.
     """
 
     gt: float | None
@@ -147,9 +147,9 @@ class Limits(TypedDict, total=False):
 
 
 def quantity(kind: str, doc: str, default: Any = REQUIRED, **limits: Unpack[Limits]) -> Any:
-    """Declare a dimensional input of a kind of `KINDS`; default, limits and what it hardly is beyond in SI units.
+    """Declare a dimensional input of a kind in `KINDS`; default, limits and plausible range are in SI units.
 
-    `remedy` is what to write in place of a value that is out of range.
+    `remedy` says what to write instead of a value out of range.
     """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of quantity {kind!r}; known: {', '.join(KINDS)}")
@@ -167,9 +167,9 @@ def count(doc: str, default: Any = REQUIRED, *, ge: int | None = None, le: int |
 
 
 def choice(doc: str, options: tuple[str, ...], default: Any = REQUIRED, own: str | None = None) -> Any:
-    """Declare one word out of several; a choice may change what is compiled.
+    """Declare a word out of several; a choice may change the compiled code.
 
-    `own` is the variable by which a module of the user's own, named with a dot, is one of them, too.
+    `own` is the variable name by which a user's module, given by its dotted name, can be chosen too.
     """
     return _field("choice", default, doc, options=options, own=own)
 
@@ -180,17 +180,17 @@ def word(doc: str, default: Any = REQUIRED) -> Any:
 
 
 def fluid(doc: str, default: Any = REQUIRED) -> Any:
-    """Declare the name of a fluid, or a list of the names of a blend's components, which becomes a tuple."""
+    """Declare the name of a fluid, or a list of names of a blend's components, which becomes a tuple."""
     return _field("fluid", default, doc)
 
 
 def numbers(doc: str, default: Any = None, **limits: Unpack[Limits]) -> Any:
-    """Declare a list of dimensionless numbers, which becomes a tuple; the limits hold for each."""
+    """Declare a list of dimensionless numbers, which becomes a tuple; the limits hold for each number."""
     return _field("numbers", default, doc, **limits)
 
 
 def file(doc: str, default: Any = None, curve: str | None = None) -> Any:
-    """Declare the path of a file, relative to the scene; of a curve over the angle also the column of its values."""
+    """Declare the path of a file, relative to the scene; for a curve over the angle also the column of its values."""
     return _field("file", default, doc, curve=curve)
 
 
@@ -219,5 +219,5 @@ def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
 
 
 def files_in(part: Any) -> tuple[str, ...]:
-    """Return the files that declared fields below a part of a scene name."""
+    """Return the files named by declared fields below a part of a scene."""
     return tuple(each.value for each in inputs_of(part) if each.kind == "file" and each.value)

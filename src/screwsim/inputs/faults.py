@@ -1,4 +1,4 @@
-"""Faults that a person can mend: each says where, what and the remedy."""
+"""Faults that a person can fix: each says where it is, what is wrong, and the remedy."""
 
 from __future__ import annotations
 
@@ -39,21 +39,21 @@ class UsageError(Exception):
 
 
 class Impossible(UsageError):
-    """Report, in one line, that an effect of the user's own returned what cannot be: the case has failed."""
+    """Report, in one line, that a user's effect returned an impossible value: the case has failed."""
 
     def __init__(self, effect: str, what: str) -> None:
         super().__init__(f"effects.{effect}: {what}, which cannot be; mend that module")
 
 
 class Unfound(Impossible):
-    """Report, in one line, that something which follows from the cycle cannot be found: the case has failed."""
+    """Report, in one line, that a quantity determined by the cycle cannot be found: the case has failed."""
 
     def __init__(self, what: str) -> None:
         UsageError.__init__(self, what)
 
 
 def own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
-    """Raise Impossible where an effect of the user's own gives no number, or one below `least`."""
+    """Raise Impossible where a user's effect gives no finite number, or one below `least`."""
     if "." not in effect:
         return
     size = float(value) if isinstance(value, Real) and not isinstance(value, bool) else None

@@ -1,18 +1,18 @@
-"""Names that are offered in place of an unknown one: only where following the offer cannot mean another thing.
+"""Suggestions for unknown names, made only where the suggestion cannot mean something else.
 
-A slip of the keyboard is offered; another number, a letter more or less in a short word (phi_A, min and max), or one
-word for another (suction and discharge) is not: those are other things, and whoever follows would not be told. Also
-several names as a sentence has them.
+A typing error is corrected. Names that differ in a number, in one letter of a short word (phi_A, min and max) or in a
+whole word (suction and discharge) are not suggested: they mean other things, and whoever followed the suggestion would
+not notice. Also joins names as in a sentence.
 """
 
 import re
 from collections.abc import Iterable, Sequence
 
-_SHORT, _LONG = 4, 7  # letters of a word from which on one slip, and from which on two, leave it what it is
+_SHORT, _LONG = 4, 7  # least number of letters of a word in which one typing error, and two, are corrected
 
 
 def nearest(name: str, options: Iterable[str]) -> str | None:
-    """Return the one option that a name is a slip of; None where there is none, or more than one."""
+    """Return the one option of which a name is a misspelling; None where there is none, or more than one."""
     options = list(dict.fromkeys(options))
     same = [option for option in options if _bare(option) == _bare(name)]
     if same:
@@ -25,12 +25,12 @@ def nearest(name: str, options: Iterable[str]) -> str | None:
 
 
 def ending(path: str, options: Iterable[str]) -> list[str]:
-    """Return the dotted paths that end in the keys of a path: 'speed' gives 'operation.speed'."""
+    """Return the dotted paths that end in a given path: 'speed' gives 'operation.speed'."""
     return [option for option in options if option.endswith(f".{path}")]
 
 
 def containing(name: str, options: Iterable[str]) -> list[str]:
-    """Return the names that hold every word of a name: 'lobes' gives 'male_lobes' and 'female_lobes'."""
+    """Return the names that contain every word of a name: 'lobes' gives 'male_lobes' and 'female_lobes'."""
     wanted = set(_words(name))
     return [option for option in options if wanted <= set(_words(option))]
 
@@ -44,7 +44,7 @@ def _words(name: str) -> list[str]:
 
 
 def _slips(words: list[str], others: list[str]) -> int | None:
-    """Return the number of slips between two names, word by word; None where they are two names."""
+    """Return the number of typing errors between two names, word by word; None where they are different names."""
     if len(words) != len(others):
         joined, other = "".join(words), "".join(others)
         return _word_slips(joined, other)
@@ -65,7 +65,7 @@ def _word_slips(word: str, other: str) -> int | None:
 
 
 def _distance(a: str, b: str) -> int:
-    """Return how many letters are left out, added, changed or exchanged with their neighbour (optimal alignment)."""
+    """Return how many letters are left out, added, changed or swapped with their neighbour (optimal alignment)."""
     if abs(len(a) - len(b)) > 2:
         return 3  # more than any offer allows
     rows = [list(range(len(b) + 1))]
@@ -81,5 +81,5 @@ def _distance(a: str, b: str) -> int:
 
 
 def in_a_sentence(names: Sequence[str]) -> str:
-    """Return names, one at least, as a sentence has them: a, b and c."""
+    """Return one or more names as in a sentence: a, b and c."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -1,9 +1,15 @@
-"""Tables in CSV, the one way in which all of them are read: a line of names, then rows with a cell for each name.
+"""Reads CSV tables, all in the same way: a line of names, then rows with one cell for each name.
 
+<<<<<<< HEAD
 Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
 begin with # say nothing; but where the first column holds names, one that begins with # and a number and has the cells
 of a row is a fault, for `#3` may be a name. A row with more or fewer cells than there are names is a fault: most often
 its decimal commas have made two cells of one number.
+=======
+Cells are separated by commas and may be in double quotes; a number has a decimal point. Empty lines and lines that
+begin with # are skipped. A row with more or fewer cells than there are names is a fault: most often a decimal comma has
+split a number into two cells.
+>>>>>>> e639790628659f7987ee66fe3a02753737dd2351
 """
 
 import csv
@@ -17,13 +23,17 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
+<<<<<<< HEAD
 NAMES, REMARK = "name", "#"  # the column of names; what a line that says nothing begins with
 NUMBERED = re.compile(rf"{REMARK}\d+\s*,")  # a row whose name may be #3, or one named 3 that is left out
 _OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
+=======
+_OTHER = {";": "semicolons", "\t": "tabs"}  # other separators of cells, which are refused
+>>>>>>> e639790628659f7987ee66fe3a02753737dd2351
 
 
 class BadSheet(Exception):
-    """Say in one line, without the file's name, why a table cannot be read, and the remedy; `line` where it lies."""
+    """Say in one line, without the file's name, why a table cannot be read, and the remedy; `line` is where."""
 
     def __init__(self, what: str, line: int | None = None) -> None:
         super().__init__(what if line is None else f"line {line}: {what}")
@@ -33,7 +43,7 @@ class BadSheet(Exception):
 
 @dataclass(frozen=True)
 class Row:
-    """One row: the number of its line in the file, the line as it stands, its cells without blanks around them."""
+    """One row: its line number in the file, the line itself, and its cells without surrounding blanks."""
 
     line: int
     text: str
@@ -42,7 +52,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table: the row of names, and the rows below it, each with as many cells."""
+    """A table: the row of names, and the rows below it with as many cells each."""
 
     head: Row
     rows: tuple[Row, ...]
@@ -53,7 +63,7 @@ class Sheet:
         return self.head.cells
 
     def columns(self, *names: str) -> list[tuple[int, tuple[str, ...]]]:
-        """Return (line, cells of the named columns) of every row; raise BadSheet where a column is missing."""
+        """Return (line, cells of the named columns) for each row; raise BadSheet where a column is missing."""
         if not set(names) <= set(self.names):
             found = ", ".join(name for name in self.names if name) or "none"
             raise BadSheet(
@@ -68,15 +78,15 @@ class Sheet:
 
 
 def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
-    """Return the table of a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
+    """Return the table in a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
     return sheet_of(read_text(path, most))
 
 
 @contextmanager
 def usable(remedy: str, where: str = "") -> Iterator[None]:
-    """Tell as a UsageError in one line why a table read within cannot be had; `where` begins it.
+    """Turn a failure to read a table into a one-line UsageError, which begins with `where`.
 
-    `remedy` is for a file that cannot be read at all.
+    `remedy` is given where the file cannot be read at all.
     """
     before = f"{where}: " if where else ""
     try:
@@ -88,9 +98,15 @@ def usable(remedy: str, where: str = "") -> Iterator[None]:
 
 
 def sheet_of(text: str) -> Sheet:
+<<<<<<< HEAD
     """Return the table of a text; one without any row has a head without names. Raise BadSheet."""
     numbered = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
     lines = [each for each in numbered if not each[1].lstrip().startswith(REMARK)]
+=======
+    """Return the table in a text; without any row its head has no names. Raise BadSheet."""
+    numbered = enumerate(text.split("\n"), 1)
+    lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+>>>>>>> e639790628659f7987ee66fe3a02753737dd2351
     if not lines:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:

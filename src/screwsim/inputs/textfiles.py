@@ -1,6 +1,6 @@
-"""Files that somebody names, read whole: regular ones only, and none larger than it may be.
+"""Reads files that a user names as a whole: regular files only, and none above a size limit.
 
-A pipe or a device may never end, and opening one can wait for ever; so it is asked what lies there before.
+A pipe or a device may never end, and opening one may block for ever, so the type of the file is checked first.
 """
 
 import os
@@ -9,14 +9,17 @@ from pathlib import Path
 
 PACKAGE, CONFIGS = Path(__file__).resolve().parents[1], "configs"
 
-MOST_YAML = 4_000_000  # [byte] of a scene, a fit or a file of stages: some tens of thousands of lines
-MOST_TABLE = 16_000_000  # [byte] of a table
+MOST_YAML = 4_000_000  # [byte] largest scene, fit or file of stages: some tens of thousands of lines
+MOST_TABLE = 16_000_000  # [byte] largest table
 _MEGA = 1_000_000
 _HDF5 = b"\x89HDF"
 
 
 class Unreadable(Exception):
-    """Say why a file cannot be read, in words that go on after its name, and where in it; `hdf5`: it is results."""
+    """Say why a file cannot be read, in words that follow its name, and where in it.
+
+    `hdf5`: it is a file of results.
+    """
 
     def __init__(self, reason: str, line: int = 1, column: int = 1, hdf5: bool = False) -> None:
         super().__init__(reason)
@@ -24,13 +27,13 @@ class Unreadable(Exception):
 
 
 def shipped_root() -> Path:
-    """Return the folder with the shipped scenes and sources of validation: in the package, or of its checkout."""
+    """Return the folder of the shipped scenes and validation sources: inside the package, or its checkout."""
     inside = PACKAGE / "shipped"
     return PACKAGE.parents[1] if PACKAGE.parent.name == "src" and not inside.is_dir() else inside
 
 
 def shipped(name: str | os.PathLike[str]) -> str:
-    """Return a file's name; where nothing is there and it begins with configs/, the path of the shipped file."""
+    """Return a file's name; where no such file exists and it begins with configs/, the path of the shipped file."""
     text = os.fspath(name)
     if not text.startswith(f"{CONFIGS}/") or os.path.lexists(text):
         return text
@@ -39,7 +42,7 @@ def shipped(name: str | os.PathLike[str]) -> str:
 
 
 def stamp(path: str | os.PathLike[str]) -> tuple[int, ...]:
-    """Return what changes with a file, without reading it; () where it cannot be looked at."""
+    """Return numbers that change with a file, without reading it; () where it cannot be inspected."""
     try:
         found = os.stat(path)
     except (OSError, ValueError):
@@ -48,14 +51,14 @@ def stamp(path: str | os.PathLike[str]) -> tuple[int, ...]:
 
 
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
-    """Return what is in a regular file of `most` bytes or less; raise Unreadable."""
+    """Return the content of a regular file of at most `most` bytes; raise Unreadable."""
     try:
         _check_regular(os.stat(path))
-        # not waiting: what lies there may have become a pipe since
+        # non-blocking: the file may have been replaced by a pipe since
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         with os.fdopen(handle, "rb") as stream:
             _check_regular(os.fstat(stream.fileno()))
-            found = stream.read(most + 1)  # the size that a file states may change, or be none
+            found = stream.read(most + 1)  # the file's stated size may change, or be zero
     except OSError as error:
         raise Unreadable(error.strerror or str(error)) from None
     except ValueError:
@@ -66,7 +69,10 @@ def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
-    """Return the text of a regular file in UTF-8, with or without its mark, line ends as \\n; raise Unreadable."""
+    """Return the text of a regular file in UTF-8, with or without a byte-order mark, line ends as \\n.
+
+    Raise Unreadable.
+    """
     content = read_bytes(path, most)
     try:
         text = content.decode("utf-8-sig")
@@ -78,7 +84,7 @@ def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
 
 
 def irregular(path: str | os.PathLike[str]) -> str:
-    """Return what lies at a path that is no regular file, in words; empty where it is one, or where nothing is."""
+    """Return in words what is at a path if that is not a regular file; empty if it is one, or nothing is there."""
     try:
         _check_regular(os.stat(path))
     except Unreadable as reason:

@@ -1,14 +1,15 @@
 """Rodas4: a stiffly accurate, L-stable Rosenbrock method of order 4(3) with six stages and dense output of order 3.
 
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.7 (RODAS,
-first set of coefficients). Form of the stages: (1/(γh) − J) u_i = f(φ + c_i h, y + Σ a_ij u_j) + Σ C_ij u_j/h + h d_i
-f_φ; the step is y + Σ_{j<5} a_5j u_j + u_5 + u_6, its error estimate u_6.
+first set of coefficients). Form of the stages: (1/(γh) − J) u_i = f(φ + c_i h, y + Σ a_ij u_j) + Σ C_ij u_j/h
++ h d_i f_φ; the step is y + Σ_{j<5} a_5j u_j + u_5 + u_6, its error estimate u_6.
 
-Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they reduce to one weighted sum, q += h [Σ β_i
-g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for the system
-enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
+Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they reduce to one weighted sum,
+q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
+the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
 The model is connected by ten slots:
+
 - `surroundings`: everything that depends on φ alone;
 - `rates`;
 - `jacobian`: rates and their derivatives by the state and by φ, from the surroundings at φ and at φ + δ;
@@ -21,6 +22,7 @@ The model is connected by ten slots:
 - `keep_port_states`: fills columns of the dense output beyond the states;
 - `jump`: changes the state from which the next step begins where an event is due, and tells whether the integration may
   go on; `share_in_phase` makes a step end there.
+
 Steps land on breakpoints and keep their size across them. STATES and QUADRATURES, their numbers, are constants of the
 text, so that short loops are unrolled.
 """

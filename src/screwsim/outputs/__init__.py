@@ -1,7 +1,7 @@
-"""What a simulation gives: the names, units and meanings of all results, and the record that carries them.
+"""Results of a simulation: names, units and meanings of all of them, and the record that carries them.
 
-One table serves the JSON of `run`, the HDF5 file and the labels of figures. SI units. Figures are the core's own; what
-an effect gives it declares itself. A result has those that its scene calls for: one of them without a value is None
+One table serves the JSON of `run`, the HDF5 file and the labels of figures. SI units. The core declares its own
+figures, each effect those that it gives. A result has the figures that its scene calls for: one without a value is None
 (null in JSON, NaN with its fill value in HDF5).
 """
 
@@ -56,5 +56,5 @@ from screwsim.outputs.variables import (
     sorted_entries,
 )
 
-# what authors of effects take
+# names for authors of effects
 __all__ = ["Figure", "Scale", "Trace", "efficiency", "over", "power_figure"]

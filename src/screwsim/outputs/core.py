@@ -1,4 +1,4 @@
-"""The figures of the core: every result may have them, whichever effects its scene names; those of two stages."""
+"""Figures of the core, which any result may have, whatever effects its scene names; and figures of two stages."""
 
 from functools import partial
 
@@ -16,7 +16,7 @@ from screwsim.outputs.declared import (
 
 UNASKED = Scale(unasked=True)
 
-_STAGES = (  # of two stages in a row
+_STAGES = (  # figures of two stages in series
     Figure("intermediate_pressure", "Pa", "pressure between both stages, of the first one's discharge line"),
     Figure("second_suction_temperature", "K", "temperature of what the second stage sucks"),
     Figure("intercooler_heat", "W", "heat taken from the gas between both stages", over("shaft_power")),
@@ -52,11 +52,11 @@ _STAGES = (  # of two stages in a row
     Figure("flow_mismatch", "1", "what comes to the second stage against what it takes, relative difference", UNASKED),
 )
 STAGES = {figure.name: figure for figure in _STAGES}
-# what calls for a figure of the core, beside keys of a scene (`figures.called_for`)
+# conditions that call for a figure of the core, beside keys of a scene (`figures.called_for`)
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
 COOLED = ("operation.condensing_temperature and machine.mode: compressor", "operation.gas_cooler")
 HUMID = ("gas.relative_humidity",)
-# roles of effects, which say that they have them (`effects.base`)
+# roles of effects, declared by the effects themselves (`effects.base`)
 HEATED = ("an effect that gives the oil a temperature",)
 CHANGED = ("an effect with a SuctionChange",)
 WALLED = ("an effect with a Wall",)
@@ -64,14 +64,14 @@ HELD = ("an effect by which the oil gives its gas off over time",)
 SUBCRITICAL = ("gas.model: real with suction gas below its critical temperature",)
 GLIDING = (f"{SUBCRITICAL[0]}, a blend",)
 AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity, an effect with an aftercooler")
-# of what condenses: saturation changes by 15 and more times what the temperature does
+# of condensate: relatively, saturation changes at least 15 times as much as temperature
 CONDENSED = Scale(15.0, ("water_flow",))
 
 _oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
 _saturating, _gliding = (partial(Figure, needs=needs) for needs in (SUBCRITICAL, GLIDING))
 _humid = partial(Figure, needs=HUMID)
 _water = partial(_humid, shown="kg h-1")
-cooling_figure = partial(Figure, scale=NET_FLOW, needs=COOLED, by_flow=True)  # of what the net gas flow cools
+cooling_figure = partial(Figure, scale=NET_FLOW, needs=COOLED, by_flow=True)  # proportional to the net gas flow
 _CORE = (
     efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
     efficiency(
@@ -196,4 +196,4 @@ _CORE = (
         needs=HELD,
     ),
 )
-PERFORMANCE = {figure.name: figure for figure in _CORE}  # the core's own; effects declare theirs
+PERFORMANCE = {figure.name: figure for figure in _CORE}  # figures of the core; effects declare their own

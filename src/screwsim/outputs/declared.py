@@ -1,10 +1,10 @@
-"""What is declared of each figure, curve and number of a result: its name, unit (SI, CF style) and meaning."""
+"""Declarations of figures, curves and other numbers of a result: name, unit (SI, CF style) and meaning."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-DIFFERENCE = "kelvin"  # of a temperature difference, in CF's other spelling: nothing shows it in degrees Celsius
+DIFFERENCE = "kelvin"  # unit of a temperature difference; this spelling of K is never converted to degrees Celsius
 
 
 class Variable(NamedTuple):
@@ -14,16 +14,17 @@ class Variable(NamedTuple):
     long_name: str
 
 
-TIMES = {"": "", "ideal": "ideal_isothermal_efficiency", "filling": "volumetric_efficiency"}  # figures of factors
+TIMES = {"": "", "ideal": "ideal_isothermal_efficiency", "filling": "volumetric_efficiency"}  # figures behind factors
 
 
 @dataclass(frozen=True)
 class Scale:
-    """What the relative error of a figure is relative to: its size, at the least `least` times the figures `of`.
+    """Scale of a figure's relative error: its size, but not less than `least` times the product of the figures `of`.
 
-    `alone`: that, whatever its size. It counts only where the figure `where` is there. `times` is a factor: 'ideal' the
-    larger of 1 and the ideal isothermal efficiency; 'filling', of what passes through zero with the net gas flow,
-    that by which the volumetric efficiency falls short of 0.1. `unasked`: it has none, as a residual.
+    `alone`: the scale is that product, whatever the size. The product counts only where the figure `where` is not zero.
+    `times` is a factor: 'ideal' is the larger of 1 and the ideal isothermal efficiency; 'filling', for figures that
+    pass through zero with the net gas flow, is 0.1 over the volumetric efficiency where that is below 0.1. `unasked`:
+    the figure has no error, as a residual.
     """
 
     least: float = 0.0
@@ -46,20 +47,20 @@ class Trace(NamedTuple):
 
 
 def over(name: str, alone: bool = False) -> Scale:
-    """Return the scale of a figure whose mean may vanish: at the least, or alone, the figure of a name."""
+    """Return the scale of a figure whose mean may vanish: at least, or with `alone` exactly, the named figure."""
     return Scale(1.0, (name,), alone)
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of a result: name, unit (SI, CF style), meaning, and what its estimated error is relative to.
+    """A figure of a result: name, unit (SI, CF style), meaning, and the scale of its estimated error.
 
-    `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
-    declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does,
-    `by_oil`: as the flow of injected oil, `by_port`: as that through the port of its effect's plenum, `by_held`: as
-    what the oil's dissolved gas is left open by, over what flashes. `curve`: no less than these
-    amplitudes of its curve make of it.
-    `shown` is the unit in which people write it (`engineering.SCALES`), where that is not the one of its SI unit.
+    `needs` are keys of a scene; the figure is called for where one of them is present. '.key' is a parameter of the
+    effect that declares the figure, 'key: word' requires that value, and ' and ' joins several. The figure's error
+    follows that of the net gas flow (`by_flow`), of the injected oil (`by_oil`), of the flow through the port of its
+    effect's plenum (`by_port`), or of the gas that the oil holds dissolved (`by_held`), whose closing error counts over
+    the gas that flashes. `curve` names the amplitudes of its curve: its error is at least that which follows from
+    theirs. `shown` is the unit in which people write it (`engineering.SCALES`), if not the usual one of its SI unit.
     """
 
     name: str
@@ -77,20 +78,20 @@ class Figure:
 
 POWER = Scale(least=1.0, of=("shaft_power",), alone=True, times="ideal")
 EFFICIENCY = Scale(least=0.1)
-NET_FLOW = Scale(times="filling")  # of the net gas flow, and what is in proportion to it or over it
-# of what enters beside the suction: what a step errs by is of all that flows
+NET_FLOW = Scale(times="filling")  # of the net gas flow, and of figures proportional to it or divided by it
+# of flows beside the suction: the error of a step scales with the whole flow
 BESIDE = Scale(0.1, ("gas_mass_flow",))
 BESIDE_RATIO = Scale(0.1, times="filling")
-LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
+LEAST_OIL = 1e-4  # oil per gas below which errors are relative to this ratio instead
 
 
 def power_figure(name: str, long_name: str, **more: Any) -> Figure:
-    """Return the figure of a power [W]: its error counts over the shaft's power or the ideal one."""
+    """Return the figure of a power [W], whose error is relative to the shaft power or the ideal power."""
     return Figure(name, "W", long_name, POWER, **more)
 
 
 def efficiency(name: str, long_name: str, **more: Any) -> Figure:
-    """Return the figure of an efficiency, shown in percent: its error counts over at least 0.1."""
+    """Return the figure of an efficiency, shown in percent, whose error is relative to at least 0.1."""
     return Figure(name, "1", long_name, EFFICIENCY, **more)
 
 

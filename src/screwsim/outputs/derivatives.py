@@ -1,4 +1,4 @@
-"""Derivatives of a result's figures by the numbers of its scene, found when they are first asked for."""
+"""Derivatives of a result's figures by the numbers of its scene, computed on first use."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from screwsim.outputs.display import si_unit
 from screwsim.outputs.figures import Figures, shown
 
 EXACT, ROUGH, DIFFERENCES = "exact", "quick", "differences"  # methods
-STORED = {DIFFERENCES: 0, EXACT: 1, ROUGH: 2}  # as files tell them
-SHOWN = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # those of them there are
-MOST = 15  # numbers in a text, those that count most first
+STORED = {DIFFERENCES: 0, EXACT: 1, ROUGH: 2}  # codes of the methods in files
+SHOWN = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power")  # in texts, if present
+MOST = 15  # largest number of paths in a text, the most influential first
 
 
 class Slopes(Protocol):
-    """What is found: derivatives [SI] by figure and path, the numbers [SI] at the paths and their SI units.
+    """Computed derivatives [SI] by figure and path, with the numbers [SI] at the paths and their SI units.
 
-    `method` is 'exact', 'quick' (good to 1e-3 mostly) or 'differences', by path; `left_out` says why paths have none.
+    `method` gives 'exact', 'quick' (usually good to 1e-3) or 'differences' by path; `left_out` says why paths have
+    none.
     """
 
     @property
@@ -38,9 +39,9 @@ class Slopes(Protocol):
 class Derivatives(Mapping[tuple[str, str], float]):
     """Derivatives [SI] by (figure, path of the scene): `result.derivatives["shaft_power", "operation.speed"]`.
 
-    The end of a path stands for it where no other ends so: "tip_leakage.gap". They are found all at once when the
-    first is asked for; a KeyError says what there is, and why what is asked for has none. `scene` is the one of the
-    result, None where that does not know it.
+    The end of a path is enough where it is unambiguous: "tip_leakage.gap". All are computed when the first is asked
+    for; a KeyError says which exist, and why the requested one does not. `scene` is that of the result; None where the
+    result does not know it.
     """
 
     def __init__(
@@ -51,19 +52,19 @@ class Derivatives(Mapping[tuple[str, str], float]):
 
     @classmethod
     def of(cls, found: Slopes, performance: Figures) -> Derivatives:
-        """Return derivatives that are known already."""
+        """Return derivatives that have already been computed."""
         known = cls(lambda: found, performance)
         known.__dict__["found"] = found
         return known
 
     @property
     def known(self) -> Slopes | None:
-        """What is found already; None where it would have to be found."""
+        """What has already been computed; None where it would have to be computed."""
         return self.__dict__.get("found")
 
     @cached_property
     def found(self) -> Slopes:
-        """All that is known of them: with the numbers themselves, and by which method each was found."""
+        """All results: the derivatives, the numbers themselves, and the method for each."""
         if self._find is None:
             raise KeyError(
                 "this result does not know its scene (screwsim.sensitivities(scene) finds derivatives; a result of "
@@ -82,18 +83,18 @@ class Derivatives(Mapping[tuple[str, str], float]):
         return sum(map(len, self.found.derivatives.values()))
 
     def units(self, figure: str, path: str) -> str:
-        """Return the unit of a derivative as people write it: 'W/m' of a power by a length."""
+        """Return the unit of a derivative as people write it: 'W/m' for a power by a length."""
         figure, path = self._key((figure, path))
         return per(self._units()[figure], self.found.units[path])
 
     def relative(self, figure: str, path: str) -> float | None:
-        """Return a derivative in percent per percent; None where the figure or the number is nothing."""
+        """Return a derivative in percent per percent; None where the figure or the number is zero or missing."""
         figure, path = self._key((figure, path))
         value, number = self._performance.get(figure), self.found.values[path]
         return self.found.derivatives[figure][path] * number / value if value and number else None
 
     def to_pandas(self) -> Any:
-        """Return them as a pandas.DataFrame, figures × paths [SI]; `attrs` has the SI units of both."""
+        """Return the derivatives as a pandas.DataFrame, figures × paths [SI]; `attrs` has the SI units of both."""
         found = self.found
         frame = display.library("pandas").DataFrame.from_dict(dict(found.derivatives), orient="index")
         frame = frame.reindex(columns=list(found.values))
@@ -133,7 +134,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
         return {each.name: each.units for each in shown(self._performance)}
 
     def _key(self, key: tuple[str, str]) -> tuple[str, str]:
-        """Return figure and whole path; raise KeyError with what there is."""
+        """Return figure and full path; raise KeyError that says what exists."""
         if not isinstance(key, tuple) or len(key) != 2:
             raise KeyError(f'{key!r} is no figure with a path (write ["shaft_power", "operation.speed"])')
         figure, path = key
@@ -154,7 +155,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
 
 
 class _Known:
-    """Give back what was found."""
+    """Return what was computed earlier: a picklable function for `Derivatives`."""
 
     def __init__(self, found: Slopes) -> None:
         self._found = found
@@ -164,7 +165,7 @@ class _Known:
 
 
 def per(above: str, below: str) -> str:
-    """Return the unit of one quantity over another's, as people write it."""
+    """Return the unit of one quantity over another, as people write it."""
     if below == "1":
         return si_unit(above)
     under = si_unit(below)

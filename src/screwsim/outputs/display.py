@@ -1,4 +1,4 @@
-"""Results as Python and notebooks show them: figures as text [SI] and as HTML; and as tables of other libraries."""
+"""Display of results in Python and notebooks: figures as text [SI] and HTML, and as tables of other libraries."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import numpy as np
 from screwsim.outputs.customary import digits, printed_celsius, scale
 
 ANGLE = "angle"
-MOST_LETTERS = 100  # of a meaning, and of a cell, in text
-MOST_ROWS, MOST_HTML_ROWS = 10, 60  # of a table of what was found
+MOST_LETTERS = 100  # largest number of characters of a meaning or a cell, in text
+MOST_ROWS, MOST_HTML_ROWS = 10, 60  # largest number of rows of a table, in text and in HTML
 MOST_COLUMNS, MOST_HTML_COLUMNS = 5, 12
 
 
 class Shown(NamedTuple):
-    """One figure to show: value and unit (SI, CF style), meaning, the unit people write, whether it is in percent."""
+    """A figure to show: value and unit (SI, CF style), meaning, the unit people write, whether it is in percent."""
 
     name: str
     value: float | str | None
@@ -29,9 +29,9 @@ class Shown(NamedTuple):
 
 
 class Value(float):
-    """A figure as an attribute gives it: a number [SI] that knows its `units` (CF style) and meaning, `long_name`.
+    """A figure returned by attribute access: a number [SI] that knows its `units` (CF style) and meaning, `long_name`.
 
-    Printed it is the plain number; its `repr` says unit, customary unit and meaning.
+    It prints as the plain number; its `repr` gives unit, customary unit and meaning.
     """
 
     units: str
@@ -39,7 +39,7 @@ class Value(float):
     _about: Shown
 
     def __new__(cls, value: float, about: Shown) -> Value:
-        """Make a number of a value and what is known of it."""
+        """Make a number from a value and its description."""
         made = super().__new__(cls, value)
         made.units, made.long_name, made._about = about.units, about.long_name, about
         return made
@@ -58,7 +58,7 @@ class Value(float):
 
 
 class About(NamedTuple):
-    """What is to be said of a thing: a heading, sentences, and a table."""
+    """Description of an object: a heading, sentences, and a table."""
 
     heading: str
     notes: Sequence[str] = ()
@@ -67,10 +67,10 @@ class About(NamedTuple):
 
 
 class Brief:
-    """What has too many parts to print them all: it says in a few lines what it is, and shows a table in notebooks."""
+    """Base class of objects too large to print whole: a few lines in text, a table in notebooks."""
 
     def _about(self) -> About:
-        """Return what is to be said of it."""
+        """Return the description of the object."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
@@ -100,12 +100,12 @@ def _short(text: str) -> str:
 
 
 def value_text(figure: Shown) -> str:
-    """Return a figure's value in the unit in which people write it, else in SI."""
+    """Return a figure's value in its customary unit, else in SI."""
     return customary(figure) or _value(figure)
 
 
 def si_unit(units: str) -> str:
-    """Return a unit in CF style as people write it: 'kg s-1' is kg/s, '1' nothing."""
+    """Return a unit in CF style as people write it: 'kg s-1' gives kg/s, '1' an empty text."""
     if units == "1":
         return ""
     above = [part for part in units.split() if not part.rstrip("0123456789").endswith("-")]
@@ -117,7 +117,7 @@ def si_unit(units: str) -> str:
 
 
 def customary(figure: Shown) -> str:
-    """Return a value in the unit in which people write it; empty where that is the SI unit."""
+    """Return a value in its customary unit; empty where that is the SI unit."""
     if figure.value is None or isinstance(figure.value, str):
         return ""
     if figure.percent:
@@ -129,7 +129,7 @@ def customary(figure: Shown) -> str:
 
 
 def table_text(figures: Sequence[Shown]) -> str:
-    """Return a line a figure: name, value with its SI unit, meaning."""
+    """Return one line for each figure: name, value with its SI unit, meaning."""
     values = [_value(each) for each in figures]
     names, widths = max((len(each.name) for each in figures), default=0), max(map(len, values), default=0)
     return "\n".join(
@@ -145,7 +145,7 @@ def _value(figure: Shown) -> str:
 
 
 def table_html(heading: str, notes: Iterable[str], figures: Sequence[Shown]) -> str:
-    """Return a heading, notes and a table of figures as a piece of HTML that takes the colours of its page."""
+    """Return a heading, notes and a table of figures as an HTML fragment that takes the colours of its page."""
     rows = [
         [f"<code>{escape(each.name)}</code>", escape(_value(each)), escape(customary(each)), escape(each.long_name)]
         for each in figures
@@ -164,7 +164,7 @@ def _html(heading: str, notes: Iterable[str], columns: Iterable[str], rows: Iter
 
 
 def library(name: str) -> Any:
-    """Return a library that is an extra; raise ImportError with what installs it."""
+    """Return an optional library; raise ImportError that says how to install it."""
     try:
         return importlib.import_module(name)
     except ImportError as error:
@@ -172,7 +172,7 @@ def library(name: str) -> Any:
 
 
 def frame(cycle: Mapping[str, np.ndarray], figures: Mapping[str, Any]) -> Any:
-    """Return curves as a pandas.DataFrame over the angle; the figures are its `attrs`."""
+    """Return curves as a pandas.DataFrame over the angle, with the figures as its `attrs`."""
     pandas = library("pandas")
     columns = {name: values for name, values in cycle.items() if name != ANGLE}
     made = pandas.DataFrame(columns, index=pandas.Index(cycle.get(ANGLE, np.zeros(0)), name=ANGLE))

@@ -1,4 +1,4 @@
-"""Figures by name, also as attributes that say their units and meanings."""
+"""Figures by name and as attributes, which know their units and meanings."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,9 +11,9 @@ from screwsim.outputs.variables import BALANCE, NUMERICS, NUMERICS_TEXT, ledger_
 
 
 class Figures(dict[str, Any]):
-    """A mapping whose names are attributes too: `result.performance.isothermal_efficiency`.
+    """A mapping whose names are also attributes: `result.performance.isothermal_efficiency`.
 
-    A number is so a `display.Value`, which says its unit and meaning where these are known.
+    Attribute access returns a number as a `display.Value` with its unit and meaning, where these are known.
     """
 
     def __getattr__(self, name: str) -> Any:
@@ -28,16 +28,16 @@ class Figures(dict[str, Any]):
         return value
 
     def described(self, name: str) -> Shown | None:
-        """Return unit and meaning of a figure, None where they are not known."""
+        """Return unit and meaning of a figure; None where they are not known."""
         return None
 
     def __dir__(self) -> list[str]:
-        """Return the figures beside the methods: what an editor completes."""
+        """Return the figures beside the methods, for completion in editors."""
         return sorted({*super().__dir__(), *self})
 
 
 class _Listed(Figures):
-    """Figures that show themselves a line each, with unit and meaning."""
+    """Figures that display as one line each, with unit and meaning."""
 
     def __repr__(self) -> str:
         return table_text(self._rows())
@@ -51,7 +51,7 @@ class _Listed(Figures):
 
 
 class Balance(_Listed):
-    """The residuals of the balances, and their bound."""
+    """Residuals of the balances, and their bound."""
 
     def described(self, name: str) -> Shown | None:
         """Return unit and meaning of a residual."""
@@ -59,7 +59,7 @@ class Balance(_Listed):
 
 
 class Error(_Listed):
-    """The estimated numerical errors of the figures, each relative to its size."""
+    """Estimated numerical errors of the figures, each relative to its scale."""
 
     def described(self, name: str) -> Shown | None:
         """Return unit and meaning of an error."""
@@ -67,7 +67,7 @@ class Error(_Listed):
 
 
 class Numerics(_Listed):
-    """What the solution took: steps, evaluations, times."""
+    """Effort of the solution: steps, evaluations, times."""
 
     def described(self, name: str) -> Shown | None:
         """Return unit and meaning of a number."""
@@ -75,7 +75,7 @@ class Numerics(_Listed):
 
 
 class Ledger(_Listed):
-    """Where the shaft power goes: totals, and `<quantity>_<effect>` of each effect."""
+    """Ledger of the shaft power: totals, and `<quantity>_<effect>` of each effect."""
 
     def described(self, name: str) -> Shown | None:
         """Return unit and meaning of a total or an entry."""
@@ -83,7 +83,7 @@ class Ledger(_Listed):
 
 
 def shown(figures: Mapping[str, Any]) -> list[Shown]:
-    """Return figures as they are shown, with what is declared of each where that is known."""
+    """Return figures with their values, units and meanings, where these are declared."""
     about: Mapping[str, Figure] = getattr(figures, "about", PERFORMANCE)
     found = []
     for name, value in figures.items():
@@ -92,5 +92,5 @@ def shown(figures: Mapping[str, Any]) -> list[Shown]:
 
 
 def shown_of(about: Figure, value: Any) -> Shown:
-    """Return a value of a figure as it is shown."""
+    """Return a value of a figure with the figure's unit and meaning."""
     return Shown(about.name, value, about.units, about.long_name, about.shown, about.scale == EFFICIENCY)

@@ -21,13 +21,14 @@ class Result:
     """One simulated operating point, all in SI units; what `simulate` returns.
 
     - `status` is ok, not_closed or failed; `message` says why, `warnings` what to doubt.
-    - `performance` holds the figures by their names, as attributes too; `notes` say why one is None.
-    - `error` is the estimated numerical error of each figure, relative; `balance` the residuals of mass, energy and
-      entropy with their bound; `numerics` what the solution took.
-    - `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
-    - `ledger` is where the shaft power goes; empty without the cycle. `effects` and `states` name what was simulated.
-    - `impossible` names the figures of `performance` that no machine has; what is wrong with them is in `warnings`.
-    - `derivatives` of the figures by the numbers of the scene are found when they are asked for.
+    - `performance` holds the figures by name, also as attributes; `notes` say why one is None.
+    - `error` is the estimated relative numerical error of each figure; `balance` holds the residuals of mass, energy
+      and entropy with their bound; `numerics` the effort of the solution.
+    - `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a complete life.
+    - `ledger` accounts for the shaft power; empty without the cycle. `effects` and `states` name what was simulated.
+    - `impossible` names figures of `performance` with values that no machine has; `warnings` say what is wrong with
+      them.
+    - `derivatives` of the figures by the numbers of the scene are computed on first use.
     """
 
     status: str
@@ -42,24 +43,24 @@ class Result:
     notes: Mapping[str, str] = field(default_factory=dict)
     cycle: Mapping[str, np.ndarray] = field(default_factory=dict)
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
-    knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
-    uncertainty: Mapping[str, Any] = field(default_factory=dict)  # of the inputs, where the scene gives tolerances
+    knock_out: tuple[Figures, ...] = ()  # changes by leaving out each effect, where requested
+    uncertainty: Mapping[str, Any] = field(default_factory=dict)  # from the inputs, where the scene gives tolerances
     impossible: tuple[str, ...] = ()
     derivatives: Derivatives = field(default_factory=Derivatives, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Let what is not performance say its units, too."""
+        """Convert the other mappings to types that know their units, too."""
         for name, kind in (("balance", Balance), ("error", Error), ("numerics", Numerics), ("ledger", Ledger)):
             if type(own := getattr(self, name)) is not kind:
                 object.__setattr__(self, name, kind(own))
 
     @property
     def told(self) -> str:
-        """How it ended, in words: `not closed: …`."""
+        """How the run ended, in words: `not closed: …`."""
         return f"{self.status.replace('_', ' ')}: {self.message}"
 
     def lacks(self, names: Iterable[str]) -> list[str]:
-        """Return why it has no figures of these names, a text for each that it does not have."""
+        """Return the reason for each of these figures that the result does not have."""
         none = (name for name in names if self.performance.get(name) is None)
         return [f"no {name}: {self.notes.get(name, 'it is not simulated')}" for name in none]
 
@@ -67,7 +68,7 @@ class Result:
         return f"Result: {self.told if self.message else self.status}\n{table_text(shown(self.performance))}".rstrip()
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: how it ended, warnings, and all figures with units and meanings."""
+        """Return the display in notebooks: how the run ended, warnings, and all figures with units and meanings."""
         heading = self.told if self.message else self.status
         return table_html(heading, [f"warning: {text}" for text in self.warnings], shown(self.performance))
 
@@ -81,7 +82,7 @@ class Result:
         return display.dataset(self.performance, about, self.cycle, {name: cycle_variable(name) for name in self.cycle})
 
     def as_json(self) -> dict[str, Any]:
-        """Return what `run --json` prints (the cycle stays in the HDF5 file)."""
+        """Return the content of `run --json` (the cycle is only in the HDF5 file)."""
         asked: dict[str, Any] = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}
         asked |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
         return {

@@ -1,11 +1,11 @@
-"""What else a result holds beside its figures: balances, numerics, curves, ledger, knock-outs; units and meanings."""
+"""Units and meanings of a result's other numbers: balances, numerics, curves, ledger, knock-outs."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from screwsim.outputs.declared import Variable
 
-STATUSES = OK, NOT_CLOSED, FAILED = "ok", "not_closed", "failed"  # HDF5 stores the index
+STATUSES = OK, NOT_CLOSED, FAILED = "ok", "not_closed", "failed"  # stored in HDF5 by index
 
 BALANCE = {
     "mass": Variable("1", "relative residual of the gas mass balance"),
@@ -56,15 +56,15 @@ LEDGER = {
     "residue": Variable("W", "shaft power less exergy rises and exergy destroyed: numerical"),
     "relative_residue": Variable("1", "residue of the ledger over shaft power"),
 }
-LEDGER_ENTRY = {  # of each effect, `<name>_<effect>`
+LEDGER_ENTRY = {  # quantities of each effect, named `<quantity>_<effect>`
     "gas_moved": Variable("kg s-1", "gas moved"),
     "energy_moved": Variable("W", "energy moved"),
     "entropy_generated": Variable("W K-1", "entropy generated"),
     "exergy_destroyed": Variable("W", "exergy destroyed"),
 }
 
-KNOCK_OUT_STATUSES = (*STATUSES, "needed")  # the scene cannot do without the effect
-KNOCK_OUT = {  # of each effect that is left out, with what that changes
+KNOCK_OUT_STATUSES = (*STATUSES, "needed")  # needed: the scene cannot be simulated without the effect
+KNOCK_OUT = {  # figures without an effect; their changes are added below
     name: Variable(units, f"{meaning} without the effect")
     for name, units, meaning in (
         ("shaft_power", "W", "shaft power"),
@@ -80,7 +80,7 @@ KNOCK_OUT |= {
 
 
 def ledger_variable(name: str) -> Variable:
-    """Return unit and meaning of a ledger's total, or of an entry `<quantity>_<effect>`."""
+    """Return unit and meaning of a total of the ledger, or of an entry `<quantity>_<effect>`."""
     if name in LEDGER:
         return LEDGER[name]
     quantity = next(quantity for quantity in LEDGER_ENTRY if name.startswith(f"{quantity}_"))
@@ -99,12 +99,12 @@ def ledger_entries(ledger: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def sorted_entries(ledger: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    """Return the entries of a ledger by the exergy that they destroy, the dearest first."""
+    """Return the entries of a ledger, sorted by exergy destroyed, the largest first."""
     return sorted(ledger_entries(ledger).items(), key=lambda entry: -float(entry[1]["exergy_destroyed"]))
 
 
 def cycle_variable(name: str) -> Variable:
-    """Return unit and meaning of a cycle trace, of flow paths too (`mass_flow_<effect>[_leading]`, `oil_flow_…`)."""
+    """Return unit and meaning of a curve of the cycle, also of flows (`mass_flow_<effect>[_leading]`, `oil_flow_…`)."""
     if name.startswith("mass_flow_"):
         return Variable("kg s-1", f"mass flow into the chamber, {name.removeprefix('mass_flow_').replace('_', ' ')}")
     if name.startswith("oil_flow_"):
