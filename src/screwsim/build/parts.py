@@ -95,16 +95,10 @@ def _of_site(
 def regularisation(scene: Scene) -> tuple[float, float, float]:
     """Return the regularisation widths ε of pressure differences: of suction port and discharge port [Pa], and of gaps.
 
-<<<<<<< HEAD
-    That of gaps is a share of the mean pressure at their ends. ε is `WIDTH` of the wanted accuracy times the pressure.
-    The error control lets the pressure err by about as much; a narrower ε would let that error jump across the flow
-    law's steep middle, a wider one costs accuracy that no step can regain (docs/explanation/integrator.md).
-=======
     The width of gaps is a share of the mean pressure at their ends. ε is `WIDTH` times the requested accuracy times the
     pressure. Error control lets the pressure err by about as much: a narrower ε would let that error jump across the
     steep middle of the flow law, a wider one would cost accuracy that no step size recovers
-    (docs/explanation/numerics.md).
->>>>>>> e639790628659f7987ee66fe3a02753737dd2351
+    (docs/explanation/integrator.md).
     """
     return _widths(scene, lines(scene))[:3]
 

@@ -1,15 +1,9 @@
 """Reads CSV tables, all in the same way: a line of names, then rows with one cell for each name.
 
-<<<<<<< HEAD
 Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
-begin with # say nothing; but where the first column holds names, one that begins with # and a number and has the cells
-of a row is a fault, for `#3` may be a name. A row with more or fewer cells than there are names is a fault: most often
-its decimal commas have made two cells of one number.
-=======
-Cells are separated by commas and may be in double quotes; a number has a decimal point. Empty lines and lines that
-begin with # are skipped. A row with more or fewer cells than there are names is a fault: most often a decimal comma has
-split a number into two cells.
->>>>>>> e639790628659f7987ee66fe3a02753737dd2351
+begin with # are skipped; but where the first column holds names, a line that begins with # and a number and has the
+cells of a row is refused, for `#3` may be a name. A row with more or fewer cells than there are names is refused: most
+often its decimal commas have split numbers.
 """
 
 import csv
@@ -23,13 +17,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
-<<<<<<< HEAD
-NAMES, REMARK = "name", "#"  # the column of names; what a line that says nothing begins with
+NAMES, REMARK = "name", "#"  # the column of names; what a line that is no row begins with
 NUMBERED = re.compile(rf"{REMARK}\d+\s*,")  # a row whose name may be #3, or one named 3 that is left out
-_OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
-=======
 _OTHER = {";": "semicolons", "\t": "tabs"}  # other separators of cells, which are refused
->>>>>>> e639790628659f7987ee66fe3a02753737dd2351
 
 
 class BadSheet(Exception):
@@ -98,15 +88,9 @@ def usable(remedy: str, where: str = "") -> Iterator[None]:
 
 
 def sheet_of(text: str) -> Sheet:
-<<<<<<< HEAD
-    """Return the table of a text; one without any row has a head without names. Raise BadSheet."""
+    """Return the table in a text; without any row its head has no names. Raise BadSheet."""
     numbered = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
     lines = [each for each in numbered if not each[1].lstrip().startswith(REMARK)]
-=======
-    """Return the table in a text; without any row its head has no names. Raise BadSheet."""
-    numbered = enumerate(text.split("\n"), 1)
-    lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
->>>>>>> e639790628659f7987ee66fe3a02753737dd2351
     if not lines:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:
