@@ -130,7 +130,9 @@ def limits(sources: Mapping[str, Any]) -> str:
     """Return the size of each thing that the model leaves out, as a table."""
     rows = [row for row in sources.get("limits", {"rows": []})["rows"] if row["kind"] == "estimate"]
     sizes = [number(row["ours"], row["unit"], 3) for row in rows]
-    lines = (f"| {cell(row['quantity'])} | {size} | {cell(row['note'])} |" for row, size in zip(rows, sizes, strict=True))
+    lines = (
+        f"| {cell(row['quantity'])} | {size} | {cell(row['note'])} |" for row, size in zip(rows, sizes, strict=True)
+    )
     return "\n".join(["| what | size | note |", "|---|---|---|", *lines])
 
 

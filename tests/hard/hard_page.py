@@ -94,8 +94,8 @@ REASONS = {
     "a chamber that never opens": "any charge is a cycle of it, so closing has nothing to find. Radau follows all "
     "chambers for one life; they come back as they were. There is no work; its difference is over m p/ρ.",
     "found: closes by Newton, wet": "the state is next to the critical point. In the last degree the exponent of "
-    "the nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and the "
-    "slopes on both sides lead to that border. The state slides along it, where the equations have no solution in the "
+    "the nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and "
+    "the slopes on both sides lead to that border. The state slides along it, where the equations have no solution in the "
     "classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, as LSODA's coarser ones do.",
 }
 RANDOM = """
@@ -133,8 +133,8 @@ MADE = """
 - {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
 - {compared} scenes that are ok were solved again by coupled chambers under scipy's Radau at a thousandth of the wanted
   accuracy. {within} agree in all figures within the accuracy, {three} within three times it; the worst differs by
-  {worst:.2g} times. {unwarned} differ by more than the accuracy without a warning of it; of those without one the worst differs
-  by {worst_unwarned:.2g} times. {no_answer} had no answer from Radau.
+  {worst:.2g} times. {unwarned} differ by more than the accuracy without a warning of it; the worst without a warning
+  differs by {worst_unwarned:.2g} times. {no_answer} had no answer from Radau.
 {contradicted}"""
 
 
@@ -189,8 +189,8 @@ LAWS = """
 - asks what holds for any machine: a wider gap delivers no more, nothing takes entropy out of the world, machines of one
   shape work alike, two of them in a row share the pressure ratio equally, air with next to no water is dry air.
 
-Deviations are given over what the wanted accuracy allows, so that 1 is the bound. A scene that is not ok, that warns, or
-of which a law says nothing is not asked. Beyond the bound: {beyond}. The outcome is in
+Deviations are given over what the wanted accuracy allows, so that 1 is the bound. A scene that is not ok, that warns,
+or of which a law says nothing is not asked. Beyond the bound: {beyond}. The outcome is in
 `tests/hard/metamorphic_outcome.json`.
 
 | law | drawn | asked | worst, over what is allowed |
