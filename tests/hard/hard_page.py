@@ -96,7 +96,8 @@ REASONS = {
     "found: closes by Newton, wet": "the state is next to the critical point. In the last degree the exponent of "
     "the nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and "
     "the slopes on both sides lead to that border. The state slides along it, where the equations have no solution in "
-    "the classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, as LSODA's coarser ones do.",
+    "the classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, as LSODA's coarser ones "
+    "do.",
 }
 RANDOM = """
 ## Random scenes
