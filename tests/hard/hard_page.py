@@ -42,13 +42,18 @@ How to read the table:
 
 ## Further tries
 
-Where the first try does not close a cycle, others follow unless `numerics.closing` is `histories`: a tighter tolerance
-of the steps, closing without acceleration, damped closing with searches by Newton's method between, a continuation from
-four times the speed, and longer searches. A warning of the result says which one it took, another where the machine's
-own course leads away from the cycle that was found
-([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)). The error of such a cycle is estimated by closing
-it again, finer: one life more shows too little of it. Where no try closes, the message says how much the states still
-change and how hot the gas gets.
+Where the first try does not close a cycle, others follow unless `numerics.closing` is `histories`:
+
+- a tighter tolerance of the steps;
+- closing without acceleration;
+- damped closing, with searches by Newton's method between;
+- a continuation from four times the speed;
+- longer searches.
+
+A warning of the result says which one it took, another where the machine's own course leads away from the cycle that
+was found ([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)). The error of such a cycle is estimated by
+closing it again, finer: one life more shows too little of it. Where no try closes, the message says how much the states
+still change and how hot the gas gets.
 
 What Newton's correction does not spare a further try has a case below (*closes only …*, *heats …*, *swings …*). None
 needs the continuation any more (*closes by Newton, wet*).
