@@ -20,7 +20,7 @@ COLD = "guess"  # from where Radau begins as the case does
 HEAD = """\
 # Hard cases
 
-Scenes that a user could write and that break simpler programs. `tests/hard` solves every one. Of each it holds that
+Scenes that a user could write and that break simpler programs. `tests/hard` solves every one, and holds of each that
 
 - the status is the one below;
 - every number of the result and of its cycle is finite (but for the oil's temperature before it is injected), and p, T
@@ -55,8 +55,8 @@ was found ([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)). T
 closing it again, finer: one life more shows too little of it. Where no try closes, the message says how much the states
 still change and how hot the gas gets.
 
-What Newton's correction does not spare a further try has a case below (*closes only …*, *heats …*, *swings …*). None
-needs the continuation any more (*closes by Newton, wet*).
+Scenes that need a further try in spite of Newton's correction have a case below (*closes only …*, *heats …*,
+*swings …*). None needs the continuation any more (*closes by Newton, wet*).
 
 ## Floors
 
