@@ -20,28 +20,58 @@ COLD = "guess"  # from where Radau begins as the case does
 HEAD = """\
 # Hard cases
 
-Scenes that a user could write and that break simpler programs. `tests/hard` solves every one: the status is the one
-below; every number of the result and of its cycle is finite (but for the oil's temperature before it is injected); p, T
-and m are positive; mass and energy close within the wanted accuracy; the right-hand side is evaluated at most as often
-as stated. Where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau
-within the wanted accuracy. *refused*: a bad scene, exit code 3 with the remedy; *failed*: exit code 4 with the angle;
-*(ok)* after another status: physics would not refuse the scene, the solver does not reach its cycle yet. *start far
-off*: the first guess of the cycle is multiplied, and all figures come out the same. *found*: by random scenes, one case
-of each kind of failure.
+Scenes that a user could write and that break simpler programs. `tests/hard` solves every one, and holds of each that
 
-Where the first try does not close a cycle (`numerics.closing` other than `histories`), a tighter tolerance of the
-steps, closing without acceleration, damped closing with searches by Newton's method between, a continuation from four
-times the speed and longer searches are tried. A warning of the result says which one it took, another where the
-machine's own course leads away from the cycle that was found; those that Newton's correction does not spare have a case
-below (*closes only …*, *heats …*, *swings …*), continuation none any more (*closes by Newton, wet*). The error of such
-a cycle is estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message
-says how much the states still change and how hot the gas gets
-([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)).
+- the status is the one below;
+- every number of the result and of its cycle is finite (but for the oil's temperature before it is injected), and p, T
+  and m are positive;
+- mass and energy close within the wanted accuracy;
+- the right-hand side is evaluated at most as often as stated;
+- where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau within the
+  wanted accuracy.
 
-Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts
-its errors as that much; work below 1e-6 p V is rounding; the oil's mass carries 1e-12 of the gas's; oil below none by
-1e-13 of the gas is rounding; in a step, oil below 1e-6 of the gas counts as that much and its temperature as much less.
-None moves a figure by the wanted accuracy, at ten times the size or a tenth.
+How to read the table:
+
+| word | meaning |
+|---|---|
+| *refused* | a bad scene: exit code 3, with the remedy |
+| *failed* | exit code 4, with the angle |
+| *(ok)* after another status | physics would not refuse the scene; the solver does not reach its cycle yet |
+| *start far off* | the first guess of the cycle is multiplied, and all figures come out the same |
+| *found* | by random scenes, one case of each kind of failure |
+
+## Further tries
+
+Where the first try does not close a cycle, others follow unless `numerics.closing` is `histories`:
+
+- a tighter tolerance of the steps;
+- closing without acceleration;
+- damped closing, with searches by Newton's method between;
+- a continuation from four times the speed;
+- longer searches.
+
+A warning of the result says which one it took, another where the machine's own course leads away from the cycle that
+was found ([closing.md](closing.md#cycles-that-a-machines-own-course-leaves)). The error of such a cycle is estimated by
+closing it again, finer: one life more shows too little of it. Where no try closes, the message says how much the states
+still change and how hot the gas gets.
+
+Scenes that need a further try in spite of Newton's correction have a case below (*closes only …*, *heats …*,
+*swings …*). None needs the continuation any more (*closes by Newton, wet*).
+
+## Floors
+
+`tests/hard/test_floors.py` states what each floor changes; none moves a figure by the wanted accuracy, at ten times its
+size or a tenth.
+
+| what | below | counts as |
+|---|---|---|
+| oil, when closing and in errors | 1e-4 of the gas | not waited for; its errors are relative to that much |
+| work | 1e-6 p V | rounding |
+| mass of the oil | – | it carries 1e-12 of the gas's |
+| oil less than none | 1e-13 of the gas | rounding |
+| oil, in the error of a step | 1e-6 of the gas | its mass as that much, its temperature as much less |
+
+## The cases
 
 This page is `hard_page.page()`; a test compares the two.
 
@@ -51,12 +81,13 @@ This page is `hard_page.page()`; a test compares the two.
 STATUSES = ("ok", "not_closed", "failed", "refused", "not finite", "crashed", "hung")
 TIGHT = """
 `tests/tools/hard_against_radau.py` solves the other cases that are ok by coupled chambers under scipy's Radau, at a
-hundredth of the wanted accuracy and a thousandth a step, and keeps in `tests/hard/against_radau.json` how far work and
-trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times it
+hundredth of the wanted accuracy, with steps of a thousandth of it. It keeps in `tests/hard/against_radau.json` how far
+work and trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times it
 ({name}).
-{cold} close from the cold guess. The others Radau does not find from there, as our first try does not find some of
-them; it begins from where the case itself closed, by fewer digits than it is asked for, and has to keep that
-cycle or to leave it for its own. That proves the cycle to be one of the equations', not that it is the only one.
+
+{cold} close from the cold guess. Radau does not find the others from there, as our first try does not find some of
+them. For these it begins from where the case itself closed, with fewer digits than it is asked for, and has to keep
+that cycle or to leave it for its own. That proves the cycle to be one of the equations', not that it is the only one.
 
 | case | begun from | method | difference over the accuracy |
 |---|---|---|---|
@@ -66,30 +97,36 @@ cycle or to leave it for its own. That proves the cycle to be one of the equatio
 """
 REASONS = {
     "a chamber that never opens": "any charge is a cycle of it, so closing has nothing to find. Radau follows all "
-    "chambers for one life; they come back as they were. Work, which is none, is over m p/ρ.",
-    "found: closes by Newton, wet": "next to the critical point, in the last degree, the exponent of the "
-    "nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and the "
-    "slopes on both sides lead to it: the state slides along the border, where the equations have no solution in the "
-    "classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, LSODA's coarser ones do, too.",
+    "chambers for one life; they come back as they were. There is no work; its difference is over m p/ρ.",
+    "found: closes by Newton, wet": "the state is next to the critical point. In the last degree the exponent of "
+    "the nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and "
+    "the slopes on both sides lead to that border. The state slides along it, where the equations have no solution in "
+    "the classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, as LSODA's coarser ones "
+    "do.",
 }
 RANDOM = """
 ## Random scenes
 
-`{command}` draws {scenes} scenes from the space of `tests/tools/fuzz_space.py`
-({versions}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests
-draw some 200 others. Of a real gas many scenes fail since it condenses, or gets hotter than its
-equation goes.
+`{command}` draws {scenes} scenes from the space of
+`tests/tools/fuzz_space.py` ({versions}): {ok:.1%} are ok. Of a real gas many scenes fail since it
+condenses, or gets hotter than its equation goes. The outcome is in `tests/hard/fuzz_outcome.json`, from which this
+section is made; the tests draw some 200 other scenes.
 """
 FLUIDS = """
 ## Random scenes of fluids
 
-`{command}` draws {scenes} scenes from the space of `tests/tools/fluid_space.py`
-({versions}): three blends, one of them one's own, a fluid at its dew line (a third of these
-suck saturated vapour, a third gas within a millionth to a kelvin of it), wet ammonia, two wet blends, the oil of which
-may be so cold that gas condenses on it, and carbon dioxide with a gas
-cooler. {ok:.1%} are ok; the others condense where the gas may not or where its table of two phases ends, or get hotter
-than the equation goes, which of the blends ends at 410 to 435 K; each of them says so, with its remedy. What it made
-is in `tests/hard/fuzz_fluids_outcome.json`, this section from it.
+`{command}` draws {scenes} scenes from the space of
+`tests/tools/fluid_space.py` ({versions}). It holds
+
+- three blends, one of them one's own;
+- a fluid at its dew line: a third of these suck saturated vapour, a third gas within a millionth to a kelvin of it;
+- wet ammonia;
+- two wet blends, the oil of which may be so cold that gas condenses on it;
+- carbon dioxide with a gas cooler.
+
+{ok:.1%} are ok. The others condense where the gas may not or where its table of two phases ends, or get hotter than the
+equation goes (that of the blends ends at 410 to 435 K); each of them says so, with its remedy. The outcome is in
+`tests/hard/fuzz_fluids_outcome.json`, from which this section is made.
 """
 MADE = """
 | structure | {names} |
@@ -101,9 +138,9 @@ MADE = """
 - Further tries that it took: {tries}.
 - {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
 - {compared} scenes that are ok were solved again by coupled chambers under scipy's Radau at a thousandth of the wanted
-  accuracy: {within} agree in all figures within it, {three} within three times it; the worst differs by {worst:.2g}
-  times. {unwarned} differ by more than the accuracy without a warning of it, the worst of these by {worst_unwarned:.2g}
-  times. {no_answer} had no answer from Radau.
+  accuracy. {within} agree in all figures within the accuracy, {three} within three times it; the worst differs by
+  {worst:.2g} times. {unwarned} differ by more than the accuracy without a warning of it; the worst without a warning
+  differs by {worst_unwarned:.2g} times. {no_answer} had no answer from Radau.
 {contradicted}"""
 
 
@@ -112,7 +149,7 @@ WITH_EFFECTS = """
 
 `{command}` draws {scenes} scenes from the space of
 `tests/tools/effects_space.py`: few structures that hold all {effects} effects between them, and many numbers for each.
-What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
+The outcome is in `tests/hard/fuzz_effects_outcome.json`, from which this section is made.
 
 | structure | {names} |
 |---|{lines}|
@@ -120,24 +157,28 @@ What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
 
 - Worst balance of a scene that is ok: {over:.2g} of the wanted accuracy.
 - {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
-- {compared} scenes that are ok were solved again, by coupled chambers at a fiftieth of the wanted accuracy and finer:
-  in {within} the true error of every figure is within the wanted accuracy, or a warning says that it need not be; in
-  {three} it is within three times that, or a warning says so. Without a warning it is at most {worst:.2g} times the
-  accuracy. The largest true error is in the median {median:.2g} times the largest estimate, and in 95 % at most
-  {of_95:.2g} times. {no_answer} had no answer: the finer solutions did not close, or differed by more than a tenth of
-  the accuracy. In {another}, solutions that begin anew at a finer accuracy come to another cycle of the machine, which
-  has two; finer ones begun from the scene's own cycle stay on it, and it is judged by these. (Scene 644: gaps that pass
-  oil where the chamber behind holds enough and gas where not; both cycles close at 1e-6, one with an isothermal
-  efficiency of 38.2 %, the other of 16.5 %. A warning tells now where such a machine stays if it begins with little
-  oil: [closing.md](closing.md#two-cycles-of-one-machine).)
+- {compared} scenes that are ok were solved again, by coupled chambers at a fiftieth of the wanted accuracy and finer.
+  In {within} of them the true error of every figure is within the wanted accuracy, or a warning says that it need not
+  be; in {three} it is within three times that, or a warning says so. Without a warning it is at most {worst:.2g} times
+  the accuracy.
+- The largest true error is in the median {median:.2g} times the largest estimate, and in 95 % at most {of_95:.2g}
+  times.
+- {no_answer} had no answer: the finer solutions did not close, or differed by more than a tenth of the accuracy.
+- In {another}, solutions that begin anew at a finer accuracy come to another cycle of the machine, which has two. Such
+  a scene is judged by finer solutions begun from its own cycle, which stay on it.
+
+Scene 4 of *gaps full of oil* is a machine with two cycles: its gaps pass oil where the chamber behind holds enough, and
+gas where not. It closes at a volumetric efficiency of 57.8 %; begun with little oil it stays at one of −24.4 %, and a
+warning says so ([closing.md](closing.md#two-cycles-of-one-machine), `tests/hard/test_fuzz_effects.py`).
 """
 COURSES = """
 ## Random courses
 
-`tests/tools/{command}` solves {courses} courses of {kinds} kinds of machines, {scenes} scenes drawn
-far apart, each begun from the cycles before it, as a sweep does, and each of {compared} that are ok again alone, with a
-fortieth of the wanted accuracy. {beyond},
-the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_courses_outcome.json`, whence this section.
+`tests/tools/{command}` solves {courses} courses of {kinds} kinds of machines. A course
+begins each of its scenes from the cycles before it, as a sweep does; its scenes, {scenes} in all, are drawn far apart.
+Each of {compared} that are ok is solved again alone, with a fortieth of the wanted accuracy. {beyond};
+the worst is off by {worst} times the accuracy. The outcome is in `tests/hard/fuzz_courses_outcome.json`, from which
+this section is made.
 
 | kind | ok | worst, over the accuracy |
 |---|---|---|
@@ -147,13 +188,16 @@ the worst by {worst} times the accuracy. What it made is in `tests/hard/fuzz_cou
 LAWS = """
 ## Laws over random scenes
 
-`tests/tools/{command}` needs no second solver: it states drawn scenes of those kinds of machines in two ways
-that mean the same (other units, a course backwards, a file of one point, chambers closed coupled), and asks what holds
-for any machine (a wider gap delivers no more, nothing takes entropy out of the world, machines of one shape work
-alike, two of them in a row share the pressure ratio equally, air with next to no water is dry air).
-What is off is over what the wanted accuracy allows, where 1 is the bound; a scene
-that is not ok, warns, or that a law says nothing of is not asked. Beyond it: {beyond}.
-`tests/hard/metamorphic_outcome.json` keeps them.
+`tests/tools/{command}` needs no second solver. It
+
+- states drawn scenes of those kinds of machines in two ways that mean the same: other units, a course backwards, a file
+  of one point, chambers closed coupled;
+- asks what holds for any machine: a wider gap delivers no more, nothing takes entropy out of the world, machines of one
+  shape work alike, two of them in a row share the pressure ratio equally, air with next to no water is dry air.
+
+Deviations are given over what the wanted accuracy allows, so that 1 is the bound. A scene that is not ok, that warns,
+or of which a law says nothing is not asked. Beyond the bound: {beyond}. The outcome is in
+`tests/hard/metamorphic_outcome.json`.
 
 | law | drawn | asked | worst, over what is allowed |
 |---|---|---|---|
