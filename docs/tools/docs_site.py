@@ -191,7 +191,7 @@ def index(source: Path) -> str:
 
 
 def _section(found: re.Match[str]) -> str:
-    return f"## {found[1]}\n" + (f"\nFor whoever {found[2].removeprefix('who ')}.\n" if found[2] else "")
+    return f"## {found[1]}\n" + (f"\n{found[2][0].upper()}{found[2][1:]}.\n" if found[2] else "")
 
 
 def _beginning() -> str:
