@@ -18,7 +18,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along
 from screwsim.cycle.search import SEARCH
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.cycle.solution import Led
+from screwsim.cycle.solution import CycleSolution, Led
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.figures.errors import relative_errors, worst
@@ -26,7 +26,7 @@ from screwsim.model import slots
 from screwsim.model.exchange import station
 from screwsim.model.slices import INSIDE
 from screwsim.outputs import Figures
-from screwsim.solve.finer import FINER, NOTHING, Asked, Finer
+from screwsim.solve.finer import BARELY, FINER, NOTHING, Asked, Finer
 
 MUCH = 1e-4  # wanted accuracy up to which two lives estimate
 TIGHT = 0.75  # volumetric efficiency below which leaks dominate, and two lives estimate
@@ -35,6 +35,7 @@ SMALL = 0.05  # of the wanted accuracy: change of the last life below which no m
 FAITHFUL = 0.15  # relative error of the corrections in closing, below which one replaces the second life
 DELIVERS = 0.2  # volumetric efficiency above which it may do so: with less delivered, leaks hide larger errors
 STANDS = 0.05  # factor on the tolerance on changes when chambers are closed together beside a closed cycle
+MOVED = 10.0  # wanted accuracies by which densities are moved before chambers that barely deliver are closed again
 LINEAR = 0.1  # share of such a correction that is assumed to be wrong, at least
 
 
@@ -222,13 +223,25 @@ def closed_again(asked: Asked) -> Finer:
 
     A cycle that needed a fallback attracts its neighbourhood slowly or not at all, so a single life shows much less
     than its error. It is closed by the way that closed it before, at the cost of a fallback at most.
+
+    Where simultaneous closing left a machine that barely delivers, it starts from densities that are moved. What slow
+    pitches leave of that move is as much as they left of the first guess, which no closing from the cycle itself shows.
     """
     problem, machinery, cycle = asked.problem, asked.machinery, asked.cycle
     wanted = replace(asked.wanted, rtol=FINER * cycle.rtol, tolerance=FINER * asked.wanted.tolerance)
     if cycle.needed:
         finer = again(problem, machinery, wanted, cycle)
     else:
-        finer = way_of(cycle).finer(problem, machinery, wanted, cycle, MOST_OF_A_TRY)
+        start = _moved(asked) if way_of(cycle).whole and asked.filling < BARELY else cycle
+        finer = way_of(cycle).finer(problem, machinery, wanted, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NOTHING
     return Finer([evaluate(problem, finer).figures], cycle=finer if finer.needed == SEARCH else None)
+
+
+def _moved(asked: Asked) -> CycleSolution:
+    """Return the cycle with the densities of all chambers moved by `MOVED` of the wanted accuracy."""
+    cycle = asked.cycle
+    states = cycle.y.reshape(-1, len(asked.problem.composition.states)).copy()
+    states[:, slots.S_RHO] *= 1.0 + MOVED * asked.problem.scene.numerics.accuracy
+    return replace(cycle, y=states.ravel())
