@@ -22,7 +22,7 @@ def wanted_of(scene: Scene) -> Wanted:
 
 
 def what_differs(wanted: Wanted) -> str:
-    """Return in words in what this process differs from what is wanted; '' when it does not."""
+    """Return in words how this process differs from what is wanted; '' when it does not."""
     try:
         found = code_identity(wanted["own"])
     except ImportError as error:
@@ -31,25 +31,25 @@ def what_differs(wanted: Wanted) -> str:
 
 
 def refuse_to_differ(wanted: Wanted) -> None:
-    """Raise UsageError, in one line that names this worker, unless it is as wanted."""
+    """Raise UsageError, in one line that names this worker, unless it agrees with what is wanted."""
     what = what_differs(wanted)
     if what:
         raise UsageError(f"worker {_own_name()} {what} ({REMEDY})")
 
 
 def _own_name() -> str:
-    """Return the address of a worker of dask, else the number of this process."""
+    """Return the address of a dask worker, else the process number."""
     dask = sys.modules.get("distributed")
     if dask is not None:
         try:
             return dask.get_worker().address
-        except ValueError:  # this process is none
+        except ValueError:  # this process is not a dask worker
             pass
     return str(os.getpid())
 
 
 class Watch:
-    """Looks after the files of a scene while its sweep runs: cases of before and after a change must not mix."""
+    """Watch over the files of a scene while its sweep runs: cases from before and after a change must not mix."""
 
     def __init__(self, files: Files, identity: Identity) -> None:
         self._files = files
@@ -57,7 +57,7 @@ class Watch:
         self._stamps = {name: stamp(path) for name, path in files.items()}
 
     def look(self) -> None:
-        """Raise UsageError, in one line, when a file has another content than when the sweep began."""
+        """Raise UsageError, in one line, when the content of a file has changed since the sweep began."""
         stamps = {name: stamp(path) for name, path in self._files.items()}
         if stamps == self._stamps:
             return

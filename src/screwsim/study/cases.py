@@ -1,4 +1,4 @@
-"""What a worker does: simulate blocks of cases, each case begun from the one before it, and return them as one table.
+"""Work of a worker: simulate blocks of cases, each case started from the one before, and return them as one table.
 
 How cases are cut into blocks depends on the grid alone, so that results depend neither on the number of workers nor on
 interruptions.
@@ -21,19 +21,19 @@ from screwsim.study.agreement import Wanted, refuse_to_differ
 from screwsim.study.limit import Limit, handed_on, running
 from screwsim.study.workers import sent
 
-BLOCK = 16  # cases at most in small sweeps: even work for all cores
-LONG_BLOCK = 64  # in sweeps of
+BLOCK = 16  # cases per block at most in small sweeps: even work for all cores
+LONG_BLOCK = 64  # cases per block at most in sweeps of
 MANY = 512  # cases or more: longer chains of neighbours
-SAMPLE_BLOCK = 4  # the points of a sample are no neighbours
+SAMPLE_BLOCK = 4  # cases per block of a random sample, whose points are not neighbours
 SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
-Outcome = tuple[Table, float]  # results, and the time that they took [s]
+Outcome = tuple[Table, float]  # results, and the time taken [s]
 
 
 @dataclass(frozen=True)
 class Job:
-    """What is the same for all cases; the functions belong to modules, so that they can be sent to a process.
+    """Data common to all cases; its functions belong to modules, so that they can be sent to another process.
 
-    `scene` has no sweep. `limit` [s] of one case: beyond it the process is killed; None: no limit.
+    `scene` has no sweep. The process is killed when one case takes longer than `limit` [s]; None: no limit.
     """
 
     scene: Scene
@@ -42,24 +42,24 @@ class Job:
     warm_up: Callable[[Scene], None]
     keep_cycle: bool
     limit: float | None
-    batch: bool = False  # blocks side by side, in the lanes of a core,
+    batch: bool = False  # blocks side by side, in the SIMD lanes of a core,
     gpu: bool = False  # or on a GPU
 
 
 @dataclass(frozen=True)
 class Block:
-    """Cases to simulate in one go: values of the job's paths, the order, and why some are failed beforehand."""
+    """Cases to simulate in one go: values of the job's paths, order of simulation, reasons of those already failed."""
 
     values: Sequence[tuple[Any, ...]]
     order: Sequence[int]
     failed: Mapping[int, str] = field(default_factory=dict)
 
 
-_jobs: dict[bytes, Job] = {}  # unpacked and warm; a fork inherits those of its parent
+_jobs: dict[bytes, Job] = {}  # unpacked and warmed up; a forked process inherits those of its parent
 
 
 def packed(job: Job) -> bytes:
-    """Return a job as it is sent to workers; those that are forked from now on take it as warm."""
+    """Return a job as it is sent to workers; workers forked from now on inherit it warmed up."""
     raw = sent(job)
     _jobs.clear()
     _jobs[raw] = job
@@ -69,27 +69,27 @@ def packed(job: Job) -> bytes:
 def run_packed(raw: bytes, wanted: Wanted, blocks: Sequence[Block]) -> Outcome:
     """Run blocks in a worker, which unpacks a job once and warms up before the first case.
 
-    One that computes with anything else than is wanted refuses: raise UsageError.
+    Raise UsageError where this worker's code or files differ from those wanted.
     """
     job = _jobs.get(raw)
     if job is None:
         refuse_to_differ(wanted)
         job = pickle.loads(raw)
         job.warm_up(job.scene)
-        _jobs.clear()  # another thread may hold the one before; it goes on with it
+        _jobs.clear()  # another thread may still hold the previous job, and goes on with it
         _jobs[raw] = job
     return run_blocks(job, blocks)
 
 
 def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
-    """Return the results of blocks, cases in the order of their values."""
+    """Return the results of blocks, with the cases in the order of their values, and the time taken [s]."""
     began = time.perf_counter()
     results = [result for found in _found(job, blocks) for result in found]
     return table_of(results, keep_cycle=job.keep_cycle, keep_slopes=True), time.perf_counter() - began
 
 
 def _found(job: Job, blocks: Sequence[Block]) -> list[list[Result]]:
-    """Return the results of each block: in step, with `batch` or `gpu` their turns side by side."""
+    """Return the results of each block; several blocks run in step, with `batch` or `gpu` side by side."""
     if len(blocks) == 1 and not (job.batch or job.gpu):
         return [_run(job, blocks[0])]
     from screwsim.batch import together
@@ -126,7 +126,7 @@ def _unfit(scene: Scene) -> str:
 
 
 def _chain(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
-    """Return the results of consecutive cases; whatever goes wrong with one is its result and not the end."""
+    """Return the results of consecutive cases; an error in one of them becomes its result and ends nothing else."""
     results: dict[int, Result] = {}
     limit = Limit(job.limit)
     many: Iterator[Result] | None = None
@@ -146,13 +146,13 @@ def _told(error: BaseException) -> str:
 
 
 class Blocks:
-    """Consecutive cases of a grid of the given shape in blocks: parts of one row of the last axis, or whole rows."""
+    """Consecutive cases of a grid of a given shape in blocks: parts of one row along the last axis, or whole rows."""
 
     def __init__(self, shape: Sequence[int], longest: int = BLOCK) -> None:
         self.cases = math.prod(shape)
         self._row = shape[-1] if shape else 1
-        self._parts = -(-self._row // longest)  # blocks of a row
-        self._size = max(1, longest // self._row) * self._row  # where rows are short
+        self._parts = -(-self._row // longest)  # blocks per row
+        self._size = max(1, longest // self._row) * self._row  # cases per block where rows are short
         long = self._parts > 1
         self.count = self.cases // self._row * self._parts if long else -(-self.cases // self._size)
 
@@ -167,7 +167,7 @@ class Blocks:
         return row * self._row + part * self._row // self._parts
 
     def blocks_of(self, cases: range) -> range | None:
-        """Return the blocks that consecutive cases are; None when they are not whole blocks."""
+        """Return the blocks that make up consecutive cases; None when these are not whole blocks."""
         first, last = (self._block_from(edge) for edge in (cases.start, cases.stop))
         found = range(first, last)
         return found if self.cases_of(found) == cases else None
@@ -179,7 +179,7 @@ class Blocks:
         return row * self._parts + -(-place * self._parts // self._row)
 
     def order(self, block: int) -> list[int]:
-        """Return the places in a block in the order of simulation: every other row backwards, so neighbours follow."""
+        """Return the positions in a block in order of simulation: every other row reversed, so neighbours follow."""
         size = len(self.cases_of(range(block, block + 1)))
         if size <= self._row:
             return list(range(size))
@@ -201,7 +201,7 @@ def simulate_with(
     many: Callable[[Iterable[Scene]], Iterator[Result]],
     scenes: Iterable[Scene],
 ) -> Iterator[Result]:
-    """Yield the results of consecutive scenes by what simulates many, each with what is added to it."""
+    """Yield the results of consecutive scenes, simulated by `many` and completed by `added`."""
     first, second = tee(scenes)
     for result in many(first):
         yield added(next(second), result)

@@ -15,16 +15,16 @@ from screwsim.results import open_results
 from screwsim.screen import say
 from screwsim.study.curves import Array, Optimum, optimum, value_at
 
-PAPER = "Chernov et al. 2015"  # how the titles of configs/paper begin
+PAPER = "Chernov et al. 2015"  # start of the titles in configs/paper
 RPM = 2.0 * np.pi / 60.0
 A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
 A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
-_AXES = ("oil_supply.ratio", "oil_supply.orifice_diameter")  # of Fig. 1 and of Fig. 2, beside the speed
+_AXES = ("oil_supply.ratio", "oil_supply.orifice_diameter")  # of Fig. 1 and of Fig. 2, besides the speed
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim: what the paper says, how it is measured, what was found."""
+    """One claim: the paper's statement, how it is measured, the finding and the verdict."""
 
     name: str
     says: str
@@ -35,7 +35,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Pump:
-    """Fig. 1: speeds [rpm] from fast to slow, oil ratios, η by (speed, ratio), one optimum a speed."""
+    """Fig. 1: speeds [rpm] from fast to slow, oil ratios, η by (speed, ratio), one optimum per speed."""
 
     speeds: Array
     ratios: Array
@@ -45,7 +45,7 @@ class Pump:
 
 @dataclass(frozen=True)
 class Displacement:
-    """Fig. 2 for one bore [m] of the orifice: speeds [rpm], and the oil ratio and η that each gives."""
+    """Fig. 2 for one bore [m] of the orifice: speeds [rpm], with the oil ratio and η at each."""
 
     bore: float
     speeds: Array
@@ -66,7 +66,7 @@ def read_pump(path: str) -> Pump:
 
 
 def read_displacement(path: str) -> list[Displacement]:
-    """Return a curve a bore from a stored sweep over operation.speed and oil_supply.orifice_diameter."""
+    """Return one curve per bore from a stored sweep over operation.speed and oil_supply.orifice_diameter."""
     data = open_results(path)
     ratio, eta = (np.array(data.performance[name]) for name in ("oil_ratio", "isothermal_efficiency"))
     speeds, bores = np.array(data.axes["operation.speed"]) / RPM, np.array(data.axes["oil_supply.orifice_diameter"])
@@ -76,12 +76,12 @@ def read_displacement(path: str) -> list[Displacement]:
 
 
 def _values(pump: Pump, pick: Callable[[Optimum], float | None]) -> list[float | None]:
-    """Return a measure of the optimum at each speed; None where that is not inside the range."""
+    """Return a measure of the optimum at each speed; None where the optimum is not inside the range."""
     return [pick(best) if best is not None and best.interior else None for best in pump.optima]
 
 
 def _ordered(values: list[float | None], rising: bool) -> bool:
-    """Tell whether a measure rises (or falls) strictly as speed falls, with an interior optimum everywhere."""
+    """Return whether a measure rises (or falls) strictly as speed falls, with an interior optimum at every speed."""
     known = [value for value in values if value is not None]
     if len(known) < len(values):
         return False
@@ -131,7 +131,7 @@ def _speed_of_ratio(line: Displacement, d: float) -> float | None:
 
 
 def _best(claims: list[Claim]) -> Claim:
-    """Return one claim out of those of several bores: what was found for each, and the best verdict."""
+    """Return one claim for several bores: the findings for each, and the best verdict."""
     order = ("holds", "calibrated", "in part", "fails")
     verdict = min((claim.verdict for claim in claims), key=order.index)
     return replace(claims[0], found="; ".join(claim.found for claim in claims), verdict=verdict)
@@ -152,7 +152,7 @@ def displaced_point(line: Displacement) -> Claim:
 
 
 def displaced_optimum(pump: Pump, line: Displacement) -> Claim:
-    """Return A7 for one bore: is there an optimum, at a higher d than the pump's, and below the pump's best."""
+    """Return A7 for one bore: an optimum must exist, at a higher d than the pump's, and below the pump's best."""
     says = "displacement has an optimum, at rather high d, and is less economical than the pump"
     measure = "maximum within the pump's speeds; its d above the pump's optimum there; efficiency below the pump's best"
     best, bore = optimum(line.ratio, line.efficiency), f"bore {1e3 * line.bore:.3g} mm: "
@@ -179,7 +179,7 @@ def claims(fig1: str, fig2: str) -> list[Claim]:
 
 
 def claims_of(path: str, other: str | None = None) -> list[Claim]:
-    """Return the claims that a stored sweep of the paper's can be held to; none for any other file.
+    """Return the claims that can be checked on a stored sweep of the paper; none for any other file.
 
     The sweep of Fig. 1 gives A1–A5, that of Fig. 2 A6, both together, in either order, all seven.
     """
@@ -196,7 +196,7 @@ def claims_of(path: str, other: str | None = None) -> list[Claim]:
 
 
 def _is_figure(path: str, axis: str) -> bool:
-    """Tell whether a file is the paper's sweep over the speed and that axis, by its title and axes."""
+    """Return whether a file is the paper's sweep over the speed and that axis, by its title and axes."""
     data = open_results(path)
     return str(data.attributes["title"]).startswith(PAPER) and set(data.axes) == {"operation.speed", axis}
 

@@ -16,8 +16,8 @@ from screwsim.study.agreement import REMEDY, Wanted, what_differs
 from screwsim.study.workers import LOST
 
 _PATIENCE = 60.0  # [s] for the scheduler's answer, for the first worker, and for a lost scheduler to come back
-_LATE = 2.0  # [s] beyond its patience after which a connection is given up that does not keep to it
-_SHOWN = 3  # workers that are told of
+_LATE = 2.0  # [s] beyond this patience after which a connection that does not respect it is given up
+_SHOWN = 3  # workers named in a message
 _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-file FILE` writes"
 
 
@@ -50,7 +50,7 @@ class Cluster:
         self._client.close()
 
     def _ask(self, addresses: Iterable[str]) -> None:
-        """Raise UsageError, in one line, when workers compute with anything else than this process."""
+        """Raise UsageError, in one line, when workers run code or have files other than this process."""
         new = sorted(set(addresses) - self._asked)
         if self._wanted is None or not new:
             return
@@ -67,7 +67,7 @@ class Cluster:
         return self._client.get_executor(pure=False)
 
     def workers(self) -> int:
-        """Return the number of threads of all workers, at the moment; those that are new are asked what they are."""
+        """Return the present number of threads of all workers; new workers are checked for agreement first."""
         try:
             threads = self._client.nthreads()
             self._ask(threads)
@@ -77,7 +77,7 @@ class Cluster:
 
 
 def _words(answer: Any) -> str:
-    """Return in words what a worker's answer says against it; nothing of one that is gone."""
+    """Return in words how a worker disagrees, from its answer; '' for a worker that is gone."""
     if isinstance(answer, OSError):
         return ""
     if isinstance(answer, BaseException):
@@ -91,12 +91,12 @@ def _connect(where: str, patience: float) -> Any:
     except ImportError:
         raise UsageError("--scheduler needs dask (pip install 'screwsim[dask]')") from None
     address = _address(where)
-    # what dask tells of lost workers, a sweep tells in one line
+    # a sweep reports lost workers in one line, so dask need not
     for name in [*logging.root.manager.loggerDict]:
         if name.partition(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
-        with ThreadPoolExecutor(1) as aside:  # the caller's thread may have a loop of its own, as in a notebook
+        with ThreadPoolExecutor(1) as aside:  # the caller's thread may have an event loop of its own, as in a notebook
             aside.submit(asyncio.run, _reach(address, patience)).result()
         return Client(address, timeout=patience, set_as_default=False)
     except (ImportError, OSError, OverflowError, RuntimeError, TypeError, ValueError) as error:
@@ -105,7 +105,7 @@ def _connect(where: str, patience: float) -> Any:
 
 
 async def _reach(address: str, patience: float) -> None:
-    """Connect and let go; raise what dask does. A `Client` that cannot connect keeps its process from ending."""
+    """Connect and disconnect; raise dask's errors. A `Client` that cannot connect keeps its process from ending."""
     from distributed.comm.core import connect
     from distributed.security import Security
 
@@ -115,7 +115,7 @@ async def _reach(address: str, patience: float) -> None:
 
 
 def _address(where: str) -> str:
-    """Return the address of a scheduler from itself or from a scheduler file."""
+    """Return a scheduler's address, given as such or by a scheduler file."""
     if "://" in where:
         return where
     path = Path(where)

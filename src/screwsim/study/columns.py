@@ -1,4 +1,4 @@
-"""A study on disk: named columns with units, as CSV or HDF5."""
+"""Results of a study on disk: named columns with units, as CSV or HDF5."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,11 @@ from screwsim.results.kept import keep_other_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import variable_name
 
-LONGEST = 1 << 16  # letters of a first line
+LONGEST = 1 << 16  # characters read of a first line
 
 
 class Column(NamedTuple):
-    """One column of numbers [units] or texts; None where there is none."""
+    """One column of numbers [units] or texts; None for a missing value."""
 
     values: Sequence[Any]
     units: str
@@ -28,9 +28,9 @@ class Column(NamedTuple):
 
 
 def keep_other_columns(path: Path, title: str, *names: str) -> None:
-    """Raise UsageError where a file lies at `path` that is none of such columns, as measured data: it would be lost.
+    """Raise UsageError where the file at `path` does not hold such columns, as measured data: it would be lost.
 
-    Such a CSV has the columns `names`, such an HDF5 file a title that begins so.
+    A CSV file of a study has the columns `names`, an HDF5 file a title that begins with `title`.
     """
     if path.suffix.lower() != ".csv":
         keep_other_hdf5(path, "title", title)
@@ -42,16 +42,16 @@ def keep_other_columns(path: Path, title: str, *names: str) -> None:
 
 
 def first_line(path: Path) -> list[str]:
-    """Return the cells of the first line of a CSV file; none where there is no file, or nothing in it."""
+    """Return the cells of the first line of a CSV file; none where there is no file, or it is empty."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
             return next(csv.reader([stream.readline(LONGEST)]), [])
-    except (OSError, csv.Error):  # one that cannot be replaced either is told of then
+    except (OSError, csv.Error):  # a file that cannot be read cannot be replaced either, which is reported then
         return []
 
 
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:
-    """Write columns of one length: CSV with the units in its first line, or HDF5 with the layout of netCDF-4."""
+    """Write columns of equal length: CSV with the units in its first line, or HDF5 with the layout of netCDF-4."""
     make_folder(path.parent)
     if path.suffix.lower() == ".csv":
         heads = (f"{name} [{each.units}]" if each.units not in ("1", "") else name for name, each in columns.items())

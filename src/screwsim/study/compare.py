@@ -1,4 +1,4 @@
-"""Two results files against each other: points in common, figures against their numerical errors, scenes, statuses."""
+"""Comparison of two results files: common points, figures against their numerical errors, scenes, statuses."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -15,19 +15,19 @@ from screwsim.study.scene_values import scene_values
 
 Array = np.ndarray
 
-SAME = 1e-9  # relative: values of an axis nearer than this are one
-CERTAIN = 2.0  # of both estimates together: what counts as numerical error
-ROUNDING = 1e-12  # relative: of the last digits of figures
-MOST_CHANGES = 20  # of statuses, listed
+SAME = 1e-9  # relative distance below which values of an axis are the same
+CERTAIN = 2.0  # multiple of both estimated errors together that counts as numerical error
+ROUNDING = 1e-12  # relative rounding of figures
+MOST_CHANGES = 20  # changed statuses that are listed
 
 
 @dataclass(frozen=True)
 class FigureChange:
-    """How one figure [SI] changes from A to B over the common points that are ok in both.
+    """Change of one figure [SI] from A to B over the common points that are ok in both.
 
-    `a`, `b`, `error` (both estimated errors together, absolute) and `at` are of the point with the largest change over
-    what is allowed; `beyond` counts the points that differ by more; `only_a`, `only_b` those where one file alone has a
-    figure.
+    `a`, `b`, `error` (both estimated errors together, absolute) and `at` are those of the point whose change is largest
+    relative to the allowed one; `beyond` counts the points that exceed it; `only_a`, `only_b` those where only one file
+    has the figure.
     """
 
     figure: str
@@ -45,7 +45,7 @@ class FigureChange:
 
 @dataclass(frozen=True)
 class StatusChange:
-    """A common point whose status is another."""
+    """A common point whose status differs."""
 
     at: Mapping[str, Any]
     a: str
@@ -56,7 +56,7 @@ class StatusChange:
 class Comparison(Brief):
     """Two files: numbers of points, differences of the scenes {path: (A, B)} as texts, figures, statuses.
 
-    `compared` are those of the common points that are ok in both files: others have no figures that would count.
+    `compared` counts the common points that are ok in both files: only these have figures to compare.
     """
 
     common: int
@@ -70,7 +70,7 @@ class Comparison(Brief):
 
     @property
     def equal(self) -> bool:
-        """Whether at every common point statuses are the same and figures agree; not where none has figures."""
+        """Whether statuses and figures agree at all common points; False where no point has figures."""
         odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
         return not odd and not self.status_changes and self.compared > 0
 
@@ -92,7 +92,7 @@ def _cells(each: FigureChange) -> tuple[str, ...]:
 
 
 def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
-    """Return what differs from A to B.
+    """Return the differences from A to B.
 
     A figure agrees where its change is within CERTAIN times the sum of both estimated errors, or within `tolerance`,
     relative to the larger value. Raise UsageError when no point is common.
@@ -106,7 +106,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     ok = (status_a == "ok") & (status_b == "ok")
 
     def point(number: int) -> dict[str, Any]:
-        """Return where a common point lies."""
+        """Return the values [SI] of the varied paths at a common point."""
         return {path: column[number].item() for path, column in zip(paths, at, strict=True)}
 
     changed = np.flatnonzero(status_a != status_b)
@@ -128,9 +128,9 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
 
 
 class Common(NamedTuple):
-    """The common points of two files: the varied paths and their values [SI], figures [SI] of both, and their errors.
+    """Common points of two files: the varied paths and their values [SI], figures [SI] of both, and their errors.
 
-    A figure that a file does not have, or a case without a value, is NaN; errors are absolute, of both together.
+    A figure missing in a file or a case is NaN; errors are absolute, those of both files together.
     """
 
     places: Mapping[str, Array]
@@ -159,7 +159,7 @@ def _scene_values(results: Results) -> dict[str, str]:
 def _common(
     a: Results, b: Results, paths: list[str], flat_a: Mapping[str, str], flat_b: Mapping[str, str]
 ) -> tuple[Array, Array, list[Array]]:
-    """Return the numbers of the common cases in both files, and the values of each path there."""
+    """Return the indices of the common cases in both files, and the values of each path there."""
     codes_a, codes_b = np.zeros(math.prod(a.shape), np.int64), np.zeros(math.prod(b.shape), np.int64)
     columns = []
     for path in paths:
@@ -179,7 +179,7 @@ def _common(
 
 
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
-    """Return the value of a path in every case, flat; of a path that is not varied, that of the scene."""
+    """Return the value of a path in every case, flattened; the scene's value where the path is not varied."""
     if path in results.varied:
         return results.along(path).ravel()
     name = variable_name(path)
@@ -190,7 +190,7 @@ def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
 
 
 def _coded(a: Array, b: Array) -> tuple[Array, Array]:
-    """Return small numbers that are equal where values are: numbers to SAME, texts exactly."""
+    """Return integer codes that are equal where values are: numbers within SAME, texts exactly."""
     both = np.concatenate([a, b])
     if both.dtype.kind not in "fiu":
         codes = np.unique(both.astype(np.str_), return_inverse=True)[1]
@@ -204,7 +204,7 @@ def _coded(a: Array, b: Array) -> tuple[Array, Array]:
 
 
 class _Side:
-    """The figures of one file at the common points."""
+    """Figures of one file at the common points."""
 
     def __init__(self, results: Results, cases: Array) -> None:
         self._results, self._cases = results, cases
@@ -212,20 +212,20 @@ class _Side:
         self._accuracy = float(np.max(accuracy))
 
     def values(self, name: str) -> Array:
-        """Return a figure [SI], NaN where there is none."""
+        """Return a figure [SI], NaN where it is missing."""
         if name not in self._results.performance:
             return np.full(len(self._cases), np.nan)
         return self._results.performance[name].ravel()[self._cases]
 
     def errors(self, name: str) -> Array:
-        """Return its estimated absolute error; by the wanted accuracy where nothing was estimated."""
+        """Return the estimated absolute error of a figure; from the wanted accuracy where nothing was estimated."""
         return self._results.absolute_error(name, self._accuracy).ravel()[self._cases]
 
 
 def _change(
     name: str, sides: tuple[_Side, _Side], ok: Array, point: Callable[[int], dict[str, Any]], tolerance: float
 ) -> FigureChange | None:
-    """Return the change of one figure; None where neither file has it, or one was not asked for it."""
+    """Return the change of one figure; None where neither file has values of it at the common points."""
     a, b = (side.values(name) for side in sides)
     has_a, has_b = np.isfinite(a) & ok, np.isfinite(b) & ok
     only_a, only_b = (int(np.count_nonzero(one & ~other)) for one, other in ((has_a, has_b), (has_b, has_a)))

@@ -1,7 +1,7 @@
-"""A real gas's cycle with CoolProp called in the right-hand side: what the compiled equation of state is measured by.
+"""Cycle of a real gas with CoolProp called in the right-hand side, as a check of the compiled equation of state.
 
-Everything else is ours and compiled; only the state function calls back into CoolProp's AbstractState for each of its
-properties. For studies of cost and accuracy, not for work: nothing of it is kept on disk.
+Everything else is compiled as usual; only the state function calls back into CoolProp's AbstractState for each
+property. For studies of cost and accuracy, not for production: nothing of it is cached on disk.
 """
 
 import ctypes
@@ -36,7 +36,7 @@ SLOPES = """def {name}({arguments}):
     by_rho = (p_2 - p) / e, (h_2 - h) / e, (c_2 - c) / e, (t_2 - t) / e, 0.0, 0.0, 0.0
     return p, h, c, t, a, x, f, {of_T}, {of_rho}
 """
-STEP = 1e-7  # relative, of the differences: CoolProp gives no derivatives of all that is asked
+STEP = 1e-7  # relative step of the differences: CoolProp does not give all derivatives that are needed
 
 
 def state_function(fluid: str) -> Any:

@@ -9,10 +9,10 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Optimum:
-    """The maximum of η over ln d: where, how high, how sharp.
+    """Maximum of η over ln d: its place, height and sharpness.
 
     `curvature` is −d²η/d(ln d)²/η there; `drop` the mean relative loss at a third and at three times the optimal d
-    (None where the curve does not reach so far). `interior` is False when the maximum lies at an end.
+    (None where the curve does not reach that far). `interior` is False when the maximum lies at an end.
     """
 
     ratio: float
@@ -25,7 +25,7 @@ class Optimum:
 def optimum(ratio: Array, efficiency: Array) -> Optimum | None:
     """Return the optimum of one curve, from a parabola in ln d through the points within a factor 1.6 of the best.
 
-    Points that are not finite are left out; None when fewer than five are left.
+    Points that are not finite are left out; None when fewer than five remain.
     """
     x, eta = _over_logarithm(ratio, efficiency)
     if len(x) < 5:
@@ -55,7 +55,7 @@ def value_at(ratio: Array, efficiency: Array, d: float) -> float | None:
 
 
 def _over_logarithm(ratio: Array, efficiency: Array) -> tuple[Array, Array]:
-    """Return the finite points of a curve as ln d, rising, and η."""
+    """Return the finite points of a curve as ascending ln d, and η."""
     good = np.isfinite(efficiency) & (ratio > 0.0)
     order = np.argsort(ratio[good])
     return np.log(ratio[good])[order], efficiency[good][order]

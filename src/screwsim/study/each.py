@@ -1,6 +1,6 @@
-"""Work on all cores, for studies whose answers fit into memory: a function of a range of numbers, or small batches.
+"""Work on all cores for studies whose answers fit into memory: a function of a range of numbers, or small batches.
 
-The workers of `Crew` stay for many batches, of a study whose next questions depend on the last answers.
+`Crew` keeps its workers for many batches, for studies whose next questions depend on the last answers.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ def each(
     progress: Progress | None = None,
     answers: dict[int, Answer] | None = None,
 ) -> list[Answer]:
-    """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: here).
+    """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: this process).
 
-    The function is pickled once. `died` gives the answer for a number whose worker died; `failed` tells which answers
-    the progress counts as such, by default those with another status than ok. What an interruption leaves is in
-    `answers`.
+    The function is pickled once. `died` gives the answer for a number whose worker died; `failed` decides which answers
+    the progress counts as failed, by default those with a status other than ok. After an interruption `answers` holds
+    those found so far.
     """
     progress, jobs = progress or Progress(), min(jobs or cores(), count)
     answers = {} if answers is None else answers
@@ -77,7 +77,7 @@ def each(
 def _on_workers(
     function: bytes, chunks: Chunks, jobs: int, finish: Finish, died: Callable[[int], Any], tick: Callable[[], None]
 ) -> None:
-    """Run chunks on workers; what was lost when one died is run number by number, each on a worker of its own."""
+    """Run chunks on workers; numbers lost when a worker died are run again one by one, each on a worker of its own."""
     work = Work(LocalPool(jobs), partial(_answers, function), lambda numbers: numbers, finish, tick)
     while lost := drain(chunks, work):
         for number in sorted(number for chunk in lost for number in chunk.blocks):
@@ -87,7 +87,7 @@ def _on_workers(
 
 
 def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
-    """Return the answers for numbers, and the time that they took [s]."""
+    """Return the answers for numbers, and the time taken [s]."""
     began, call = time.perf_counter(), _unpacked(function)
     return [call(number) for number in numbers], time.perf_counter() - began
 
@@ -96,9 +96,10 @@ _unpacked = lru_cache(maxsize=1)(pickle.loads)
 
 
 class Crew:
-    """Call a function of a module for each payload of a batch on the same workers; of one job in this process.
+    """Call a module-level function for each payload of a batch on the same workers; with one job in this process.
 
-    A payload over which a worker dies is tried once more, alone; where that one dies, too, its answer is `died` of it.
+    A payload over which a worker dies is tried once more, alone; if that worker dies, too, the answer is
+    `died(payload)`.
     """
 
     def __init__(self, jobs: int, died: Callable[[Any], Any], tick: Callable[[], None]) -> None:
@@ -112,16 +113,16 @@ class Crew:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Let the workers go."""
+        """Stop the workers."""
         self.leave()
 
     def leave(self) -> None:
-        """Let the workers go, and what they keep in memory with them; the next batch starts others."""
+        """Stop the workers, which frees their memory; the next batch starts new ones."""
         if self._executor is not None:
             thread = getattr(self._executor, "_executor_manager_thread", None)
             stop(self._executor)
             if thread is not None:
-                thread.join(GRACE)  # beside it the next workers would not be forked (`workers.start_method`)
+                thread.join(GRACE)  # while it runs, new workers would not be forked (`workers.start_method`)
             self._executor = None
 
     def answers(self, task: Callable[[Any], Any], payloads: Sequence[Any]) -> list[Any]:
@@ -154,7 +155,7 @@ def _drained(
     found: dict[int, Any],
     tick: Callable[[], None],
 ) -> set[int]:
-    """Put the answers to payloads into `found`; return the numbers of those that a worker's death took along."""
+    """Put the answers to payloads into `found`; return the numbers of those lost when a worker died."""
     guard = Guard(executor)
     running = {submit(executor, task, payload): number for number, payload in payloads.items()}
     lost: set[int] = set()
@@ -172,7 +173,7 @@ def _drained(
 
 
 class Warm:
-    """Simulate a scene when called, without traces, from the scene of the last call where that is near."""
+    """Simulate a scene when called, without traces, starting from the scene of the last call where that is near."""
 
     def __init__(self) -> None:
         self._scene: Scene | None = None

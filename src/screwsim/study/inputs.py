@@ -1,4 +1,4 @@
-"""Inputs that a study varies: read as a person writes them, checked, and shown in customary units."""
+"""Inputs that a study varies: read as people write them, checked, and shown in customary units."""
 
 import re
 from typing import Any
@@ -16,7 +16,7 @@ STEPS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}  #
 
 
 def check_continuous(scene: Scene, path: str) -> None:
-    """Raise UsageError unless a path can take every value of a range."""
+    """Raise UsageError unless the input at a path is continuous."""
     what = STEPS.get(leaf_of(scene, path).kind)
     if what is not None:
         raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it by the scene's sweep: block)")
@@ -26,13 +26,13 @@ ISOTHERMAL, ISENTROPIC = "isothermal_efficiency", "isentropic_efficiency"
 
 
 def usual_efficiency(scene: Scene) -> str:
-    """Return the efficiency that a study asks for by itself: of a real gas, which may condense, the isentropic one."""
+    """Return the default efficiency of a study: the isentropic one for a real gas, which may condense."""
     real = "real" in (scene.gas.model, *scene.sweep.get("gas.model", ()))
     return ISENTROPIC if real else ISOTHERMAL
 
 
 def told_efficiency(scene: Scene) -> str:
-    """Return, in one line, why not the isothermal efficiency is asked for; empty where it is."""
+    """Return, in one line, why the isothermal efficiency is not the default; empty where it is."""
     if usual_efficiency(scene) == ISOTHERMAL:
         return ""
     return (
@@ -48,9 +48,9 @@ def read_text(scene: Scene, path: str, text: str) -> float:
 
 
 def ends_of(text: str) -> tuple[str, str] | None:
-    """Return both ends of LOW..HIGH; a number alone has the unit of the upper end. None of a text that is no range."""
+    """Return both ends of LOW..HIGH; a bare LOW has the unit of HIGH. None for a text that is not a range."""
     low, dots, high = (part.strip() for part in text.partition(".."))
-    if not (dots and low and high) or "..." in text:  # 0...5 is not up to 0.5
+    if not (dots and low and high) or "..." in text:  # 0...5 is not taken for 0 to 0.5
         return None
     unit = re.fullmatch(rf"{NUMBER}\s*(.*)", high)
     return f"{low} {unit[1]}".strip() if unit and re.fullmatch(NUMBER, low) else low, high
@@ -64,12 +64,12 @@ def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
 
 
 def shown_figure(name: str, value: float) -> str:
-    """Return a value [SI] of a figure in the unit in which people write it."""
+    """Return a value [SI] of a figure as text, in the unit in which people write it."""
     return value_text(shown_of(declared(name), value))
 
 
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
-    """Return a value [SI] of a path with its customary unit; a temperature in °C, as finely as in K."""
+    """Return a value [SI] of a path with its customary unit; a temperature in °C, as precise as in K."""
     number, unit = in_customary(scene, path, value)
     if unit == CELSIUS:
         return f"{celsius_digits(number, digits)} {CELSIUS}"
@@ -85,13 +85,13 @@ def shown_number(scene: Scene, path: str, value: Any, digits: int = 4) -> str:
 
 
 def celsius_digits(number: float, digits: int) -> str:
-    """Return degrees Celsius with the decimals that so many digits of usual temperatures in K have."""
+    """Return degrees Celsius as text, with the decimals of a usual temperature in K of so many digits."""
     text = f"{number:z.{max(digits - 3, 1)}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
-    """Return a value [SI] of a path as a number in its customary unit, and that unit: of temperatures °C."""
+    """Return a value [SI] of a path as a number in its customary unit, and that unit: °C for temperatures."""
     kind = leaf_of(scene, path).dimension
     if kind is None:
         return (float(value), "") if isinstance(value, int | float) else (value, "")
@@ -101,7 +101,7 @@ def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
 
 
 def unit_of_change(scene: Scene, path: str, value: float) -> tuple[float, str]:
-    """Return how many of a unit are one SI unit, for changes of a path's value [SI], and that unit; '' of numbers."""
+    """Return the factor from SI to the unit for changes of a path's value [SI], and that unit; '' for pure numbers."""
     kind = leaf_of(scene, path).dimension
     unit = "" if kind is None else "K" if kind.name == "temperature" else customary_unit(kind)
     if unit == "mm" and abs(value) < 1e-3:

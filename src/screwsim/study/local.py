@@ -1,7 +1,7 @@
-"""Local sensitivities: how each figure of a scene changes with each of its numbers, at the point that it states.
+"""Local sensitivities: how each figure of a scene changes with each of its numbers, at the stated point.
 
-They are exact where the cycle can be linearised (`derivatives`), and differences of closed cycles where not; which of
-them a number's are is told with them.
+Derivatives are exact where the cycle can be linearised (`derivatives`), and differences of closed cycles elsewhere; the
+result names the method used for each number.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress, shown
 from screwsim.study.workers import DIED
 
-STEP = 5e-3  # of a number, for differences of closed cycles ...
-ANGLE = math.radians(0.5)  # ... of an angle no more: half a percent of where a port opens is three degrees ...
-ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
-APART = ("numerics.", "output.")  # numbers of no machine
+STEP = 5e-3  # relative step of a number for differences of closed cycles ...
+ANGLE = math.radians(0.5)  # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
+ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
+APART = ("numerics.", "output.")  # sections whose numbers do not describe the machine
 READ_OVER = "gauge pressures were read over it"
 KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 
@@ -45,10 +45,10 @@ KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
 class Sensitivities(Brief):
     """Derivatives of figures by numbers of a scene, at the point that it states.
 
-    `derivatives` are those of each figure by the number at each path, SI units of one over those of the other; `values`
-    the numbers [SI], `units` their SI units, `method` how each one's were found, 'exact', 'quick' (as exact
-    ones, with fewer slices: good to 1e-3 mostly) or 'differences' (then `why` says why), `left_out` which paths have
-    none, and why. `result` is the point itself.
+    `derivatives` holds for each figure the derivative by the number at each path, in SI units of the figure over those
+    of the number; `values` the numbers [SI] and `units` their SI units; `method` how the derivatives by each number
+    were found: 'exact', 'quick' (exact, with fewer slices: good to 1e-3 mostly) or 'differences' (`why` gives the
+    reason); `left_out` the paths without derivatives, and why. `result` is the point itself.
     """
 
     result: Result
@@ -60,7 +60,7 @@ class Sensitivities(Brief):
     left_out: Mapping[str, str] = field(default_factory=dict)
 
     def relative(self, figure: str, path: str) -> float | None:
-        """Return the change of a figure in percent per percent of a number; None where one of them is nothing."""
+        """Return the change of a figure in percent per percent of a number; None where either is zero or missing."""
         value, slope = self.result.performance.get(figure), self.derivatives.get(figure, {}).get(path)
         if slope is None or not value or not self.values[path]:
             return None
@@ -81,7 +81,7 @@ class Sensitivities(Brief):
 
 
 def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
-    """Return the numbers [SI] of a scene by path, and why other inputs of it cannot be moved a little."""
+    """Return the numbers [SI] of a scene by path, and why its other inputs cannot be varied by a small step."""
     leaves = leaves_of(scene)
     values: dict[str, float] = {}
     left_out: dict[str, str] = {}
@@ -111,7 +111,7 @@ def sensitivities(
     result: Result | None = None,
     fine: bool = True,
 ) -> Sensitivities:
-    """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
+    """Return the derivatives of figures (default: all) by the numbers at paths (default: all of the scene).
 
     Pass the scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and
     cost less (docs/explanation/derivatives.md). Raises UsageError for a path or a figure that does not exist, and for a
@@ -148,7 +148,7 @@ def sensitivities(
 
 
 def _other_scene(scene: Scene, result: Result) -> str:
-    """Return in which effect or input the scene of a result differs; '' for none, as far as the result tells."""
+    """Return in which effect or input the scene of a result differs; '' where no difference can be seen."""
     apart = set(result.effects) ^ set(scene.effects) if result.effects else ()
     if apart:
         name = min(apart)
@@ -175,7 +175,7 @@ def _unit(leaf: Leaf) -> str:
 
 
 def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers at paths that are asked for; raise UsageError for one that has none."""
+    """Return the numbers at the requested paths; raise UsageError for a path without a number."""
     for path in paths:
         check_continuous(scene, path)
         if path not in every:
@@ -217,7 +217,7 @@ def _differences(
 
 
 def _sides(leaf: Leaf, value: float) -> tuple[float, float]:
-    """Return by how much a number is shifted up and down, within the limits of its leaf."""
+    """Return the steps by which a number is shifted up and down, within the limits of its leaf."""
     step = STEP * abs(value) or STEP
     step = min(step, ANGLE) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))

@@ -1,6 +1,6 @@
-"""One part of a sweep as a file: the table of consecutive cases, written whole or not at all, with checksums.
+"""One part of a sweep as a file: the table of consecutive cases, written completely or not at all, with checksums.
 
-An archive of few arrays, because each costs as much as thousands of numbers: `about` holds all words as JSON.
+The archive has few arrays, because each costs as much as thousands of numbers: `about` holds all texts as JSON.
 """
 
 import json
@@ -20,7 +20,7 @@ from screwsim.results.table import TEXTS, Table, Texts, columns_of
 
 _TRACE = "trace_"
 _UNREADABLE = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, NotImplementedError)
-_UNREADABLE += (MemoryError, RecursionError, RuntimeError, zipfile.BadZipFile, zlib.error)  # what numpy and zipfile say
+_UNREADABLE += (MemoryError, RecursionError, RuntimeError, zipfile.BadZipFile, zlib.error)  # raised by numpy, zipfile
 
 
 def write_part(path: Path, table: Table) -> None:
@@ -54,7 +54,7 @@ def write_part(path: Path, table: Table) -> None:
 def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
     """Return the table of a part, with all traces or none.
 
-    Without its cases it has texts, effects, states, angles, and the names of traces and ledger.
+    Without `cases` it has texts, effects, states, angles, and the names of traces and ledger entries.
     """
     none = np.empty(0)
     with np.load(path, allow_pickle=False) as stored:
@@ -82,7 +82,7 @@ def read_part(path: Path, traces: bool = True, cases: bool = True) -> Table:
 
 
 def _figures(about: Any) -> tuple[Figure, ...]:
-    """Return the figures of a part; raise TypeError where one is none."""
+    """Return the figures described in a part; raise TypeError where one is not valid."""
     more = ({name: tuple(each.get(name, ())) for name in ("needs", "curve")} for each in about["about"])
     more = (lists | {"scale": scale_of(each["scale"])} for lists, each in zip(more, about["about"], strict=True))
     found = tuple(Figure(**each | typed) for each, typed in zip(about["about"], more, strict=True))
@@ -93,13 +93,13 @@ def _figures(about: Any) -> tuple[Figure, ...]:
 
 
 def is_whole(path: Path, cases: int) -> bool:
-    """Tell whether a part can be read to its end (its checksums included) and holds that many cases."""
+    """Return whether a part can be read to its end (checksums included) and holds that many cases."""
     if irregular(path):
         return False
     try:
         with zipfile.ZipFile(path) as archive:
             packed = any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist())
-            if packed or archive.testzip() is not None:  # packed: none of ours, and without a bound on its size
+            if packed or archive.testzip() is not None:  # a compressed archive is not ours, and its size has no bound
                 return False
         return _is_sound(read_part(path), cases)
     except _UNREADABLE:
@@ -107,7 +107,7 @@ def is_whole(path: Path, cases: int) -> bool:
 
 
 def _is_sound(table: Table, cases: int) -> bool:
-    """Tell whether what a part holds goes together."""
+    """Return whether the contents of a part are consistent."""
     texts = [(words.number, len(words.words)) for words in table.texts.values()]
     numbers = (table.status, -1, len(STATUSES)), *((number, 0, count) for number, count in texts)
     return (

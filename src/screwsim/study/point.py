@@ -1,4 +1,4 @@
-"""A point as a program asks for it: simulated, its derivatives when they are asked for or the scene keeps them."""
+"""One operating point for programs: simulated, with derivatives on demand or where the scene keeps them."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from screwsim.study.local import Sensitivities, sensitivities
 def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
     """Return the result of one scene; impossible physics gives a status and a partial result, never an exception.
 
-    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file.
-    `trace` keeps the cycle over the angle and the ledger, 'ledger' that alone; the ledger is left out without it where
-    the scene says `numerics.error: none`. `result.derivatives` are found when they are asked for. Raises UsageError
-    when the scene asks for a fluid that is not there.
+    The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. With `trace` the
+    result has the cycle over the angle and the ledger, with 'ledger' the ledger alone; without it the ledger is left
+    out where the scene says `numerics.error: none`. `result.derivatives` are computed on first use. Raises UsageError
+    when the scene asks for a fluid that is not available.
     """
     scene = scene_of(scene)
     result = simulated(scene, trace)
@@ -39,7 +39,7 @@ def _found(scene: Scene, result: Result) -> Any:
 
 
 def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
-    """Return the derivatives of a result that its scene keeps (`output.derivatives`), None for none."""
+    """Return the derivatives of a result that its scene keeps (`output.derivatives`); None for none."""
     if not scene.output.keeps_slopes or result.status != "ok":
         return None
     found = sensitivities(scene, result=result)
@@ -47,6 +47,6 @@ def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:
 
 
 def with_slopes(scene: Scene, result: Result) -> Result:
-    """Return a result with the derivatives that its scene keeps."""
+    """Return a result together with the derivatives that its scene keeps."""
     found = kept_slopes(scene, result)
     return result if found is None else replace(result, derivatives=Derivatives.of(found, result.performance))

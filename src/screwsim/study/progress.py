@@ -1,4 +1,4 @@
-"""Progress of a study: what is told, a bar for terminals, lines for what is none; `notebook` has that of notebooks."""
+"""Progress of a study: a bar for terminals, lines for other outputs; notebooks have theirs in `notebook`."""
 
 import sys
 import time
@@ -10,26 +10,26 @@ from screwsim.numerics.folder import tell
 
 
 class Progress:
-    """What a study tells while it runs, here nothing; every call comes from the process and thread that called it."""
+    """Reports of a running study, here none; every call comes from the process and thread that started the study."""
 
     def start(self, cases: int, reused: int) -> None:
         """Begin: `reused` of the `cases` were computed by an earlier run."""
 
     def advance(self, cases: int, failed: int) -> None:
-        """Count cases that are done, `failed` of them without a closed cycle."""
+        """Count finished cases, `failed` of them without a closed cycle."""
 
     def more(self, cases: int) -> None:
-        """Expect more cases than was said at the beginning."""
+        """Expect more cases than announced at the beginning."""
 
     def tick(self) -> None:
-        """Give a sign of life, some times a second."""
+        """Refresh the report, several times a second."""
 
     def stop(self) -> None:
         """End, also after an error."""
 
 
 class Surviving(Progress):
-    """Tell what another does until that can tell no more: a terminal that is gone is no fault of the study."""
+    """Forward to another progress until its output fails: a terminal that is gone is no fault of the study."""
 
     def __init__(self, told: Progress) -> None:
         self._told = told
@@ -52,17 +52,17 @@ class Surviving(Progress):
     def _try(self, call: Callable[[], None]) -> None:
         try:
             call()
-        except (OSError, ValueError):  # ValueError: of a closed file
+        except (OSError, ValueError):  # ValueError: the file is closed
             told, self._told = self._told, Progress()
             with suppress(OSError, ValueError):
-                told.stop()  # gives back stdout and stderr
+                told.stop()  # restores stdout and stderr
 
 
 class Bar(Progress):
     """A bar on stderr with rate, time left and failures.
 
-    It has no thread of its own: the workers are forked from this process, and a fork copies no threads but the
-    locks that they hold.
+    It has no thread of its own: workers are forked from this process, and a fork copies the locks that threads hold,
+    but not the threads.
     """
 
     def __init__(self, title: str = "sweep") -> None:
@@ -82,7 +82,7 @@ class Bar(Progress):
 
         columns = (
             TextColumn(self._title),
-            BarColumn(bar_width=None),  # what is left of the line
+            BarColumn(bar_width=None),  # takes up the rest of the line
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
             TimeRemainingColumn(),
@@ -113,7 +113,7 @@ class Bar(Progress):
 
 
 class Counted(Progress):
-    """What counts cases, and the time [s] since it began; each that is done gives a sign of life."""
+    """Base of progresses that count cases and the time [s] since the start; each finished case refreshes the report."""
 
     def __init__(self, title: str, clock: Callable[[], float]) -> None:
         self._title = title
@@ -135,7 +135,7 @@ class Counted(Progress):
 
 
 class Seldom(Counted):
-    """A line on stderr after `first` [s], and again whenever twice as long has passed: for logs of long studies."""
+    """A line on stderr after `first` [s], and then each time the elapsed time has doubled: for logs of long studies."""
 
     def __init__(self, title: str, first: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__(title, clock)
@@ -154,7 +154,7 @@ class Seldom(Counted):
 
 
 class Steps(Progress):
-    """A line on stderr before each of a few steps, by its name: for what is no terminal."""
+    """A line on stderr before each of a few named steps: for outputs that are not terminals."""
 
     def __init__(self, title: str, names: Sequence[str]) -> None:
         self._title = title
@@ -175,7 +175,7 @@ class Steps(Progress):
 
 
 class Line(Counted):
-    """One line on stderr that is written over, at most twice a second: for what is neither terminal nor notebook."""
+    """One line on stderr that overwrites itself, at most twice a second: for neither terminals nor notebooks."""
 
     def __init__(self, title: str, every: float = 0.5) -> None:
         super().__init__(title, time.monotonic)
@@ -198,14 +198,14 @@ class Line(Counted):
 
 
 def in_notebook() -> bool:
-    """Tell whether a notebook shows what is printed; a plain shell of IPython is none."""
+    """Return whether output is shown in a notebook; a plain IPython shell is none."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return shell is not None and getattr(shell, "kernel", None) is not None
 
 
 def for_program(title: str, wanted: bool | None = None) -> Progress:
-    """Return what a program's call tells: in a notebook a bar by itself; if wanted, one in a terminal, else a line."""
+    """Return the progress of a program's call: by default a bar in notebooks only; on request also a bar or a line."""
     if wanted is not False and in_notebook():
         from screwsim.study.notebook import NotebookBar
 
@@ -217,22 +217,22 @@ def for_program(title: str, wanted: bool | None = None) -> Progress:
 
 
 def shown(title: str, asked: Progress | bool | None) -> Progress:
-    """Return a progress as it is given, or what `for_program` makes of what is wanted."""
+    """Return the progress as given, or that of `for_program` for True, False or None."""
     return for_program(title, asked) if asked is None or isinstance(asked, bool) else asked
 
 
 def digits(rate: float) -> str:
-    """Return a rate with the digits that are of use."""
+    """Return a rate with a useful number of digits."""
     return f"{rate:.0f}" if rate >= 10.0 else f"{rate:.2g}"
 
 
 def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
-    """Return a bar when stderr is a terminal, else a line for each of the steps that have `names`, or seldom one."""
+    """Return a bar when stderr is a terminal; else a line for each of the named steps, or occasional lines."""
     if sys.stderr is None:
         return Progress()
     try:
         if sys.stderr.isatty():
             return Surviving(Bar(title))
-    except ValueError:  # it is closed
+    except ValueError:  # stderr is closed
         return Progress()
     return Steps(title, names) if names else Seldom(title)

@@ -1,4 +1,4 @@
-"""The values of a scene that a file of results holds, by their paths: what two scenes differ in."""
+"""Values of the scene stored in a results file, by their paths, to find what differs between two scenes."""
 
 from collections.abc import Iterator
 
@@ -6,7 +6,7 @@ from screwsim.scene.yaml_tree import Node, Place, compose
 
 
 def scene_values(text: str, file: str, left_out: tuple[str, ...] = ()) -> dict[str, str]:
-    """Return {dotted path: text} of a scene's canonical text from a file, without sections that are left out."""
+    """Return {dotted path: text} of a scene's canonical text from a file, without the sections `left_out`."""
     root = compose(text, Place(0, file), [])
     return {} if root is None else dict(_leaves(root, "", left_out))
 

@@ -1,7 +1,7 @@
-"""The highest value of a function of one number: a coarse bracket, then scipy's bounded search, and how sure it is.
+"""Maximum of a function of one variable: a coarse bracket, scipy's bounded search, and how certain its place is.
 
-The function carries its own numerical error. Where a top is flat, that error and not the search limits how well its
-place is known: `Top` says within which interval the function is within its error of the maximum.
+The function carries its own numerical error. Where a maximum is flat, that error and not the search limits how well its
+place is known: `Top` gives the interval in which the function is within its error of the maximum.
 """
 
 import math
@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-COARSE = 13  # points of the bracket
-RESOLUTION = 1e-4  # of the range: where the bounded search stops
-CLEAR = 4.0  # errors below the top from which on a point tells its curvature
+COARSE = 13  # points of the coarse search
+RESOLUTION = 1e-4  # fraction of the range at which the bounded search stops
+CLEAR = 4.0  # errors below the top from which on a point shows the curvature there
 
 
 class Point(NamedTuple):
@@ -24,9 +24,9 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True)
 class Top:
-    """The highest point; `low` … `high`: where the function is within its error of it; `others`: further local ones.
+    """The highest point; from `low` to `high` the function is within its error of it; `others`: further local maxima.
 
-    `bracket` are its neighbours in the coarse search.
+    `bracket` holds its neighbours in the coarse search.
     """
 
     point: Point
@@ -40,7 +40,7 @@ Function = Callable[[float], Point]
 
 
 def highest(function: Function, first: float, last: float, count: int = COARSE) -> Top | None:
-    """Return the highest point between two ends; None when fewer than three points of the bracket have values."""
+    """Return the highest point between two ends; None when fewer than three points of the coarse search have values."""
     step = (last - first) / (count - 1)
     tried = [function(first + step * number if number < count - 1 else last) for number in range(count)]
     good = [point for point in tried if math.isfinite(point.y)]
@@ -58,7 +58,7 @@ def highest(function: Function, first: float, last: float, count: int = COARSE) 
 
 
 def _brackets(tried: Sequence[Point]) -> Iterator[tuple[tuple[float, float], Point]]:
-    """Yield each local maximum with its neighbours: the best may lie where points begin to have no value."""
+    """Yield each local maximum with its neighbours; one may lie at the edge of the points that have values."""
     last = len(tried) - 1
     begins = [number for number in range(last + 1) if _valued(tried, number) and not _valued(tried, number - 1)]
     for begin in begins:
@@ -73,7 +73,7 @@ def _valued(points: Sequence[Point], number: int) -> bool:
 
 
 def _peaks(points: Sequence[Point]) -> list[int]:
-    """Return the numbers of local maxima, the ends included, that stand out of the valleys by more than the errors."""
+    """Return the indices of local maxima, ends included, that are separated by valleys deeper than the errors."""
     last = len(points) - 1
     local = [
         number
@@ -88,7 +88,7 @@ def _peaks(points: Sequence[Point]) -> list[int]:
 
 
 def _valley(points: Sequence[Point], number: int, higher: int) -> bool:
-    """Tell whether a valley deeper than the errors lies between two maxima."""
+    """Return whether a valley deeper than the errors lies between two maxima."""
     between = points[min(number, higher) + 1 : max(number, higher)]
     return any(points[number].y - point.y > 2.0 * (points[number].error + point.error) for point in between)
 
@@ -96,7 +96,7 @@ def _valley(points: Sequence[Point], number: int, higher: int) -> bool:
 def _refined(
     function: Function, bracket: tuple[float, float], known: Sequence[Point], resolution: float
 ) -> list[Point]:
-    """Return what a bounded search within the bracket saw; where the function has no value it counts as low."""
+    """Return the points seen by a bounded search within the bracket; it takes missing values as low."""
     from scipy.optimize import minimize_scalar
 
     floor = min(point.y for point in known)
@@ -114,9 +114,10 @@ def _refined(
 
 
 def _reach(top: Point, known: Sequence[Point], sign: float) -> float:
-    """Return how far to one side (±1) the function is within its error of the top, by the nearest clear point.
+    """Return how far to one side (±1) the function is within its error of the top, from the nearest clear point.
 
-    Near its top the function falls with the square of the distance. Without a clear point all that side is as good.
+    Near its top the function falls with the square of the distance. Without a clear point the interval extends to the
+    last known point on that side.
     """
     side = sorted((point for point in known if sign * (point.x - top.x) > 0.0), key=lambda point: abs(point.x - top.x))
     error = max(top.error, 0.0)

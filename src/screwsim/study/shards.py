@@ -1,7 +1,7 @@
-"""Finished parts of a sweep on disk: `OUT.h5.parts/` holds one file per chunk of cases until all are there.
+"""Finished parts of a sweep on disk: `OUT.h5.parts/` holds one file per chunk of cases until the sweep is complete.
 
-Each part is written beside and renamed, so that after a crash at any moment those that are there are whole. When they
-get many, neighbours are joined to larger ones.
+Each part is written under a temporary name and renamed, so that after a crash at any moment all existing parts are
+whole. When there are many, neighbours are joined to larger ones.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from screwsim.results.atomic import check_target_kind, followed, make_folder, re
 from screwsim.results.table import Table, join
 from screwsim.study.part_files import is_whole, read_part, write_part
 
-MOST_SMALL = 128  # parts written until small neighbours are joined
-LARGE = 16_000_000  # [byte] of a part that stays as it is
-AT_HAND = 16_000_000  # [byte] of parts that are kept in memory, too, and not read again
+MOST_SMALL = 128  # small parts written until neighbours are joined
+LARGE = 16_000_000  # [byte] size from which a part is no longer joined
+AT_HAND = 16_000_000  # [byte] of parts that are also kept in memory, and not read again
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
 
 
 class Parts:
-    """The folder of parts of one sweep, held by one process at a time."""
+    """Folder with the parts of one sweep, held by one process at a time."""
 
     def __init__(self, output: Path, identity: Mapping[str, Any], study: str = "sweep") -> None:
         self.output = output
-        self.study = study  # in words, of which it holds the cases
-        there = followed(output)  # on its disk, and one for all links to it
+        self.study = study  # kind of study whose cases these are, in words
+        there = followed(output)  # on the disk of the file, and the same for all links to it
         self.folder = there.with_name(there.name + ".parts")
-        self.identity = dict(identity)  # what must agree for parts to belong together
+        self.identity = dict(identity)  # must agree for parts to belong together
         self._lock: Any = None
         self._small = 0
         self._at_hand: dict[Path, Table] = {}
@@ -44,16 +44,16 @@ class Parts:
         return self.folder / "sweep.json"
 
     def stored_identity(self) -> dict[str, Any] | None:
-        """Return whose parts are there; None without any."""
+        """Return the identity stored with the parts; None without any."""
         with suppress(Unreadable, ValueError, RecursionError):
             found = json.loads(read_text(self._manifest))
             return found if isinstance(found, dict) else None
         return None
 
     def open(self, restart: bool) -> None:
-        """Make the folder and hold it; raise UsageError when another process does.
+        """Create the folder and lock it; raise UsageError when another process holds it.
 
-        Old parts go on a restart, and when the manifest that says whose they are is missing.
+        Old parts are removed on a restart, and where the manifest that holds their identity is missing.
         """
         make_folder(self.folder)
         self._hold()
@@ -71,7 +71,7 @@ class Parts:
         try:
             import fcntl
 
-            # a record lock: it ends with the process, however it ends, and forked workers do not inherit it
+            # a record lock ends with its process, however that ends, and is not inherited by forked workers
             fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except (BlockingIOError, PermissionError):
             self._lock.close()
@@ -82,7 +82,7 @@ class Parts:
             pass  # no locks on this system or disk: two sweeps at once only do the same work twice
 
     def close(self) -> None:
-        """Let go of the folder; parts stay, and a folder without any goes."""
+        """Release the folder; its parts stay, and a folder without parts is removed."""
         if self._lock is None or self._lock.closed:
             return
         left = self.folder.is_dir() and any(self._files())
@@ -94,7 +94,7 @@ class Parts:
                 self.folder.rmdir()
 
     def discard(self) -> None:
-        """Remove the parts. The owner's name goes first: parts without it are never taken for finished ones."""
+        """Remove the parts. The manifest goes first: parts without it are never taken for finished ones."""
         with suppress(OSError):
             self._manifest.unlink(missing_ok=True)
             self._clear()
@@ -125,12 +125,12 @@ class Parts:
             self._small = 0
 
     def _taken(self, what: str) -> UsageError:
-        """Return the error of what this process has written and no longer finds."""
+        """Return the error for parts that this process has written and no longer finds."""
         who = f"it was moved, or another {self.study} of the same file removed it, on a disk that has no locks"
         return UsageError(f"{self.folder}: {what}: {who} (run this once more: it goes on from what is there)")
 
     def _join_neighbours(self) -> None:
-        """Join small parts that follow one another; a crash leaves both, and the larger one is taken."""
+        """Join small consecutive parts; a crash leaves both forms, and the larger part is used."""
         group: list[range] = []
         room = LARGE
         for path, cases in [*self._files(), (self.folder, range(0))]:
@@ -173,7 +173,7 @@ class Parts:
         return self.folder / f"cases_{cases.start:09d}_{cases.stop:09d}.npz"
 
     def table(self, wanted: range) -> Table | None:
-        """Return some of the cases, from as many parts as they lie in; None where one is missing."""
+        """Return a range of cases, collected from all parts that hold some of them; None where a case is missing."""
         found, stop = [], wanted.start
         for path, cases in self._files():
             if cases.start <= stop < cases.stop and stop < wanted.stop:
@@ -195,7 +195,7 @@ class Parts:
 
 
 class StoredTables:
-    """Consecutive parts, read one at a time but for those at hand."""
+    """Consecutive parts, read one at a time except those kept in memory."""
 
     def __init__(self, paths: list[Path], cases: int, at_hand: Mapping[Path, Table]) -> None:
         self.cases = cases
@@ -203,9 +203,9 @@ class StoredTables:
         self._at_hand = at_hand
 
     def heads(self) -> Iterator[Table]:
-        """Yield the parts; those that are read come without their cases."""
+        """Yield the parts; those read from disk come without their cases."""
         return (self._at_hand.get(path) or read_part(path, cases=False) for path in self._paths)
 
     def tables(self, traces: bool) -> Iterator[Table]:
-        """Yield the parts; those that are read come with traces or without."""
+        """Yield the parts; those read from disk come with or without traces."""
         return (self._at_hand.get(path) or read_part(path, traces) for path in self._paths)

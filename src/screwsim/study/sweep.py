@@ -45,34 +45,34 @@ from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 from screwsim.version import release
 
-CHUNK_CASES = 1024  # at most in one chunk,
-CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
-BESIDE = 8  # blocks at least in one chunk where they are simulated side by side: as many as there are lanes
-BESIDE_ON_GPU, CASES_ON_GPU = 256, 8192  # blocks at least on a GPU, unless they are long: bounds the memory
-FEW_BLOCKS = 512  # up to which the last chunks decide how long a sweep takes
+CHUNK_CASES = 1024  # cases per chunk at most,
+CHUNK_TRACES = 256  # and where cases keep their traces: bounds the memory
+BESIDE = 8  # blocks per chunk at least where they are simulated side by side: as many as a core has lanes
+BESIDE_ON_GPU, CASES_ON_GPU = 256, 8192  # blocks per chunk at least on a GPU, unless blocks are long: bounds the memory
+FEW_BLOCKS = 512  # blocks up to which the last chunks decide how long a sweep takes
 SPEED, FLUID = "operation.speed", grid.FLUID
 Simulate = Callable[[Scene], Result]
 WarmUp = Callable[[Scene], None]
 
 
 class _Beside(NamedTuple):
-    """Where blocks are solved side by side, if they are."""
+    """How blocks are solved side by side, if at all."""
 
     batch: bool  # in the lanes of a core
     gpu: bool
 
     def blocks(self, size: int) -> int:
-        """Return how many blocks of so many cases a chunk has at least."""
+        """Return the least number of blocks per chunk, given the number of cases per block."""
         return min(BESIDE_ON_GPU, max(1, CASES_ON_GPU // size)) if self.gpu else BESIDE if self.batch else 1
 
     def warming(self, warm_up: WarmUp) -> WarmUp:
-        """Return what compiles all that is needed, before workers are forked."""
+        """Return a warm-up that compiles all code needed, to be called before workers are forked."""
         return partial(_warm_for_gpu if self.gpu else _warm_for_lanes, warm_up) if any(self) else warm_up
 
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """How a sweep ended: numbers of cases (`reused`: those an earlier run computed), time [s], the file."""
+    """Outcome of a sweep: numbers of cases (`reused`: computed by an earlier run), time [s], path of the file."""
 
     cases: int
     ok: int
@@ -99,16 +99,17 @@ def run_sweep(
     warm_up: WarmUp | None = None,
     progress: Progress | bool | None = None,
 ) -> SweepSummary:
-    """Simulate every case of the scene's grid and write them to `output` (HDF5).
+    """Simulate every case of the scene's grid and write the results to `output` (HDF5).
 
-    `jobs` workers (default: all cores; 1: in this process), or those of a dask scheduler at an address or in a
-    scheduler file. A case that takes longer than `case_limit` [s] (default: 300, but none in this process) is failed,
-    and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
-    lies in `output.parts` and is not computed again, unless `restart`. With `batch` the blocks of a worker are
-    simulated side by side, in the lanes of its core, with `gpu` on a GPU of all workers (docs/how-to/sweeps.md).
-    What simulates one scene, or consecutive ones each from the one before it, and what warms up, default to those of
-    `screwsim.simulate`; `progress` is as of `sweep`. Raise UsageError when the file or its parts belong to another
-    scene, or cannot be written, when the scheduler cannot be reached, or where there is no GPU.
+    The cases run on `jobs` worker processes (default: all cores; 1: in this process), or on those of a dask scheduler
+    given by its address or its scheduler file. A case that takes longer than `case_limit` [s] (default: 300; in this
+    process no limit) or kills its worker is marked failed, and the sweep goes on. Finished cases of an interrupted
+    sweep of the same scene lie in `output.parts` and are reused, unless `restart` is set. With `batch` the blocks of a
+    worker are simulated side by side in the SIMD lanes of its core, with `gpu` on a GPU that all workers share
+    (docs/how-to/sweeps.md). `simulate` (one scene), `simulate_many` (consecutive scenes, each started from the one
+    before) and `warm_up` replace those of `screwsim.simulate`; `progress` is as for `sweep`. Raise UsageError when the
+    file or its parts belong to another scene or cannot be written, when the scheduler cannot be reached, or where there
+    is no GPU.
     """
     began = time.perf_counter()
     case_limit, scene = checked_limit(case_limit), scene_of(scene)
@@ -170,7 +171,7 @@ def sweep(
 
 
 class _Sweep:
-    """One run over the cases that the parts do not hold yet."""
+    """One run over the cases that the stored parts do not hold yet."""
 
     def __init__(
         self,
@@ -196,7 +197,7 @@ class _Sweep:
         self._watch = Watch(self._wanted["files"], self._wanted["identity"])
 
     def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
-        """Compute what is missing; return how many cases were there."""
+        """Compute the missing cases; return how many were there already."""
         finished = self._parts.finished(lambda cases: self.blocks.blocks_of(cases) is not None)
         reused = sum(map(len, finished))
         done = [blocks for cases in finished if (blocks := self.blocks.blocks_of(cases)) is not None]
@@ -218,9 +219,9 @@ class _Sweep:
         return reused
 
     def _slow_machines_first(self, todo: list[range]) -> list[range]:
-        """Return what is to do, slow machines first: leaks rule them, and they take longest.
+        """Return the missing blocks with slow machines first: leaks dominate them, and they take longest.
 
-        One of them that began last would leave the other workers idle.
+        If one of them began last, the other workers would be idle until it ends.
         """
         if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS or any(self._beside):
             return todo
@@ -238,8 +239,8 @@ class _Sweep:
         return runs
 
     def _compute(self, todo: list[range], reused: int, pool: Pool, limit: float | None) -> None:
-        """Compute blocks on a pool, or without a limit in this process."""
-        self._warm_up(self.scene)  # before the fork: every worker inherits what is compiled here
+        """Compute blocks on a pool, or in this process where there is no limit."""
+        self._warm_up(self.scene)  # before the fork: every worker inherits the compiled code
         keep = self.scene.output.keeps_cycle
         size = len(self.blocks.cases_of(range(1)))
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
@@ -262,7 +263,7 @@ class _Sweep:
             self._progress.stop()
 
     def _payload(self, blocks: range) -> list[Block]:
-        """Return the cases of blocks, made when they are wanted."""
+        """Return the cases of blocks, built on demand."""
         cases = self.blocks.cases_of(blocks)
         values = grid.values_of(self.scene, cases)
         spans = [self.blocks.cases_of(range(block, block + 1)) for block in blocks]
@@ -270,7 +271,7 @@ class _Sweep:
         return [Block(part, self._order(block, part)) for part, block in zip(rows, blocks, strict=True)]
 
     def _order(self, block: int, values: Sequence[tuple[Any, ...]]) -> list[int]:
-        """Return the order in which the cases of a block are simulated: those of one fluid after each other."""
+        """Return the order in which the cases of a block are simulated: cases of the same fluid one after another."""
         order = self.blocks.order(block)
         if FLUID not in self.scene.sweep:
             return order
@@ -287,7 +288,7 @@ class _Sweep:
         self._parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
         self._progress.advance(len(table), int(np.count_nonzero(table.status)))
-        self._draft.lay_out(table)  # once, while the other chunks are computed
+        self._draft.lay_out(table)  # once, while the other chunks are being computed
 
 
 def _simulator(
@@ -303,7 +304,7 @@ def _simulator(
 
 
 def default_simulate_many(scene: Scene) -> SimulateMany:
-    """Return what simulates consecutive cases of a scene's sweep."""
+    """Return the function that simulates consecutive cases of a scene's sweep."""
     from screwsim.simulate import simulate_many  # by the module's own name: the package has a function of that name
 
     many = partial(simulate_many, trace=scene.output.keeps_cycle)
@@ -319,7 +320,7 @@ def default_simulate_many(scene: Scene) -> SimulateMany:
 
 
 def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:
-    """Warm up what runs alone, and what runs side by side."""
+    """Warm up the code for single cases and that for lanes."""
     from screwsim.batch import warm_up as beside
 
     warm_up(scene)
@@ -327,7 +328,7 @@ def _warm_for_lanes(warm_up: WarmUp, scene: Scene) -> None:
 
 
 def _warm_for_gpu(warm_up: WarmUp, scene: Scene) -> None:
-    """Warm up what runs alone, and compile what runs on a GPU; each worker opens the device for itself."""
+    """Warm up the code for single cases, and compile that for a GPU; each worker opens the device for itself."""
     from screwsim.batch import prepare_for_gpu
 
     warm_up(scene)
@@ -335,11 +336,11 @@ def _warm_for_gpu(warm_up: WarmUp, scene: Scene) -> None:
 
 
 def nothing(scene: Scene) -> None:
-    """Warm nothing up."""
+    """Do nothing, where no warm-up is needed."""
 
 
 def _claim(output: Path, parts: Parts, restart: bool, text: str) -> bool:
-    """Return whether the file of a scene's text is there; raise UsageError when file or parts are of something else."""
+    """Return whether the scene's results file exists; raise UsageError when the file or the parts belong elsewhere."""
     found = holds(output)
     if found:
         attributes = read_attributes(output)
@@ -361,7 +362,7 @@ def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool
     identity = stored.get("identity")
     if isinstance(identity, dict):
         what = differences(identity, parts.identity["identity"])
-    else:  # of a time when nothing of this was noted
+    else:  # written before code and files were recorded
         version = release(str(stored.get("version", "")))
         what = f"of a screwsim {version} that did not note what code and files they are of"
     if what:
@@ -370,8 +371,8 @@ def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool
 
 
 def _finished(output: Path, began: float, parts: Parts, reused: int | None = None) -> SweepSummary:
-    """Return how the sweep in a file ended; by default an earlier run computed all of it."""
-    parts.discard()  # what a crash left after the file was written
+    """Return the summary of a finished sweep; without `reused` an earlier run computed all cases."""
+    parts.discard()  # left over from a crash after the file was written
     ok, not_closed, failed = count_statuses(output)
     count, seconds = ok + not_closed + failed, time.perf_counter() - began
     return SweepSummary(count, ok, not_closed, failed, count if reused is None else reused, seconds, output)

@@ -1,6 +1,6 @@
-"""Run chunks of blocks on worker processes, over the interface of concurrent.futures.
+"""Run chunks of blocks on worker processes, through the interface of concurrent.futures.
 
-A pool of processes is the default; `screwsim.study.cluster` makes one of dask's workers.
+The default is a pool of local processes; `screwsim.study.cluster` provides dask's workers.
 """
 
 import gc
@@ -22,24 +22,24 @@ from typing import Any, Protocol
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.folder import handed_on, take_over
 
-CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some ms
-_FIRST = 1  # [blocks] of the chunks that tell how long cases take
+CHUNK_SECONDS = 1.0  # [s] of work that a crash may cost per worker; writing a part costs some ms
+_FIRST = 1  # [blocks] per chunk until the time per case is known
 LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
 DIED = "worker died (run this case alone, with `screwsim run --set …`)"
-TICK = 0.25  # [s]
-RARELY = 20_000, 20, 20  # objects, and rounds, after which a worker looks for garbage: a case leaves few hundred
-GRACE = 1.0  # [s] in which a pool has to notice the death of a worker
+TICK = 0.25  # [s] between two looks at the workers
+RARELY = 20_000, 20, 20  # thresholds of a worker's garbage collector: a case leaves a few hundred objects
+GRACE = 1.0  # [s] that a pool has to notice the death of a worker
 
 
 class Pool(Protocol):
-    """Where workers come from."""
+    """Source of workers."""
 
     def executor(self, jobs: int) -> Executor:
-        """Return an executor of so many workers at most."""
+        """Return an executor of at most so many workers."""
         ...
 
     def workers(self) -> int:
-        """Return how many cases run at a time, at the moment."""
+        """Return how many cases can run at the same time, at the moment."""
         ...
 
 
@@ -66,9 +66,9 @@ def cores() -> int:
 
 
 class Chunks:
-    """Cut what is left to do into chunks of consecutive blocks that take about CHUNK_SECONDS.
+    """Cut the remaining work into chunks of consecutive blocks that take about CHUNK_SECONDS each.
 
-    Of `beside` blocks at least, where they are simulated side by side, as long as all workers have some.
+    Where blocks are simulated side by side, a chunk has at least `beside` of them, as long as there are enough for all.
     """
 
     def __init__(self, todo: Iterable[range], longest: int, jobs: Callable[[], int], beside: int = 1) -> None:
@@ -77,7 +77,7 @@ class Chunks:
         self._jobs = jobs
         self._longest = longest
         self._beside = beside
-        self._least = 0  # of a chunk: not known yet
+        self._least = 0  # blocks per chunk; not known yet
         self._blocks = 0
         self._seconds = 0.0
 
@@ -93,7 +93,7 @@ class Chunks:
         return first[:size]
 
     def give_back(self, blocks: range) -> None:
-        """Put a chunk back, to be done next."""
+        """Put a chunk back, to be run next."""
         self._gaps.appendleft(blocks)
         self._left += len(blocks)
 
@@ -109,17 +109,17 @@ class Chunks:
         return max(least, size // self._beside * self._beside or size)
 
     def learn(self, blocks: int, seconds: float) -> None:
-        """Take note of how long blocks took."""
+        """Record how long blocks took."""
         self._blocks += blocks
         self._seconds += seconds
 
 
 def start_method() -> str:
-    """Return how workers start.
+    """Return the start method of workers.
 
-    A fork takes milliseconds and inherits the compiled module; it is safe while this process has one thread, and
-    it does not run the caller's main module again. With threads about, whose locks a fork would copy, and where
-    there is no reliable fork (macOS, Windows), workers start afresh: a second or so each, compiled code from disk.
+    A fork takes milliseconds and inherits the compiled module; it is safe while this process has one thread, and does
+    not run the caller's main module again. With several threads, whose locks a fork would copy, and on systems without
+    a reliable fork (macOS, Windows), workers start afresh: about a second each, with compiled code read from disk.
     """
     if sys.platform != "linux":
         return "spawn"
@@ -127,9 +127,9 @@ def start_method() -> str:
 
 
 def _start_worker(known: tuple[str, set[str]]) -> None:
-    """Leave Ctrl-C to the parent, and end with it: a pool's worker waits for ever when its parent is killed.
+    """Leave Ctrl-C to the parent and end with it: a worker of a pool waits for ever when its parent is killed.
 
-    What it inherits is no garbage, and is not looked through for it again and again. It shares its parent's cache.
+    Objects inherited from the parent are exempt from garbage collection. The worker shares its parent's cache.
     """
     take_over(known)
     gc.freeze()
@@ -141,7 +141,7 @@ def _start_worker(known: tuple[str, set[str]]) -> None:
 
 
 def end_with_parent() -> None:
-    """Wait for the end of the process that started this one, and end this one then."""
+    """Wait for the parent process to end, and end this one then."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
@@ -149,7 +149,7 @@ def end_with_parent() -> None:
 
 
 def stop(executor: Executor) -> None:
-    """Give up an executor at once: what it still does is not wanted any more."""
+    """Stop an executor at once: its unfinished work is no longer wanted."""
     processes, results = dict(getattr(executor, "_processes", None) or {}), getattr(executor, "_result_queue", None)
     if processes:
         executor.shutdown(wait=False, cancel_futures=True)
@@ -163,9 +163,9 @@ def stop(executor: Executor) -> None:
 
 
 def _kill(processes: Iterable[Any], results: Any) -> None:
-    """Kill the processes of a pool, and close the last end of what they send: the rest of half a message never comes.
+    """Kill the processes of a pool and close the writing end of its result queue: a truncated message stays so.
 
-    The pool would wait for it for ever, and this process at its end for the pool.
+    Otherwise the pool would wait for its rest for ever, and this process at its end for the pool.
     """
     for process in processes:
         process.kill()
@@ -175,7 +175,7 @@ def _kill(processes: Iterable[Any], results: Any) -> None:
 class Guard:
     """Breaks a pool of processes that does not notice the death of a worker.
 
-    One that is killed while it sends a result leaves half a message, for whose rest the pool waits for ever.
+    A worker killed while it sends a result leaves half a message, and the pool would wait for the rest for ever.
     """
 
     def __init__(self, executor: Executor) -> None:
@@ -183,7 +183,7 @@ class Guard:
         self._died: float | None = None
 
     def look(self) -> None:
-        """Look after the pool, some times a second."""
+        """Check the pool, to be called several times a second."""
         processes = list((getattr(self._executor, "_processes", None) or {}).values())
         if not processes or not connection.wait([process.sentinel for process in processes], 0.0):
             self._died = None
@@ -195,7 +195,7 @@ class Guard:
 
 @dataclass(frozen=True)
 class Work:
-    """What to do with chunks: `task(payload(blocks))` runs in a worker, the others are called in this process."""
+    """Processing of chunks: `task(payload(blocks))` runs in a worker, the other functions in this process."""
 
     pool: Pool
     task: Callable[[Any], Any]
@@ -206,14 +206,14 @@ class Work:
 
 @dataclass(frozen=True)
 class Lost:
-    """A chunk that was in flight, for so many seconds, when a worker died."""
+    """A chunk that was running, for so many seconds, when a worker died."""
 
     blocks: range
     seconds: float
 
 
 def drain(chunks: Chunks, work: Work) -> list[Lost]:
-    """Run chunks, two a worker, until none is left or a worker dies; return those in flight at its death."""
+    """Run chunks, two per worker, until none is left or a worker dies; return those running at its death."""
     executor = work.pool.executor(work.pool.workers())
     guard = Guard(executor)
     running: dict[Future[Any], tuple[range, float]] = {}
@@ -241,7 +241,7 @@ def drain(chunks: Chunks, work: Work) -> list[Lost]:
 
 
 def submit(executor: Executor, task: Callable[[Any], Any], payload: Any) -> Future[Any]:
-    """Return the future of a task; where the executor is broken already, one that tells it."""
+    """Return the future of a task; where the executor is already broken, one that holds the error."""
     try:
         with warnings.catch_warnings():
             # Python 3.12 warns when it forks beside any thread; numerical libraries keep idle ones that survive it
@@ -254,7 +254,7 @@ def submit(executor: Executor, task: Callable[[Any], Any], payload: Any) -> Futu
 
 
 def worker_died(future: Future[Any]) -> bool:
-    """Tell whether a worker died over a task; raise UsageError when the whole cluster is gone."""
+    """Return whether a worker died over a task; raise UsageError when the whole cluster is gone."""
     if future.cancelled():
         raise UsageError(LOST)
     error = future.exception()
@@ -263,7 +263,7 @@ def worker_died(future: Future[Any]) -> bool:
 
 
 def sent(work: Any) -> bytes:
-    """Return work as workers receive it; raise UsageError where a function in it belongs to no module."""
+    """Return work pickled for workers; raise UsageError where a function in it belongs to no module."""
     try:
         return pickle.dumps(work)
     except (AttributeError, TypeError, pickle.PicklingError) as reason:

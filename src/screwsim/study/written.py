@@ -1,4 +1,4 @@
-"""A scene that a study found, as a file: its base and the paths that differ from it, or the whole scene if need be."""
+"""Scenes found by a study as files: the base and the paths that differ from it, or where needed the whole scene."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -14,12 +14,12 @@ from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted
 from screwsim.study.calibration.scene import keys, lines_of
 
-BEGINS = "# Found by: screwsim "  # a scene that a study wrote
+BEGINS = "# Found by: screwsim "  # start of a scene that a study wrote
 SIZES = {"machine.displacement.flow", "machine.rotor_diameter", "machine.rotor_length", "machine.volume.max"}
 
 
 def check_scene_file(path: Path, option: str = "-o") -> None:
-    """Raise UsageError where a scene is not to be written: another ending, or a file that no study wrote."""
+    """Raise UsageError where no scene may be written: wrong suffix, or an existing file that no study wrote."""
     if path.suffix.lower() not in (".yaml", ".yml"):
         good = path.with_suffix(".yaml")
         raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {option} {good})")
@@ -37,12 +37,12 @@ def write_found(
 ) -> str:
     """Write the scene `found` with `values` [SI] over a scene file and its overrides, and return the path.
 
-    `told` says in the first line what wrote it: 'find x.yaml; …'.
+    `told` says in the first line what wrote the file: 'find x.yaml; …'.
     """
     make_folder(path.parent)
     head = f"{BEGINS}{' '.join(told.split())}\n"
     sizes = [f"{path} = {text_of(leaf_of(found, path), value)}" for path, value in values.items() if path in SIZES]
-    if sizes:  # the title may say another one
+    if sizes:  # the title may state another size
         found = replace(found, title="; ".join(filter(None, (found.title, f"resized: {', '.join(sizes)}"))))
     text = head + _over(found, values, file, overrides, without, path.parent)
     if not _same(text, found, path.parent):
@@ -69,7 +69,7 @@ def _over(
 
 
 def _yaml(text: str) -> str:
-    """Return the text of an override as a value in a file: a mapping or a list is none without its brackets."""
+    """Return the text of an override as a YAML value; without brackets it is never a mapping or a list."""
     bare = text.strip()
     plain = bare[:1] in ("{", "[", '"', "'") or (": " not in bare and " #" not in bare and not bare.startswith("- "))
     return (bare or "null") if plain else quoted(bare)
@@ -85,7 +85,7 @@ def _put(tree: dict[str, Any], path: str, text: str) -> None:
 
 
 def _same(text: str, found: Scene, folder: Path) -> bool:
-    """Tell whether a text gives the scene."""
+    """Return whether a text yields the same scene."""
     try:
         again = loads(text, folder=str(folder))
     except (SceneError, UsageError):
