@@ -42,7 +42,7 @@ STEP = 1e-7  # relative step of the differences: CoolProp does not give all deri
 def state_function(fluid: str) -> Any:
     """Return a C function (T, ρ, out) that fills out with p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking.
 
-    With NaN where CoolProp refuses a state: the step that tried it is made again, shorter.
+    Where CoolProp refuses a state, out is NaN: the integrator then repeats the step with a shorter one.
     """
     import CoolProp.CoolProp as coolprop
 
@@ -50,7 +50,7 @@ def state_function(fluid: str) -> Any:
     state = coolprop.AbstractState("HEOS", "&".join(known.components) if known.blend else fluid)
     if known.blend:
         state.set_mole_fractions(list(known.fractions))
-    state.specify_phase(coolprop.iphase_gas)  # no saturation is asked for: the equation alone
+    state.specify_phase(coolprop.iphase_gas)  # no saturation is computed: the equation of state alone
 
     def fill(T: float, rho: float, address: int) -> None:
         out = (ctypes.c_double * 7).from_address(address)
@@ -67,14 +67,14 @@ def state_function(fluid: str) -> Any:
 
 
 def can_be_asked(scene: Scene) -> bool:
-    """Tell whether CoolProp can be asked in place of a scene's gas."""
+    """Return whether CoolProp can replace a scene's gas."""
     return find_gas_model(scene.gas.model).by_coolprop and not scene.gas.relative_humidity
 
 
 def machinery_with_coolprop(scene: Scene) -> Machinery:
-    """Return a machinery for a real-gas scene whose chambers ask CoolProp; compiled anew in every process.
+    """Return a machinery for a real-gas scene whose chambers call CoolProp; compiled anew in every process.
 
-    Raises ValueError for an ideal gas.
+    Raises ValueError for an ideal gas or moist air.
     """
     if not can_be_asked(scene):
         raise ValueError("gas.model: only a real gas can be asked of CoolProp, and no moist air")
@@ -90,12 +90,12 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
     address = ctypes.cast(state, ctypes.c_void_p).value
     assert address is not None
     module = Module("coolprop back end", text, {"coolprop_state": address})
-    vars(module)["state of CoolProp"] = state  # kept as long as what calls it
+    vars(module)["state of CoolProp"] = state  # kept alive as long as its caller
     return Machinery(problem.composition, module)
 
 
 def _replaced(text: str, function: str) -> str:
-    """Return a text with another function in the place of the one of its name."""
+    """Return a text with a function replaced by another one of the same name."""
     head = function[: function.index("(") + 1]
     found = re.search(rf"^{re.escape(head)}.*?\n\n", text, flags=re.DOTALL | re.MULTILINE)
     assert found is not None

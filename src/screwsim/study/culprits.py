@@ -1,4 +1,4 @@
-"""Find the case that kills its worker, or never ends, and let everything else finish."""
+"""Find the case that kills its worker or never ends, and let all other cases finish."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from screwsim.study.workers import DIED, TICK, Chunks, Guard, Lost, Work, drain,
 
 _HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
 _UNEXPLAINED = "worker died over the block of this case, {} times, but over none of its cases alone"
-_TRIES = 3  # of a block whose worker dies without a culprit: others may have killed it
+_TRIES = 3  # of a block whose worker dies although no case alone kills it: something else may have killed it
 
 
 @dataclass(frozen=True)
 class Death:
-    """The end of a worker, after so many seconds."""
+    """Death of a worker, after so many seconds."""
 
     seconds: float
 
 
 class _Alone:
-    """One worker, one task at a time: who is at work when it dies is certain."""
+    """One worker running one task at a time, so that it is certain which task was running when it dies."""
 
     def __init__(self, work: Work) -> None:
         self._work = work
         self._executor: Executor | None = None
 
     def __enter__(self) -> _Alone:
-        """Raise RuntimeError when workers die without any case: no case is to blame then."""
+        """Raise RuntimeError when workers die without any case, so that no case is to blame."""
         try:
             self._start().submit(os.getpid).result()
         except BrokenExecutor as error:
@@ -66,10 +66,10 @@ class _Alone:
 
 
 def settle(chunks: Chunks, work: Work, limit: float | None) -> None:
-    """Run all chunks.
+    """Run all chunks, and find the cases over which workers die.
 
-    When a worker dies, nobody knows which of the chunks in flight was its. They are run again one at a time, the
-    oldest first, until one is found that kills its worker again; all others go back to where they came from.
+    When a worker dies, it is not known which of the running chunks was its own. They are run again one at a time, the
+    oldest first, until one kills its worker again; all others are put back.
     """
     while lost := drain(chunks, work):
         lost.sort(key=lambda each: -each.seconds)
@@ -81,7 +81,7 @@ def settle(chunks: Chunks, work: Work, limit: float | None) -> None:
 
 
 def _settled(lost: Lost, alone: _Alone, work: Work, limit: float | None) -> bool:
-    """Finish a chunk alone; return whether there was a culprit in it."""
+    """Finish a chunk alone; return whether one of its cases kills the worker."""
     hung = limit is not None and lost.seconds >= limit
     guilty = False
     for number, block in zip(lost.blocks, work.payload(lost.blocks), strict=True):
@@ -92,7 +92,7 @@ def _settled(lost: Lost, alone: _Alone, work: Work, limit: float | None) -> bool
 
 
 def _sure(block: Block, alone: _Alone, limit: float | None, hung: bool) -> tuple[Any, bool]:
-    """Return the outcome of a block, its culprits marked failed; `hung`: look for them before it is run."""
+    """Return the outcome of a block with its culprits marked failed; `hung`: search for them before it is run."""
     unexplained = 0
     while True:
         outcome = Death(0.0) if hung else alone.run([block])
@@ -107,7 +107,7 @@ def _sure(block: Block, alone: _Alone, limit: float | None, hung: bool) -> tuple
 
 
 def _culprit(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]:
-    """Return {place: why} of one case over which the worker dies, {} without any; the results are thrown away."""
+    """Return {position: why} of one case over which the worker dies, {} without any; results are discarded."""
     for place in block.order:
         if place in block.failed:
             continue
@@ -115,7 +115,7 @@ def _culprit(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]
         death = alone.run([one])
         if not isinstance(death, Death):
             continue
-        if _hung(death, limit) or isinstance(alone.run([one]), Death):  # twice: nobody from outside
+        if _hung(death, limit) or isinstance(alone.run([one]), Death):  # twice: rules out a cause from outside
             return {place: _why(death, limit)}
     return _culprit_in_chain(block, alone, limit)
 

@@ -1,4 +1,4 @@
-"""Figures as a person names them: in any case or by symbols (docs/reference/nomenclature.md); else those there are."""
+"""Names of figures as people write them: in any case, or as symbols (docs/reference/nomenclature.md)."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -30,9 +30,9 @@ _OTHERWISE = "a name of performance in `run --json`"
 
 
 def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = (), option: str = "--figure") -> str:
-    """Return the figure that a text names; raise UsageError with the nearest, or with those there are `here`.
+    """Return the figure that a text names; raise UsageError with the nearest name, or with the figures `here`.
 
-    Known are those of the program, those here, and others; `option` is where the text was given.
+    Known are the program's figures, those `here`, and `others`; `option` names where the text was given.
     """
     here = tuple(here)
     every = tuple(dict.fromkeys((*known(), *here, *others)))
@@ -45,7 +45,7 @@ def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = ()
 
 
 def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:
-    """Return the figure of a scene that a text names; raise UsageError where there is none, with those that it has."""
+    """Return the figure of a scene that a text names; raise UsageError with the scene's figures where it has none."""
     here = figures_of(scene)
     name = figure_named(text, here, option=option)
     if name not in here:
@@ -55,7 +55,10 @@ def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:
 
 
 def figures_of(scene: Scene) -> tuple[str, ...]:
-    """Return the figures that a scene calls for, or the first of its cases; a border of a sweep may be no machine."""
+    """Return the figures that a scene, or the first case of its sweep, calls for.
+
+    A sweep's first case may lie at a border where the machine is not valid, which is tolerated.
+    """
     found = dict.fromkeys(called_for(scene, build_parts(scene)))
     if scene.sweep:
         with suppress(UsageError):

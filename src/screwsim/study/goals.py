@@ -1,4 +1,4 @@
-"""What is asked of figures, as a person writes it: 'cooling_capacity=500 kW', 'discharge_temperature<90 degC'."""
+"""Goals and bounds of figures as people write them: 'cooling_capacity=500 kW', 'discharge_temperature<90 degC'."""
 
 import re
 from collections.abc import Iterable
@@ -16,21 +16,21 @@ MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 
 
 
 class Goal(NamedTuple):
-    """A figure and the value [SI] that it is to have."""
+    """A figure and its desired value [SI]."""
 
     figure: str
     value: float
 
 
 class Bound(NamedTuple):
-    """A figure that is to lie at most ('<') or at least ('>') at a value [SI]."""
+    """A figure with its upper ('<') or lower ('>') bound [SI]."""
 
     figure: str
     sign: str
     value: float
 
     def excess(self, figure: float) -> float:
-        """Return by how much a figure [SI] breaks the bound; negative within it."""
+        """Return by how much a figure [SI] violates the bound; negative within it."""
         return figure - self.value if self.sign == "<" else self.value - figure
 
 
@@ -66,7 +66,7 @@ def _parted(scene: Scene, text: str, option: str, signs: str, example: str) -> t
 
 
 def read_figure(figure: str, text: str, where: str) -> float:
-    """Return the value of a figure as a person writes it ('500 kW', '85 %', '90 degC') in SI; raise UsageError."""
+    """Return the value [SI] of a figure as people write it ('500 kW', '85 %', '90 degC'); raise UsageError."""
     si = declared(figure).units
     units = {**UNITS.get(si, {si: 1.0}), **MORE_UNITS.get(si, {})}
     match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
@@ -77,7 +77,7 @@ def read_figure(figure: str, text: str, where: str) -> float:
         what = told(odd, "") if odd else f"is no number with a unit ({remedy})"
         raise UsageError(f"{where}: {text!r} {what}")
     number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
-    celsius = declared(figure).units == "K"  # a difference has none
+    celsius = declared(figure).units == "K"  # a difference of temperatures has no Celsius form
     if unit == CELSIUS and celsius:
         return number + ZERO
     if unit in units:

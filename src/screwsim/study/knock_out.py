@@ -1,6 +1,6 @@
-"""Knock-out: what each effect costs when it is left out and the scene is solved again (docs/model.md M60).
+"""Knock-out: what each effect costs, found by leaving it out and solving the scene again (docs/model.md M60).
 
-Each scene is that of `--without EFFECT`. Effects act on each other, so that the changes need not add up.
+Each scene is that of `--without EFFECT`. Effects interact, so that the changes need not add up.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,7 +19,7 @@ from screwsim.study.progress import Progress
 REFRIGERATION = ("cooling_capacity", "cop")
 
 
-GROUPS = {  # what effects of a kind of machine say that they are (`effects.parts.usual`)
+GROUPS = {  # roles of effects by which a kind of machine groups them (`effects.parts.usual`)
     "leaks": (LEAK,),
     "oil": (OIL_HEAT, OIL_FRICTION),
     "friction": (FRICTION,),
@@ -28,19 +28,19 @@ GROUPS = {  # what effects of a kind of machine say that they are (`effects.part
 
 
 class Left(NamedTuple):
-    """What is left out at once: the name that it has in the table, and its effects."""
+    """Effects that are left out together, and their name in the table."""
 
     name: str
     effects: tuple[str, ...]
 
 
 def each_alone(scene: Scene) -> tuple[Left, ...]:
-    """Return every effect of a scene, left out by itself."""
+    """Return each effect of a scene, to be left out by itself."""
     return tuple(Left(name, (name,)) for name in scene.effects)
 
 
 def read_groups(scene: Scene, texts: Iterable[str]) -> tuple[Left, ...]:
-    """Return what texts name, a group or effects with commas between; raise UsageError in one line."""
+    """Return the groups that texts name, each a group or effects separated by commas; raise UsageError in one line."""
     return tuple(dict.fromkeys(_group(scene, text) for text in texts))
 
 
@@ -72,13 +72,14 @@ def _group(scene: Scene, text: str) -> Left:
 def knock_out(
     scene: Scene, result: Result, progress: Progress | None = None, left_out: Sequence[Left] | None = None
 ) -> Result:
-    """Return the result with `knock_out`: what leaving each of its effects out changes of shaft power, specific work.
+    """Return the result with `knock_out`: changes of shaft power and specific work when each effect is left out.
 
-    Where the scene calls for them, of cooling capacity and COP too. `left_out` are others than each effect by itself.
+    Where the scene calls for them, changes of cooling capacity and COP are included. `left_out` replaces the default of
+    each effect by itself.
 
     An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
-    which the cycle does not close has the status of that solution, and no figures. What is to be doubted without an
-    effect, and is not of the whole scene, stands in its message.
+    which the cycle does not close has the status of that solution, and no figures. Warnings that appear only without
+    the effect are in its message.
     """
     progress = progress or Progress()
     costs = []
@@ -94,7 +95,7 @@ def knock_out(
 
 
 def _without(scene: Scene, left: Left, result: Result) -> Figures:
-    """Return what leaving one effect out changes, or several together."""
+    """Return the changes when one effect, or several together, are left out."""
     from screwsim.simulate import simulate
 
     cooled = [each for each in REFRIGERATION if each in result.performance]

@@ -1,6 +1,7 @@
-"""An end to a case that hangs: the worker process that runs it is killed by the system's own timer.
+"""Time limit of a case: the worker process that runs a hanging case is killed by the system's own timer.
 
-Compiled code lets no signal handler and no thread of Python run, so only the signal's default action helps.
+While compiled code runs, neither signal handlers nor other threads of Python do, so only the signal's default action
+helps.
 """
 
 import signal
@@ -14,15 +15,15 @@ from greenlet import getcurrent, greenlet
 from screwsim.inputs.faults import UsageError
 
 CASE_LIMIT = 300.0  # [s] of one case; the hardest known ones take some seconds
-LEAST, MOST = 0.001, 1e8  # [s] that a case may be given: beyond, the system's timer overflows
-# by what runs: a worker may have several threads, each several tasks in greenlets, and a process has one timer
+LEAST, MOST = 0.001, 1e8  # [s] that a case may be given: beyond MOST the system's timer overflows
+# by running task: a worker may have several threads, each with several greenlets, but a process has one timer
 _deadlines: dict[greenlet, float] = {}  # [s]
-_left: dict[greenlet, float] = {}  # [s], of those that wait for others
+_left: dict[greenlet, float] = {}  # [s] left to tasks that wait for others
 _lock = threading.Lock()
 
 
 def checked_limit(seconds: float | None) -> float | None:
-    """Return a limit [s] as the system's timer takes it; raise UsageError of one that is none, as NaN is."""
+    """Return a limit [s] as the system's timer takes it; raise UsageError where it is not valid, as NaN."""
     if seconds is not None and not LEAST <= seconds <= MOST:
         what = f"is not a time from {LEAST:g} to {MOST:g} seconds (leave it out for {CASE_LIMIT:g} s)"
         raise UsageError(f"--case-limit {seconds:g}: {what}")
@@ -30,7 +31,7 @@ def checked_limit(seconds: float | None) -> float | None:
 
 
 class Limit:
-    """Within it this process is killed after `seconds`; None, or a system without such timers: never."""
+    """Context in which this process is killed after `seconds`; never for None, or on a system without such timers."""
 
     def __init__(self, seconds: float | None) -> None:
         self._seconds = seconds if hasattr(signal, "setitimer") else None
@@ -45,13 +46,13 @@ class Limit:
         if self._seconds is not None:
             with _lock:
                 _deadlines.pop(getcurrent(), None)
-                _left.pop(getcurrent(), None)  # it was ended while it waited for others
+                _left.pop(getcurrent(), None)  # the task ended while it waited for others
                 _arm()
 
 
 @contextmanager
 def running(tasks: Sequence[greenlet]) -> Iterator[None]:
-    """Let the time of these run within, which wait for what this one does; of none: stop that of this one."""
+    """Run the clocks of `tasks` within, which wait for what this one does; without any, stop the clock of this one."""
     going, waiting = (tasks, ()) if tasks else ((), (getcurrent(),))
     _switch(waiting, going)
     try:
@@ -61,12 +62,12 @@ def running(tasks: Sequence[greenlet]) -> Iterator[None]:
 
 
 def handed_on(one: greenlet, other: greenlet) -> None:
-    """Stop the time of one, and let that of another run, which goes on in its place."""
+    """Stop the clock of one task and start that of the other, which continues in its place."""
     _switch((one,), (other,))
 
 
 def _switch(stopping: Sequence[greenlet], going: Sequence[greenlet]) -> None:
-    """Stop the time of some tasks, and let that of others run, as far as they have a limit."""
+    """Stop the clocks of some tasks and start those of others, as far as they have a limit."""
     with _lock:
         now = time.monotonic()
         stopped = {one: _deadlines.pop(one) - now for one in stopping if one in _deadlines}

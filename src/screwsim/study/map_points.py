@@ -1,4 +1,4 @@
-"""A compressor map at points: what its polynomials say at temperatures inside its envelope."""
+"""A compressor map evaluated at points: values of its polynomials at temperatures inside its envelope."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from screwsim.scene.values import convert
 from screwsim.study.performance_map import PerformanceMap, performance_maps
 
 EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
-ALIKE = 1e-9  # relative, of a value of another axis and that of a map
+ALIKE = 1e-9  # relative difference within which values of other axes are the same
 
 
 class MapPoint(NamedTuple):
-    """A map at a point: the temperatures [K], the values of its other axes [SI], its figures [SI]."""
+    """A map at one point: the temperatures [K], the values of its other axes [SI], its figures [SI]."""
 
     evaporating_temperature: float
     condensing_temperature: float
@@ -63,7 +63,7 @@ def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[
 
 
 def at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
-    """Return the one map that is asked for by values [SI] of paths, at its temperatures; raise UsageError."""
+    """Return the one map selected by values [SI] of paths, evaluated at its temperatures; raise UsageError."""
     T_e, T_c = (float(asked[path]) for path in (EVAPORATING, CONDENSING))
     fitting = [one for one in maps if all(_alike(one.values.get(path), value) for path, value in asked.items())]
     if len(fitting) != 1:
@@ -81,14 +81,14 @@ def at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
 
 
 def _alike(own: Any, asked: Any) -> bool:
-    """Tell whether a map's value is the one asked for; temperatures, on which it has none, always are."""
+    """Return whether a map's value is the requested one; always True for temperatures, of which a map has none."""
     if own is None or isinstance(own, str) or isinstance(asked, str):
         return own is None or own == asked
     return bool(np.isclose(float(own), float(asked), rtol=ALIKE, atol=0.0))
 
 
 def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -> str:
-    """Return that no map has the values that are asked for, or several do, and which there are."""
+    """Return the message that no map has the requested values, or that several do, with the maps available."""
     paths = list(maps[0].values)
     there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
     which = f"there are maps at {'; '.join(there)} in SI units"
@@ -102,7 +102,7 @@ def _digits(value: Any) -> str:
 
 
 def _axis(results: Results, name: str) -> str:
-    """Return the path of an axis by its last word, or as it is; raise UsageError with the axes that there are."""
+    """Return the path of an axis given in full or by its last word; raise UsageError with the available axes."""
     paths = list(results.varied)
     same = [path for path in paths if name in (path, path.rpartition(".")[2])]
     if len(same) == 1:

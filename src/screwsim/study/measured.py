@@ -1,8 +1,8 @@
-"""A measured point beside what a scene gives: how far they are apart, and which of its numbers would explain that.
+"""A measured point against a scene: how far apart they are, and which of the scene's numbers could explain it.
 
-The difference counts in standard uncertainties: of the measurement, of what the tolerances of the scene's inputs make
-of the figure, and of the numerics, in squares. The error of the model is another, and stands beside them. What would
-explain the difference is told by derivatives, one number alone at a time.
+The difference is expressed in standard uncertainties: those of the measurement, of the scene's input tolerances and of
+the numerics, combined as the root of the sum of squares. The model error is separate and stated beside them.
+Explanations come from derivatives, with one number changed at a time.
 
 Source: JCGM 100:2008 (GUM), section 5; ASME V&V 20-2009: comparison error and validation uncertainty.
 """
@@ -27,14 +27,14 @@ from screwsim.study.local import Sensitivities, sensitivities
 
 OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
 AGREES = 2.0  # standard uncertainties within which both agree
-FARTHEST = 0.5  # of a number: a change beyond it is none that a derivative can tell of
-FARTHEST_KELVIN = 30.0  # likewise of a temperature, whose half says nothing: a tenth of it
-EXPLAINS = 0.9  # a number that leaves more than this of the differences, in squares, explains nothing
+FARTHEST = 0.5  # of a number: a derivative does not hold for a larger change
+FARTHEST_KELVIN = 30.0  # likewise for a temperature, half of which would be meaningless: a tenth of it
+EXPLAINS = 0.9  # a number that leaves a larger part of the differences, in squares, explains nothing
 _SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
 
 
 class Measured(NamedTuple):
-    """A figure that was measured [SI], and its standard uncertainty, None where nobody states it."""
+    """A measured figure [SI] and its standard uncertainty, None where it is not stated."""
 
     figure: str
     value: float
@@ -42,11 +42,11 @@ class Measured(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """A figure of the scene and what was measured [SI], and by which uncertainties that may be.
+    """A figure of the scene beside its measured value [SI], with the uncertainties of their difference.
 
-    `numerical` and `inputs` are standard uncertainties of the scene's own figure, `model` both ends of the model's
-    error (ours less measured) where the scene names a validation that knows it. `sigma` is the difference over the
-    standard uncertainties but the model's, None where that of the measurement is not stated.
+    `numerical` and `inputs` are standard uncertainties of the scene's figure, `model` both ends of the model error
+    (computed less measured) where the scene names a validation that knows it. `sigma` is the difference over the
+    combined standard uncertainty without the model's, None where that of the measurement is not stated.
     """
 
     figure: str
@@ -59,19 +59,20 @@ class Compared(NamedTuple):
 
     @property
     def off(self) -> float:
-        """Ours less measured [SI]."""
+        """Computed less measured value [SI]."""
         return self.value - self.measured.value
 
     @property
     def within_model(self) -> bool:
-        """Tell whether the difference lies within the error that the model is known to have."""
+        """Return whether the difference lies within the known model error."""
         return self.model is not None and self.model[0] <= self.off <= self.model[1]
 
 
 class Explanation(NamedTuple):
-    """A number of the scene [SI] and what it would have to be, were it alone off; `left` of the differences in squares.
+    """A number of the scene [SI] and the value it would need to explain the differences alone.
 
-    `tolerances` is that change over the tolerance that the scene states for the number, None where it states none.
+    `left` is the part of the differences, in squares, that then remains. `tolerances` is the change over the tolerance
+    that the scene states for the number, None where it states none.
     """
 
     path: str
@@ -83,9 +84,9 @@ class Explanation(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """The measured figures beside ours; `none` says why figures have no value, `why` why nothing was to be explained.
+    """Measured figures beside computed ones; `none` says why figures have no value, `why` why nothing is explained.
 
-    `weighted` tells whether the differences were weighted by uncertainties, else by the measured values.
+    `weighted` says whether the differences were weighted by uncertainties; else they were by the measured values.
     """
 
     rows: tuple[Compared, ...]
@@ -116,7 +117,7 @@ class Comparison:
 
 
 def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[Measured, ...]:
-    """Return what texts FIGURE=VALUE or FIGURE=VALUE ± UNCERTAINTY state; raise UsageError in one line."""
+    """Return the measurements of texts FIGURE=VALUE or FIGURE=VALUE ± UNCERTAINTY; raise UsageError in one line."""
     found = tuple(_read(scene, text) for text in texts)
     names = [each.figure for each in found]
     twice = next((name for name in names if names.count(name) > 1), None)
@@ -146,9 +147,9 @@ def _unit(text: str) -> str:
 
 
 def _standard(figure: str, number: float, value: str, text: str, where: str) -> float:
-    """Return the standard uncertainty [SI] of half a 95 % interval as it is written, in percent a share of the value.
+    """Return the standard uncertainty [SI] from half a 95 % interval as written; percent are of the value.
 
-    Of a share that is itself in percent, as an efficiency, percent are points.
+    For a figure that is itself stated in percent, as an efficiency, they are percentage points.
     """
     unit, own = _unit(text), _unit(value)
     if not unit and own:  # 132 kW ± 2
@@ -168,7 +169,7 @@ def _standard(figure: str, number: float, value: str, text: str, where: str) -> 
 
 
 def compare_measured(scene: Scene, result: Result, measured: Sequence[Measured]) -> Comparison:
-    """Return measured figures beside those of a result, and which numbers would explain where they differ."""
+    """Return measured figures beside those of a result, and which numbers could explain the differences."""
     if not result.performance:
         return Comparison((), why=f"nothing to compare, the point has no figures: {result.told}")
     values, reasons = result.performance, result.notes
@@ -202,9 +203,9 @@ def _compared(result: Result, measured: Measured) -> Compared:
 def explanations(
     scene: Scene, found: Sensitivities, rows: Sequence[Compared], weighted: bool
 ) -> tuple[Explanation, ...]:
-    """Return the numbers of which one alone would explain the differences, first those that leave and change least.
+    """Return the numbers of which one alone could explain the differences, those that leave and change least first.
 
-    By least squares, each difference over its standard uncertainty, or over what was measured where one has none.
+    By least squares, each difference over its standard uncertainty, or over the measured value where one has none.
     """
     scales = [abs(row.off / row.sigma) if weighted and row.sigma else abs(row.measured.value) for row in rows]
     off = [row.off / scale if scale else 0.0 for row, scale in zip(rows, scales, strict=True)]
@@ -224,7 +225,7 @@ def explanations(
 
 
 def _possible(scene: Scene, path: str, value: float, change: float) -> bool:
-    """Tell whether a number [SI] may be other by a change that a derivative can tell of, beside the scene's others."""
+    """Return whether a number [SI] may change this far: within reach of a derivative, its limits, and the scene."""
     leaf = leaf_of(scene, path)
     farthest = FARTHEST_KELVIN if leaf.kind == "temperature" else FARTHEST * abs(value)
     if abs(change) > farthest or not within(leaf, value + change):

@@ -1,6 +1,6 @@
-"""What a validation says of the model's error, told for a scene that names it: is the scene like what was validated?
+"""Model error of a scene's figures, from the validation that the scene names, and whether the scene resembles it.
 
-It is another part than the numerical error and what the inputs make of a figure, and is added to neither.
+It is separate from the numerical error and from the uncertainty of the inputs, and is added to neither.
 
 Source: ASME V&V 20-2009; the stored statements are those of `screwsim validate` (study.validation.discrepancy).
 """
@@ -11,11 +11,11 @@ from typing import Any
 from screwsim.scene import Scene
 from screwsim.scene.model_errors import RATIO, SPEED, WORDS, shown_condition, stored
 
-SLACK = 0.01  # of a value: by so much it may lie beyond what was validated
+SLACK = 0.01  # of a value: margin by which it may lie outside the validated range
 
 
 def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what tells whether a point is like others: kind of machine, fluid, speed [rad/s], pressure ratio."""
+    """Return the conditions by which points are compared: kind of machine, fluid, speed [rad/s], pressure ratio."""
     found = {"machine.kind": scene.machine.kind, "gas.fluid": scene.gas.name, SPEED: float(scene.operation.speed)}
     ratio = performance.get(RATIO)
     return found if ratio is None else {**found, RATIO: float(ratio)}
@@ -24,8 +24,8 @@ def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any
 def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the validation that a scene names says of its figures [SI]; empty where it names none.
 
-    `low` and `high` are the ends between which the error of the model lies at the points held out, of a figure of this
-    size; `outside` says in which respects the scene is not like them.
+    `low` and `high` are the ends between which the model error lies at the held-out points, scaled to the figure's
+    size; `outside` lists the respects in which the scene lies outside the validated conditions.
     """
     if not scene.model_error:
         return {}
@@ -45,7 +45,7 @@ def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
-    """Yield in what, and by how much, conditions are not those that were validated."""
+    """Yield the conditions that differ from the validated ones, and by how much."""
     for name, value in here.items():
         ends = known.get(name)
         if ends is None:

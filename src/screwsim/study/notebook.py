@@ -1,7 +1,7 @@
-"""Progress in a notebook: a bar of plain HTML that is drawn anew in its place, without widgets.
+"""Progress in a notebook: a bar of plain HTML that is redrawn in place, without widgets.
 
-Jupyter, VS Code and Colab replace an output by its name (`display_id`); what stores or converts a notebook keeps the
-last one, which says counts alone: the same from run to run. It is marked by `screwsim: progress` in its metadata.
+Jupyter, VS Code and Colab replace an output by its name (`display_id`); programs that store or convert a notebook keep
+the last one, which has counts only and so is the same from run to run. Its metadata mark it by `screwsim: progress`.
 """
 
 import time
@@ -20,7 +20,7 @@ BAR = (
 
 
 class NotebookBar(Counted):
-    """A bar with rate, time left and failures, drawn at most five times a second."""
+    """A bar with rate, time left and failures, redrawn at most five times a second."""
 
     def __init__(self, title: str, publish: Publish | None = None, every: float = 0.2) -> None:
         super().__init__(title, time.monotonic)
@@ -43,7 +43,7 @@ class NotebookBar(Counted):
             self._draw([])
 
     def _pace(self) -> list[str]:
-        """Return the rate and the time left, once a case was computed."""
+        """Return the rate and the time left, once a case has been computed."""
         seconds, new = time.monotonic() - self._began, self._done - self._reused
         if not new or seconds <= 0.0:
             return []

@@ -1,4 +1,4 @@
-"""The best value of one path, for each point of the scene's other axes: searched for, not read off a grid."""
+"""Best value of one path for each point of the scene's other axes: searched for, not read off a grid."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -18,18 +18,18 @@ from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE, Point, Top, highest
 from screwsim.study.workers import DIED
 
-OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # searched where nothing states a range
-LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search goes over the logarithm
-IDLE = 0.9  # of the range over which all is as good: the path does next to nothing
-NARROW = 0.01  # of the range: how well the place is wanted, each way
-TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, where the error leaves the place less certain
+OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
+LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search uses the logarithm
+IDLE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
+NARROW = 0.01  # of the range: wanted certainty of the place, each way
+TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where errors leave the place less certain
 
 Simulate = Callable[[Scene], Result]
 
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked: the best `figure` over a path between two values [SI]."""
+    """The question: the best `figure` over a path between two values [SI]."""
 
     path: str
     figure: str
@@ -42,23 +42,23 @@ class Question:
         return self.low > 0.0 and self.high / self.low >= LOGARITHMIC_FROM
 
     def coordinate(self, value: float) -> float:
-        """Return where a value [SI] lies for the search."""
+        """Return the search coordinate of a value [SI]."""
         return math.log(value) if self.logarithmic else value
 
     def value(self, coordinate: float) -> float:
-        """Return the value [SI] at a place of the search, within the range."""
+        """Return the value [SI] at a search coordinate, within the range."""
         found = math.exp(coordinate) if self.logarithmic else coordinate
         return min(max(found, self.low), self.high)
 
 
 @dataclass(frozen=True)
 class Best:
-    """The best value at one point of the other axes; all in SI units.
+    """Best value at one point of the other axes; all in SI units.
 
-    `place` is inside, or the border of the range at which the best lies: then a better one may lie beyond; anywhere
-    where the path does next to nothing to the figure. Between `low` and `high` the figure is within its estimated
-    `error` (absolute) of the best. `accuracy` is what was asked of the last solutions, `failed` the number of those
-    of the `solutions` that failed or did not close; `warnings` are those of the best one.
+    `place` is inside, or the border of the range at which the best value lies: a better one may lie beyond it;
+    'anywhere' where the path hardly affects the figure. Between `low` and `high` the figure is within its estimated
+    `error` (absolute) of the best. `accuracy` is the one asked of the last solutions, `failed` the number of
+    `solutions` that failed or did not close; `warnings` are those of the best solution.
     """
 
     values: Mapping[str, Any]
@@ -86,9 +86,9 @@ def question(
     first: str | None = None,
     last: str | None = None,
 ) -> Question:
-    """Return what is asked, with the range: as given, else of the scene's axis, else for the oil ratio a usual one.
+    """Return the question, with the range as given, else that of the scene's axis, else the usual one of the oil ratio.
 
-    Without a figure that is `usual_efficiency`.
+    The default figure is `usual_efficiency`.
     """
     figure = figure_of(scene, usual_efficiency(scene) if figure is None else figure)
     check_continuous(scene, path)
@@ -111,7 +111,7 @@ def optimum(
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> list[Best]:
-    """Return the best value for each point of the scene's axes but that of the path (one without them)."""
+    """Return the best value for each point of the scene's axes other than the path (one point without axes)."""
     rest = only(scene, [path for path in scene.sweep if path != asked.path])
     middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
@@ -127,7 +127,7 @@ def optimum(
 
 
 def simulator(warm: Scene | None = None) -> Simulate:
-    """Return what simulates without traces; a scene is compiled before the fork, so that workers inherit that."""
+    """Return a function that simulates without traces; `warm` is compiled before the fork for workers to inherit."""
     from screwsim.simulate import simulate, warm_up
 
     if warm is not None:
@@ -136,7 +136,7 @@ def simulator(warm: Scene | None = None) -> Simulate:
 
 
 def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best:
-    """Return the best value at one point of the other axes; more accurately where the error leaves it uncertain."""
+    """Return the best value at one point of the other axes; solved more accurately where errors leave it uncertain."""
     trials = _Trials(case(rest, number), asked, simulate)
     ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
     top = highest(trials.point, *ends)
@@ -151,7 +151,7 @@ def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best
 
 
 def _as_far(before: Top, finer: Top, bracket: tuple[float, float]) -> dict[str, float]:
-    """Return how far all is as good: as before where a finer search saw no end of it within its bracket."""
+    """Return the ends of the equally good interval: the earlier end where the finer bracket does not contain one."""
     low = before.low if finer.low <= bracket[0] else finer.low
     return {"low": low, "high": before.high if finer.high >= bracket[1] else finer.high}
 
@@ -162,18 +162,18 @@ def _uncertain(top: Top, ends: tuple[float, float]) -> bool:
 
 @dataclass
 class _Trials:
-    """The solutions of one search: the figure over the search's coordinate, and what went wrong."""
+    """Solutions of one search: the figure over the search coordinate, and what went wrong."""
 
     scene: Scene
     asked: Question
     simulate: Simulate
     count: int = 0
     reasons: list[str] = field(default_factory=list)  # of solutions that failed or did not close
-    absent: list[str] = field(default_factory=list)  # of closed ones without this figure
-    warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the coordinate
+    absent: list[str] = field(default_factory=list)  # of closed solutions without this figure
+    warned: dict[float, tuple[str, ...]] = field(default_factory=dict)  # by the search coordinate
 
     def point(self, x: float) -> Point:
-        """Return the figure there, turned round where the lowest is wanted; NaN without a closed solution."""
+        """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
         self.count += 1
         scene, name = with_values(self.scene, {self.asked.path: self.asked.value(x)}), self.asked.figure
         result = closed(scene, self.simulate)
@@ -188,7 +188,7 @@ class _Trials:
         return Point(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
 
     def tighten(self) -> bool:
-        """Ask for more accurate solutions from now on; False when that is not possible."""
+        """Make all further solutions more accurate; return False when that is not possible."""
         numerics = self.scene.numerics
         if numerics.rtol is not None or numerics.accuracy <= TIGHTEST:
             return False
@@ -198,7 +198,7 @@ class _Trials:
 
 
 def closed(scene: Scene, simulate: Simulate) -> Result:
-    """Return the result of a scene; values that do not fit together are a failed one."""
+    """Return the result of a scene; one whose values do not fit together has failed."""
     faults = cross_check(scene)
     if faults:
         return Result("failed", message="; ".join(map(str, faults)))
@@ -209,7 +209,7 @@ def closed(scene: Scene, simulate: Simulate) -> Result:
 
 
 def absolute_error(result: Result, name: str, scene: Scene) -> float:
-    """Return the estimated error of a figure in its own unit; by the wanted accuracy where nothing is estimated."""
+    """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
     return error_in_unit(name, result.performance, result.error, scene.numerics.accuracy) or 0.0
 
 
@@ -225,7 +225,7 @@ def _told(
     near = 2e-4 * (ends[1] - ends[0])
     place = "lower border" if top.point.x - ends[0] < near else "inside"
     place = "upper border" if ends[1] - top.point.x < near else place
-    if top.high - top.low > IDLE * (ends[1] - ends[0]):  # what does next to nothing lies at a border by chance
+    if top.high - top.low > IDLE * (ends[1] - ends[0]):  # the best place is one by chance
         place = "anywhere"
     return Best(
         values,

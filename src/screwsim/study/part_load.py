@@ -1,8 +1,8 @@
-"""Part load by each control that a scene allows, at equal loads: cooling capacity over that of the scene as it stands.
+"""Part load by each control that a scene allows, at equal loads relative to the capacity of the scene as stated.
 
-Each control leads from the scene's own setting to its end. A few settings show how the capacity falls; those that give
-the wanted loads are interpolated, solved, and once corrected. Where the built-in volume ratio can be moved each wanted
-load is met again at the ratio of the best COP there.
+Each control runs from the scene's own setting to its end. A few settings show how the capacity falls; the settings for
+the wanted loads are interpolated, solved, and corrected where they miss. Where the built-in volume ratio is adjustable,
+each wanted load is met again at the ratio with the best COP there.
 """
 
 from collections import deque
@@ -20,16 +20,16 @@ from screwsim.simulate import simulate_many
 
 SPEED = "operation.speed"
 LOADS = (1.0, 0.75, 0.5, 0.25)
-SETTINGS = 7  # from the scene's own to the control's end, where the scene sweeps none
+SETTINGS = 7  # settings from the scene's own to the control's end, where the scene sweeps none
 SLOWEST = 0.2  # of the scene's speed
-NEAR, TRIES = 2e-3, 3  # of full load, within which a load is met, and how often it is tried
+NEAR, TRIES = 2e-3, 3  # of full load, tolerance within which a load is met, and number of tries
 RATIO = "machine.built_in_volume_ratio"
-LEAST_RATIO, LEAST = 0.5, 1.05  # of the axial port's ratio, to which a slide's stop goes; and not below
-RATIOS = 5  # that are tried between
+LEAST_RATIO, LEAST = 0.5, 1.05  # of the axial port's ratio, the lower end of a slide stop; and a lower limit
+RATIOS = 5  # ratios tried between both ends
 Solve = Callable[[float], Result]
 _NONE: Mapping[str, float] = {}
 _NO_RATIO: Mapping[float, str] = {}
-ENDS = {  # path -> (name, the setting at which its capacity is least)
+ENDS = {  # path -> (name, setting of least capacity)
     SPEED: ("speed", None),
     "machine.slide_valve.position": ("slide valve", 1.0),
     "effects.slide_valve.position": ("slide valve", 1.0),
@@ -39,7 +39,7 @@ ENDS = {  # path -> (name, the setting at which its capacity is least)
 
 
 class Control(NamedTuple):
-    """A way to a smaller capacity: its name, the path that it moves, its settings [SI] from full load on."""
+    """A control of capacity: its name, the path that it changes, its settings [SI] from full load on."""
 
     name: str
     path: str
@@ -47,7 +47,7 @@ class Control(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """What a load is a share of, what the best built-in volume ratio gives most of, and what is said without a load."""
+    """Figure that defines the load, figure that the best built-in volume ratio maximises, message without a load."""
 
     load: str
     best: str
@@ -62,7 +62,7 @@ class Step(NamedTuple):
     """A setting [SI] of a control with its load (share of the full capacity) and its result.
 
     `ratio` and `best`: built-in volume ratio of the best COP at that load, and the result there (`ratios`). `missed`:
-    ratios among which it could not be looked for, and why.
+    ratios at which there was no COP, and why.
     """
 
     setting: float
@@ -75,7 +75,7 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class PartLoad:
-    """What a control does: `curve` over its settings while they are ok, `steps` at the wanted loads that it reaches.
+    """Results of a control: `curve` over its settings while they are ok, `steps` at the wanted loads within reach.
 
     `why` says why the curve ends before the control does.
     """
@@ -110,7 +110,7 @@ def controls(scene: Scene) -> list[Control]:
 
 
 def _has(scene: Scene, path: str) -> bool:
-    """Tell whether a scene has the section of a control."""
+    """Return whether a scene has the section of a control."""
     first, second, *_ = path.split(".")
     if first == "effects":
         return second in scene.effects
@@ -118,9 +118,9 @@ def _has(scene: Scene, path: str) -> bool:
 
 
 def ratios(scene: Scene) -> tuple[float, ...]:
-    """Return the built-in volume ratios among which the best is looked for; none where nothing moves the ratio.
+    """Return the built-in volume ratios to be compared; none where the ratio cannot be adjusted.
 
-    Those of a sweep, or, of a machine whose axial port is cut for a ratio of its own, from half of that up to it.
+    They are those of a sweep or, for a machine whose axial port has a ratio of its own, from half of that up to it.
     """
     swept = scene.sweep.get(RATIO)
     if swept is not None:
@@ -139,9 +139,10 @@ def part_load(
     among: Sequence[float] = (),
     aim: Aim = REFRIGERATION,
 ) -> PartLoad:
-    """Return what a control does to a scene without a sweep; `full` is the capacity [SI] of load 1 (its first's).
+    """Return the results of a control on a scene without a sweep; `full` is the capacity [SI] of load 1.
 
-    `among` are the built-in volume ratios of which the best is found at each load, `aim` what capacity and best are.
+    By default that is the capacity at the first setting. `among` are the built-in volume ratios from which the best is
+    found at each load; `aim` defines load and best.
     """
     curve, why, solve = [], "", _solver(scene, control)
     for setting in control.settings:
@@ -162,7 +163,7 @@ def part_load(
 def _at_best(
     scene: Scene, control: Control, known: Sequence[Step], step: Step, full: float, among: Sequence[float], aim: Aim
 ) -> Step:
-    """Return a step with the ratio of its best COP: between those tried by a parabola, at the same load."""
+    """Return a step with the ratio of its best COP, from a parabola through those tried, at the same load."""
     solve, cop, missed = _solver(scene, Control("", RATIO, ()), {control.path: step.setting}), {}, {}
     for ratio in among:
         result = solve(ratio)
@@ -188,26 +189,26 @@ def _at_best(
         if result.status != "ok" or not capacity:
             return step
         best, off = result, capacity / full - wanted
-        if abs(off) <= NEAR or step is known[0]:  # at full load the control stays where it is
+        if abs(off) <= NEAR or step is known[0]:  # at full load the control stays at its first setting
             break
         setting -= off * slope
     return step._replace(ratio=ratio, best=best)
 
 
 def _top(cop: dict[float, float]) -> float:
-    """Return where the parabola through the largest COP and its neighbours is highest, among the three ratios."""
+    """Return where the parabola through the largest COP and its neighbours is highest, within these three ratios."""
     tried = sorted(cop)
     i = tried.index(max(tried, key=lambda ratio: cop[ratio]))
     if len(tried) < 3:
         return tried[i]
-    first = min(max(i - 1, 0), len(tried) - 3)  # at an end: the next two
+    first = min(max(i - 1, 0), len(tried) - 3)  # at an end: the next two ratios
     near = tried[first : first + 3]
     a, b, _ = np.polyfit(np.array(near) - tried[i], [cop[ratio] for ratio in near], 2)
     return tried[i] if a >= 0.0 else float(np.clip(tried[i] - 0.5 * b / a, near[0], near[2]))
 
 
 def _solver(scene: Scene, control: Control, others: Mapping[str, float] = _NONE) -> Solve:
-    """Return what solves the scene at a setting, beside other values, every cycle begun from the one before."""
+    """Return a solver of the scene at a setting, with other values set; each cycle starts from the one before."""
     cases: deque[Scene] = deque()
     results = simulate_many(iter(cases.popleft, None), trace=False)
 
@@ -232,7 +233,7 @@ def _falling(curve: Sequence[Step]) -> list[Step]:
 
 
 def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[float], aim: Aim) -> Iterator[Step]:
-    """Yield a step at each load that the curve reaches: interpolated, solved, corrected where it misses."""
+    """Yield a step at each load that the curve reaches: interpolated, solved, and corrected where it misses."""
     yield known[0]
     for load in loads:
         if not known[-1].load - NEAR <= load < 1.0 - NEAR:
@@ -248,7 +249,7 @@ def _at_loads(solve: Solve, known: list[Step], full: float, loads: Sequence[floa
 
 
 def _at(solve: Solve, known: Sequence[Step], full: float, load: float, aim: Aim) -> Step | None:
-    """Return the step at the setting that is interpolated for a load; None where it is not ok."""
+    """Return the step at the setting interpolated for a load; None where it is not ok."""
     rising = sorted(known, key=lambda step: step.load)
     x, y = (np.array([getattr(step, name) for step in rising]) for name in ("load", "setting"))
     setting = float(Pchip(x, y)(min(max(load, x[0]), x[-1])))

@@ -24,7 +24,7 @@ TERMS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2),
 FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
 NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
 SHAFT, ELECTRICAL = "shaft_power", "electrical_power"
-FIGURES = ("gas_mass_flow", "cooling_capacity")  # beside the power
+FIGURES = ("gas_mass_flow", "cooling_capacity")  # besides the power
 VALUES = 4  # distinct temperatures that a cubic needs
 WORST_CONDITION = 1e6  # of the fit in centred and scaled temperatures; a full grid has about 10
 _CONDITIONS = (SUPERHEAT, SUBCOOLING, QUALITY, SUPERHEAT_S, "oil_supply.temperature", "oil_supply.ratio")
@@ -32,9 +32,9 @@ _CONDITIONS = (SUPERHEAT, SUBCOOLING, QUALITY, SUPERHEAT_S, "oil_supply.temperat
 
 @dataclass(frozen=True)
 class Fit:
-    """The coefficients of one figure, and its errors over the points, relative to their values.
+    """Coefficients of one figure, and its errors over the points, relative to their values.
 
-    `left_out` is the largest error at a point of the fit to the others; None where too few are left.
+    `left_out` is the largest error at a point when it is left out of the fit; None where too few points remain.
     """
 
     coefficients: tuple[float, ...]
@@ -47,8 +47,8 @@ class Fit:
 class PerformanceMap:
     """A map at one point of the other axes (`values`, SI); `message` says why there is none.
 
-    `envelope` are the corners (S, D) [°C] of the convex hull of the points, anticlockwise; `not_ok` points of the sweep
-    are not in it. `condition` is that of the fit in scaled temperatures.
+    `envelope` holds the corners (S, D) [°C] of the convex hull of the points, anticlockwise; `not_ok` is the number of
+    points without a solution, which are left out. `condition` is that of the fit in scaled temperatures.
     """
 
     values: Mapping[str, Any]
@@ -60,7 +60,7 @@ class PerformanceMap:
     fits: Mapping[str, Fit] = field(default_factory=dict)
 
     def inside(self, S: Any, D: Any) -> Array:
-        """Tell where the envelope covers evaporating and condensing temperatures [°C]."""
+        """Return where the envelope covers evaporating and condensing temperatures [°C]."""
         S, D = np.broadcast_arrays(np.asarray(S, float), np.asarray(D, float))
         inside = np.full(S.shape, bool(self.envelope))
         for (s, d), (s_next, d_next) in itertools.pairwise([*self.envelope, *self.envelope[:1]]):
@@ -81,7 +81,7 @@ def polynomial(coefficients: Sequence[float], S: Array, D: Array) -> Array:
 
 
 def usual_figures(results: Results) -> tuple[str, ...]:
-    """Return what is mapped where nothing is asked for: the power that is paid for, flow and capacity.
+    """Return the figures that are mapped by default: the power that is paid for, flow and capacity.
 
     EN 12900 and AHRI 540 rate a compressor with its motor by the electrical power, an open one by that of its shaft.
     """
@@ -89,7 +89,7 @@ def usual_figures(results: Results) -> tuple[str, ...]:
 
 
 def performance_maps(results: Results, figures: Sequence[str] = ()) -> list[PerformanceMap]:
-    """Return a map for each point of the axes other than both temperatures; raise UsageError when none can be had."""
+    """Return a map for each point of the axes other than both temperatures; raise UsageError where none is possible."""
     figures = figures or usual_figures(results)
     figures = tuple(dict.fromkeys(figure_named(text, results.figures, results.error) for text in figures))
     varied = results.varied
@@ -113,7 +113,7 @@ def conditions(results: Results) -> dict[str, float]:
 
 
 def _groups(results: Results, varied: Mapping[str, tuple[int, Array]]) -> Iterator[tuple[dict[str, Any], Array]]:
-    """Yield the values of the other axes with the numbers of the cases there."""
+    """Yield the values of the other axes with the indices of the cases there."""
     shape = results.shape
     own = {varied[EVAPORATING][0], varied[CONDENSING][0]}
     others = [number for number in range(len(shape)) if number not in own]
@@ -165,7 +165,7 @@ def _unfit(S: Array, D: Array, cases: int) -> str:
 
 
 class Design:
-    """The least-squares problem in temperatures that are centred and scaled to −1 … 1."""
+    """Least-squares problem in temperatures centred and scaled to −1 … 1."""
 
     def __init__(self, S: Array, D: Array) -> None:
         self._scales = [(0.5 * (T.max() + T.min()), 0.5 * (T.max() - T.min())) for T in (S, D)]
@@ -174,11 +174,11 @@ class Design:
         self.condition = float(np.linalg.cond(self._matrix))
 
     def fit(self, values: Array) -> Fit:
-        """Return the coefficients that fit values best, in °C."""
+        """Return the coefficients, in °C, that fit values best."""
         scaled, *_ = np.linalg.lstsq(self._matrix, values, rcond=None)
         errors = (self._matrix @ scaled - values) / values
         q, _ = np.linalg.qr(self._matrix)
-        free = 1.0 - np.sum(q**2, axis=1)  # of each point: what it does not determine itself
+        free = 1.0 - np.sum(q**2, axis=1)  # 1 − leverage of each point
         left_out = float(np.max(np.abs(errors / free))) if np.all(free > 1e-6) else None
         rms = math.sqrt(float(np.mean(errors**2)))
         table = np.zeros((4, 4))

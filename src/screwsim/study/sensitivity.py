@@ -1,4 +1,4 @@
-"""Sobol indices: which share of the variance of a figure each input makes, alone and with others.
+"""Sobol indices: the share of a figure's variance due to each input, alone and together with others.
 
 Inputs vary independently and uniformly between two values. Sampling and estimates are SALib's (Saltelli's scheme on a
 scrambled Sobol sequence, bootstrapped confidence intervals).
@@ -23,8 +23,8 @@ from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 CONFIDENCE = 0.95
-SAMPLES, ALONE = 256, 32  # base samples of several inputs; of one, which makes all of the variance
-NOISY = 0.01  # share of the variance that numerical errors may have made
+SAMPLES, ALONE = 256, 32  # base samples for several inputs; for a single one, which causes all of the variance
+NOISY = 0.01  # share of the variance that may be due to numerical errors
 
 
 class Range(NamedTuple):
@@ -47,9 +47,9 @@ class Index(NamedTuple):
 
 @dataclass(frozen=True)
 class Shares:
-    """What the inputs do to one figure [SI]; `message` says why there are no indices.
+    """Influence of the inputs on one figure [SI]; `message` says why there are no indices.
 
-    `noise`: the share of the variance that the estimated numerical errors may have made.
+    `noise`: the share of the variance that may be due to the estimated numerical errors.
     """
 
     figure: str
@@ -62,9 +62,9 @@ class Shares:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """The answer to a study: a `Shares` a figure; `failed` of the `solutions` have no figures.
+    """Answer of a study: one `Shares` per figure; `failed` of the `solutions` have no figures.
 
-    `warnings` are the kinds that solutions warn of, (number of solutions, words of the first).
+    `warnings` are the kinds of warnings of the solutions: (number of solutions, text of the first).
     """
 
     ranges: tuple[Range, ...]
@@ -81,7 +81,7 @@ class _Answer(NamedTuple):
     message: str
     values: tuple[float, ...] = ()
     errors: tuple[float, ...] = ()
-    lacks: bool = False  # is it a figure alone that the point has no value of?
+    lacks: bool = False  # True: the point has a solution, but no value of a figure
     warnings: tuple[str, ...] = ()
 
 
@@ -108,12 +108,12 @@ def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
 
 
 def usual_samples(inputs: int) -> int:
-    """Return the base samples of a study in which nothing else is asked for."""
+    """Return the default number of base samples of a study."""
     return SAMPLES if inputs > 1 else ALONE
 
 
 def cost_told(inputs: int, samples: int) -> str:
-    """Return in a line how many solutions a study takes, and what fewer or more samples do."""
+    """Return in a line how many solutions a study takes, and the effect of fewer or more samples."""
     count, many = samples * (inputs + 2), f"{inputs} input{'s' * (inputs > 1)}"
     told = f"{count} solutions, {samples} samples × ({many} + 2)"
     if inputs == 1:
@@ -134,7 +134,7 @@ def sensitivity(
 ) -> Sensitivity:
     """Return the indices of figures to inputs, from samples · (inputs + 2) solutions.
 
-    Without figures those are `usual_efficiency` and the gas mass flow.
+    The default figures are `usual_efficiency` and the gas mass flow.
     """
     samples = usual_samples(len(ranges)) if samples is None else samples
     named = tuple(figures) or (usual_efficiency(scene), "gas_mass_flow")
@@ -145,7 +145,7 @@ def sensitivity(
     if what:
         raise UsageError(f"--samples {samples}: {what}")
     bounds = [[each.low, each.high] for each in ranges]
-    problem = {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}  # as SALib has it
+    problem = {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}  # in SALib's form
     points = _sampled(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")

@@ -1,7 +1,7 @@
-"""A new machine by what its maker's sheet states: its size is sought with the cycle, so that it does what is stated.
+"""A new machine from its maker's sheet: its size is found by solving the cycle, so that it delivers what is stated.
 
-A sheet gives what a machine delivers or takes, not what it displaces. A larger machine delivers more in nearly the same
-proportion, so that a few solutions find the displacement.
+A sheet states what a machine delivers or takes, not what it displaces. Delivery is nearly proportional to size, so that
+a few solutions find the displacement.
 """
 
 from collections.abc import Iterator
@@ -19,15 +19,15 @@ from screwsim.template.sizes import flow_text, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
 COOLS, HEATS = "cooling_capacity", "heating_capacity"
-NEAR, TRIES = 1e-3, 8  # of what is stated, within which it is met, and how many sizes are tried
-FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are round, so that sizes jump: what is met by how much after so many tries
-FAST = 40.0  # [m/s] of the tips, above which films of oil cost points of efficiency (docs/how-to/new-machine.md)
-TIGHTER = 1e-4  # accuracy where the default does not do
+NEAR, TRIES = 1e-3, 8  # relative tolerance within which the stated value is met, and number of sizes tried
+FIRM, ROUNDED = 3, 5e-3  # a scene's numbers are rounded, so that sizes jump: the tolerance after so many tries
+FAST = 40.0  # [m/s] tip speed above which oil films cost points of efficiency (docs/how-to/new-machine.md)
+TIGHTER = 1e-4  # accuracy where the default does not suffice
 UNSTEADY = (
     "--economizer: no temperature is found at which its port draws its vapour (a --condition whose ends are farther "
     "apart, another --vi, or no --economizer)"
 )
-HEAVY, LIGHT = 1.15, 0.6  # loads of a motor (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly fit
+HEAVY, LIGHT = 1.15, 0.6  # motor loads (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly match
 
 
 class Sized(NamedTuple):
@@ -39,7 +39,7 @@ class Sized(NamedTuple):
 
 
 def sized(kind: str, asked: Asked) -> Sized:
-    """Return a new machine that delivers the flow or has the capacity that is stated, or else loads the motor in full.
+    """Return a new machine with the stated flow or capacity, or else one that loads the motor fully.
 
     Raise UsageError, in one line, where no size does.
     """
@@ -70,7 +70,7 @@ def sized(kind: str, asked: Asked) -> Sized:
 
 
 def solved(text: str) -> Sized:
-    """Return a new scene with its result; with a tighter accuracy in it where what it finds is left open without."""
+    """Return a new scene with its result; with a tighter accuracy where the default leaves the cycle unclosed."""
     scene = loads(text)
     result = simulate(scene, trace=False)
     if result.status == "not_closed":
@@ -91,7 +91,7 @@ def with_steady_port(text: str) -> str:
 
 
 def _text(kind: str, asked: Asked, option: str) -> str:
-    """Return the text of a machine of some size; raise UsageError of the option that asks for it."""
+    """Return the text of a machine of some size; errors name the option that asks for it."""
     try:
         return new_scene(kind, asked)
     except UsageError as error:
@@ -101,7 +101,7 @@ def _text(kind: str, asked: Asked, option: str) -> str:
 
 
 def told(asked: Asked, found: Sized) -> Iterator[str]:
-    """Yield what the machine does, how that fits what was stated, and what was assumed, in a line each."""
+    """Yield the machine's performance, how it fits what was stated, and what was assumed, a line each."""
     p, scene = found.result.performance, found.scene
     every = (active.parameters for active in scene.effects.values())
     rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
@@ -133,7 +133,7 @@ def told(asked: Asked, found: Sized) -> Iterator[str]:
 
 
 def _of_package(found: Sized) -> tuple[str, str]:
-    """Return what an air package gives, and what it takes in all, in words."""
+    """Return, in words, what an air package delivers, and its total input."""
     p = found.result.performance
     over = 1e-5 * (p.package_discharge_pressure - found.scene.operation.suction.pressure)
     takes = f"{shown_figure('package_input_power', p.package_input_power)} with motor and fan"
@@ -142,7 +142,7 @@ def _of_package(found: Sized) -> tuple[str, str]:
 
 
 def _of_plant(found: Sized) -> tuple[str, str]:
-    """Return what a machine of a refrigeration plant or heat pump gives, and what it takes in all, in words."""
+    """Return, in words, the capacities of a refrigeration or heat-pump machine, and its total input."""
     p = found.result.performance
     gives = f"cools {shown_figure(COOLS, p[COOLS])} and heats {shown_figure(HEATS, p[HEATS])}"
     takes = f"{shown_figure('electrical_power', p.electrical_power)} with its motor"

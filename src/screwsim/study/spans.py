@@ -1,4 +1,4 @@
-"""Paths that a study varies between two values, as given, or as the scene and the schema bound them."""
+"""Paths that a study varies between two values: as given, or bounded by the scene and the schema."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -10,13 +10,13 @@ from screwsim.scene import Scene, leaf_of, value_at
 from screwsim.scene.sizes import sizes_of
 from screwsim.study.inputs import check_continuous, ends_of, read_text, shown_value
 
-LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search goes over the logarithm
-FAR = 20.0  # without a range: so many times the scene's value, and its fraction, at the most
+LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
+FAR = 20.0  # without a range: the largest factor above and below the scene's value
 
 
 @dataclass(frozen=True)
 class Span:
-    """A path that varies between two values [SI]; `start`: the scene's value, None where it has none inside."""
+    """A path that varies between two values [SI]; `start`: the scene's value, None where it is not between them."""
 
     path: str
     low: float
@@ -28,7 +28,7 @@ class Span:
         return self.low > 0.0 and self.high / self.low >= LOGARITHMIC_FROM
 
     def value(self, place: float) -> float:
-        """Return the value [SI] at a place 0 … 1, exactly an end at an end."""
+        """Return the value [SI] at a place 0 … 1; at an end exactly the end."""
         if place <= 0.0 or place >= 1.0:
             return self.low if place <= 0.0 else self.high
         if self.logarithmic:
@@ -36,29 +36,29 @@ class Span:
         return self.low + (self.high - self.low) * place
 
     def place(self, value: float) -> float:
-        """Return where a value [SI] lies, 0 … 1."""
+        """Return the place 0 … 1 of a value [SI]."""
         value = min(max(value, self.low), self.high)
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def slope(self, place: float) -> float:
-        """Return by how much the value [SI] grows per unit of place."""
+        """Return the derivative of the value [SI] by the place."""
         if self.logarithmic:
             return self.value(place) * math.log(self.high / self.low)
         return self.high - self.low
 
     @property
     def first(self) -> float:
-        """Place from which a search starts: the scene's value, the middle where it has none."""
+        """Place from which a search starts: that of the scene's value, the middle where it has none."""
         return 0.5 if self.start is None else self.place(self.start)
 
 
 def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
     """Return the spans of texts PATH=LOW..HIGH, or PATH alone; raise UsageError in one line.
 
-    Without a range it is that of `sizes` (a catalogue), of the sweep's axis, or of what the schema allows; where it
-    must be stated (`ranged`) the last of these is none.
+    Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema; with `ranged` the
+    schema's does not count, and a range must be stated.
     """
     found: dict[str, Span] = {}
     for text in texts:
@@ -103,9 +103,10 @@ def _known(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tup
 
 
 def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
-    """Return the values [SI] between which a path is usual, at most `FAR` times its own apart; None of no value.
+    """Return the usual range [SI] of a path, within a factor `FAR` of its own value; None without a value.
 
-    Those are its field's limits, what it hardly is beyond, and for sizes and the speed what machines hardly have.
+    It is bounded by the field's limits, the values hardly met in practice, and for sizes and the speed by those of
+    usual machines.
     """
     leaf, value = leaf_of(scene, path), value_at(scene, path)
     if not isinstance(value, int | float) or isinstance(value, bool) or value == 0:

@@ -1,4 +1,4 @@
-"""What errors of a slider-crank's lengths do to a compressor: Monte Carlo over tolerances through the cycle.
+"""Effect of length errors of a slider-crank on a compressor: Monte Carlo over tolerances through the cycle.
 
 Source: ISO 286-1 grades (S10), lengths drawn as in S31; docs/reference/slider-crank.md.
 """
@@ -21,12 +21,12 @@ from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
-LEAST_SIZE = 1e-3  # [m], from which on ISO 286 has tolerances: a smaller offset has that of this size
+LEAST_SIZE = 1e-3  # [m], smallest size of ISO 286 tolerances: a smaller offset has that of this size
 TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 
 
 class Spread(NamedTuple):
-    """One figure [SI] over the machines drawn, and the share of its variance that goes with each length (r²)."""
+    """One figure [SI] over the machines drawn, and the share of its variance due to each length (r²)."""
 
     figure: str
     nominal: float
@@ -41,8 +41,8 @@ class Spread(NamedTuple):
 class Tolerances:
     """The links, their kinematic table by grades, and the machines drawn: shift of the dead centre [m], figures [SI].
 
-    `widths` are those of the tolerances [m]; `hits` counts machines whose piston would reach the head, `failed` those
-    whose cycle did not come out.
+    `widths` are those of the tolerances [m]; `hits` counts machines whose piston would hit the head, `failed` those
+    without a solution.
     """
 
     grades: dict[str, int]
@@ -62,7 +62,7 @@ class Tolerances:
 class _Answer(NamedTuple):
     message: str
     values: tuple[float, ...] = ()
-    hits: bool = False  # the piston reaches the head
+    hits: bool = False  # the piston hits the head
 
 
 def widths_of(machine: SliderCrank, grades: dict[str, int]) -> dict[str, float]:
@@ -71,7 +71,7 @@ def widths_of(machine: SliderCrank, grades: dict[str, int]) -> dict[str, float]:
 
 
 def drawn(machine: SliderCrank, widths: dict[str, float], count: int, seed: int) -> dict[str, np.ndarray]:
-    """Return lengths [m], uniform over their tolerances, which lie symmetric about the nominal ones (S31)."""
+    """Return lengths [m], uniform over their tolerances, which are symmetric about the nominal ones (S31)."""
     random = np.random.default_rng(seed)
     return {name: getattr(machine, name) + width * (random.random(count) - 0.5) for name, width in widths.items()}
 
@@ -79,7 +79,7 @@ def drawn(machine: SliderCrank, widths: dict[str, float], count: int, seed: int)
 def changed(scene: Scene, lengths: dict[str, float]) -> tuple[Scene, float]:
     """Return the scene with other lengths, and the shift of its top dead centre towards the head [m] (S31).
 
-    The head stays where it is: what the piston comes nearer is lost clearance, negative where it would hit the head.
+    The head stays in place: the shift reduces the clearance, which is negative where the piston would hit the head.
     """
     machine = scene.machine
     assert isinstance(machine, SliderCrank)
@@ -91,7 +91,7 @@ def changed(scene: Scene, lengths: dict[str, float]) -> tuple[Scene, float]:
 
 
 def _top(machine: SliderCrank) -> float:
-    """Return the piston's place at the top dead centre [m] (S4)."""
+    """Return the position of the piston at the top dead centre [m] (S4)."""
     return math.sqrt((machine.rod_length + machine.crank_radius) ** 2 - machine.offset**2)
 
 
@@ -115,7 +115,7 @@ def tolerances(
         raise UsageError(f"--count {count}: {too_many(count)}")
     widths = widths_of(machine, grades)
     simulate = simulate or simulator()
-    nominal = simulate(scene)  # before the fork: workers inherit what is compiled here
+    nominal = simulate(scene)  # before the fork: workers inherit the compiled code
     if nominal.status != "ok":
         raise UsageError(f"the nominal machine: {nominal.told}")
     figures = tuple(name for name in FIGURES if nominal.performance.get(name) is not None)

@@ -1,7 +1,7 @@
-"""How sure the figures of a scene are: what the tolerances of its inputs make of them, and which of these most.
+"""Uncertainty of a scene's figures due to the tolerances of its inputs, and the inputs that contribute most.
 
-Linear: standard uncertainties times exact derivatives, those of a group that errs together added, others in squares
-(GUM, law of propagation). The numerical error and the error of the model are others, and are not added.
+Linear: standard uncertainties times exact derivatives, added within a group of correlated inputs, as the root of the
+sum of squares between groups (GUM, law of propagation). Numerical error and model error are separate, and not added.
 
 Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V 20-2009.
 """
@@ -32,15 +32,15 @@ from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
-WRONG = 0.25  # of a standard uncertainty: by so much sampled and linear one may differ, or as by chance of few samples
-SHIFTED = 0.5  # of one: by so much the mean of a sample may lie beside the figure
+WRONG = 0.25  # of a standard uncertainty: tolerated difference of sampled and linear one; for few samples their scatter
+SHIFTED = 0.5  # of a standard uncertainty: allowed distance of a sample's mean from the figure
 LEAST_COUNT = 8
 
 
 class Contributor(NamedTuple):
-    """Inputs that err together, one or more: their share of the variance, and the figure's change [SI] by them.
+    """One input or several correlated ones: their share of the variance, and the change [SI] of the figure.
 
-    `change` is that of the whole tolerance, as half of a 95 % interval.
+    `change` is that for the whole tolerance, half of a 95 % interval.
     """
 
     paths: tuple[str, ...]
@@ -50,7 +50,7 @@ class Contributor(NamedTuple):
 
 @dataclass(frozen=True)
 class Spread:
-    """What the tolerances make of one figure [SI]: its standard uncertainty, and by which inputs, the largest first."""
+    """Uncertainty of one figure [SI]: its standard uncertainty, and the contributing inputs, the largest first."""
 
     standard: float
     contributors: tuple[Contributor, ...]
@@ -62,7 +62,7 @@ class Spread:
 
 
 class Sampled(NamedTuple):
-    """A sample of one figure: its mean, its standard deviation; what is wrong with the linear one, '' where nothing."""
+    """A sample of one figure: mean, standard deviation; what is wrong with the linear estimate, '' for nothing."""
 
     mean: float
     standard: float
@@ -71,11 +71,11 @@ class Sampled(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Uncertainty(Brief):
-    """The spreads of a scene's figures. `left_out` are inputs without a derivative, and why."""
+    """Uncertainties of a scene's figures. `left_out` are inputs without a derivative, and why."""
 
     spreads: Mapping[str, Spread]
     slopes: Sensitivities
-    groups: tuple[tuple[str, ...], ...] = ()  # inputs that err together, one or more
+    groups: tuple[tuple[str, ...], ...] = ()  # correlated inputs, one or more per group
     left_out: Mapping[str, str] = field(default_factory=dict)
     sampled: Mapping[str, Sampled] = field(default_factory=dict)
     samples: int = 0
@@ -93,7 +93,7 @@ class Uncertainty(Brief):
         return About(heading, notes, ("figure", "value", "± (95 %)", "most by"), rows)
 
     def as_json(self, most: int | None = None) -> dict[str, Any]:
-        """Return what `run --json` prints under `uncertainty`, of each figure all contributors or the first of them."""
+        """Return what `run --json` prints under `uncertainty`, with all or the `most` largest contributors."""
         figures = {
             name: {
                 "standard": spread.standard,
@@ -138,9 +138,9 @@ def uncertainty(
 def spreads_of(
     scene: Scene, values: Mapping[str, float], derivatives: Mapping[str, Mapping[str, float]]
 ) -> dict[str, Spread]:
-    """Return what the tolerances make of figures, by their derivatives [SI] by those numbers [SI] that have some.
+    """Return the uncertainties of figures from their derivatives [SI] by the uncertain inputs at `values` [SI].
 
-    None of a figure that lacks the derivative by one of these.
+    A figure that lacks the derivative by one of these has none.
     """
     there, groups = scene.uncertain.keys() & values.keys(), groups_of(scene)
     complete = {name: slopes for name, slopes in derivatives.items() if there and there <= slopes.keys()}
@@ -148,16 +148,16 @@ def spreads_of(
 
 
 def groups_of(scene: Scene) -> tuple[tuple[str, ...], ...]:
-    """Return the inputs with a tolerance: those that err together as one, in the order of the scene."""
+    """Return the groups of inputs with a tolerance, correlated ones together, in the order of the scene."""
     group_of = {path: group for group in scene.correlated for path in group}
     return tuple(dict.fromkeys(group_of.get(path, (path,)) for path in scene.uncertain))
 
 
 def with_uncertainty(scene: Scene, result: Result) -> Result:
-    """Return a result with what the tolerances of its scene make of it, and the error of the model that this names.
+    """Return a result with the uncertainties by its scene's tolerances, and the model error that the scene names.
 
-    As it is where it has no figures, or the scene asks for neither. An input that has no derivative there is in none of
-    the uncertainties, and a warning says so.
+    The result is unchanged where it has no figures, or the scene asks for neither. An input without a derivative is in
+    none of the uncertainties, and a warning says so.
     """
     if result.status != "ok" or not (scene.uncertain or scene.model_error):
         return result
@@ -166,7 +166,7 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
         return replace(result, uncertainty=told)
     try:
         found = uncertainty(scene, result=result, progress=False)
-    except UsageError as error:  # of a case of a sweep whose axis makes an input follow from others
+    except UsageError as error:  # a case of a sweep whose axis makes an input follow from others
         return replace(result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty by the inputs: {error}"))
     lost = (f"the tolerance of {path} is in no uncertainty: {why}" for path, why in found.left_out.items())
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
@@ -175,7 +175,7 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
 def _spread(
     scene: Scene, values: Mapping[str, float], slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
 ) -> Spread:
-    """Return the spread of a figure with these derivatives by path."""
+    """Return the uncertainty of a figure with these derivatives by path."""
     changes = {}
     for group in groups:
         there = tuple(path for path in group if path in values)
@@ -190,7 +190,7 @@ def _spread(
 def checked(
     scene: Scene, linear: Uncertainty, count: int, *, jobs: int | None = None, progress: Progress | None = None
 ) -> Uncertainty:
-    """Return the same with a Sobol sample of the inputs beside it: where it differs, linear is wrong."""
+    """Return the same with a Sobol sample of the inputs beside it: where both differ, the linear estimate is wrong."""
     if count < LEAST_COUNT or count & (count - 1):
         raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
     points = _drawn(scene, count)
@@ -208,7 +208,7 @@ def checked(
 
 
 def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
-    """Return a Sobol sample of the inputs [SI]; what errs together does so."""
+    """Return a Sobol sample of the inputs [SI]; correlated inputs move together."""
     from scipy.stats import norm, qmc
 
     groups = groups_of(scene)
@@ -221,7 +221,7 @@ def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
 
 
 def _inside(scene: Scene, path: str, deviation: float) -> float:
-    """Return the value [SI] that is so many standard uncertainties off; the ends of its interval beyond its limits."""
+    """Return the value [SI] at so many standard uncertainties; clipped to its 95 % interval where out of limits."""
     value = float(value_at(scene, path))
     tolerance = scene.uncertain[path].around(value)
     found = tolerance.at(value, deviation)

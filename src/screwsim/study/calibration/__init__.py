@@ -1,4 +1,4 @@
-"""Calibration: parameters of a scene fitted to measured operating points, and how far the data fix them."""
+"""Calibration: parameters of a scene fitted to measured operating points, and how well the data determine them."""
 
 from screwsim.study.calibration.read import read_fit
 from screwsim.study.calibration.scene import fitted_text

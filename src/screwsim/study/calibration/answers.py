@@ -1,4 +1,4 @@
-"""What a posterior answers: spreads of parameters and discrepancies, and what would be measured, with intervals."""
+"""Results of a posterior: spreads of parameters and discrepancies, and predicted measurements, with intervals."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,13 +8,13 @@ from screwsim.study.calibration.fit import Fit, Point
 from screwsim.study.calibration.residuals import Array
 from screwsim.study.inputs import shown_value
 
-LEVEL = 0.9  # of the intervals
+LEVEL = 0.9  # probability of the intervals
 ENDS = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)
 
 
 @dataclass(frozen=True)
 class Spread:
-    """A parameter or width: median and the interval of `LEVEL`, standard deviation [SI], and that over the prior's."""
+    """Spread of a parameter or width: median, interval of `LEVEL`, standard deviation [SI], that over the prior's."""
 
     name: str
     low: float
@@ -26,7 +26,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Predicted:
-    """A measured figure [SI] beside what the posterior predicts of a measurement of it: median and interval."""
+    """A measured figure [SI] beside the posterior's prediction of a measurement of it: median and interval."""
 
     point: str
     figure: str
@@ -43,10 +43,11 @@ class Predicted:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What a measurement of a figure at another point would be [SI]: median, the interval of `LEVEL`, and why so wide.
+    """Predicted measurement of a figure at another point [SI]: median, interval of `LEVEL`, parts of its width.
 
-    Standard deviations, whose squares add up: `parameters` by what the parameters may be, `discrepancy` by what the
-    model cannot follow, `measuring`, and `polynomials` by those in place of the model. `measured` where it was.
+    The parts are standard deviations, whose squares add up: `parameters` due to their posterior, `discrepancy` due to
+    what the model cannot follow, `measuring`, and `polynomials` due to those that replace the model. `measured` is the
+    measured value where there is one.
     """
 
     point: str
@@ -67,7 +68,7 @@ class Prediction:
 
 @dataclass(frozen=True, repr=False)
 class Predictions(Brief):
-    """What would be measured at other points. `reasons` are those of points without a solution.
+    """Predicted measurements at other points. `reasons` are those of points without a solution.
 
     `off` is the largest error of the polynomials at draws that were solved, over the measurement's uncertainty.
     `status` ok | not converged | failed.
@@ -91,11 +92,11 @@ class Predictions(Brief):
 
 @dataclass(frozen=True, repr=False)
 class Posterior(Brief):
-    """The posterior: spreads of parameters and of the discrepancy's widths, predictions, and whether chains settled.
+    """The posterior: spreads of parameters and discrepancy widths, predictions, and whether the chains converged.
 
     `samples` (n, parameters) are values [SI], `widths` (n, figures) those of the discrepancy [SI]. `off` is the largest
-    error of the polynomials that was met, over the figures' uncertainties; they hold within `region`, places of the
-    parameters. `predictions` are those at other points, where these were asked. `status` ok | not converged | failed.
+    error of the polynomials that was found, over the figures' uncertainties; they hold within `region`, places of the
+    parameters. `predictions` are those at other points, where requested. `status` ok | not converged | failed.
     """
 
     fit: Fit

@@ -23,11 +23,11 @@ from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Place, Problem
 from screwsim.study.calibration.fit import Measured, Point
 
-MOST_POINTS = 10_000  # of one fit
+MOST_POINTS = 10_000  # per fit
 UNCERTAINTY = "_uncertainty"
-SMALLEST, LARGEST = 1e-9, 1e9  # of a value: nothing is measured that well, or is so badly that it tells nothing
+SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
 FITTED = {"": True, "fit": True, "check": False}
-# SI unit of a figure -> {unit: factor}; degrees Celsius apart
+# SI unit of a figure -> {unit: factor}; degrees Celsius are handled separately
 UNITS = {
     "1": {"": 1.0, "1": 1.0, "%": 0.01},
     "W": {"W": 1.0, "kW": 1e3},
@@ -49,15 +49,15 @@ UNITS = {
     "Hz": {"Hz": 1.0},
 }
 CELSIUS, ZERO = "degC", 273.15
-COLDEST = 0.4  # of the suction temperature [K]: no machine leaves a gas colder, and degC read as K mostly are
+COLDEST = 0.4  # of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
 _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
 
 
 @dataclass(frozen=True)
 class _Column:
-    """One column: what it holds (name, use, figure, uncertainty, path), of what, in which unit.
+    """One column: its kind (name, use, figure, uncertainty, path), what it is of, and its unit.
 
-    `quantity` is the dimension of a figure whose unit is one of scenes alone.
+    `quantity` is the dimension of a figure whose unit is one that only scenes know.
     """
 
     kind: str
@@ -72,7 +72,8 @@ def read_points(
 ) -> list[tuple[Point, Place]]:
     """Return the points of a file with their places; `taken` are paths that a parameter sets.
 
-    Of `candidates` nothing needs to be measured: uncertainties stand for what would be, figures are NaN where empty.
+    With `candidates` nothing needs to be measured: uncertainties are those of future measurements, and figures without
+    a value are NaN.
     """
     start = Place(1, label)
     try:
@@ -102,7 +103,7 @@ def read_points(
 def _read(
     sheet: Sheet, start: Place, scene: Scene, taken: Sequence[str], problems: list[Problem], candidates: bool
 ) -> list[tuple[Point, Place]]:
-    """Return the points of a table; gauge pressures are over the ambient one of the scene."""
+    """Return the points of a table; gauge pressures are relative to the scene's ambient pressure."""
     before = len(problems)
     columns = _columns(_cells(sheet.head, start), scene, taken, problems, candidates)
     if len(problems) > before:
@@ -120,7 +121,7 @@ def _read(
 
 
 def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield (figure, what is wrong) of measured temperatures as low as readings in degC under [K] are."""
+    """Yield (figure, fault) of measured temperatures so low that they must be readings in degC under [K]."""
     T_s, fluid = lines(scene).T_s, scene.gas.name
     limits = constants.limits(fluid)
     T_triple = 0.0 if limits is None else limits.T_triple
@@ -139,7 +140,7 @@ def _cells(row: Row, start: Place) -> list[tuple[str, Place]]:
 
 
 def _starts(line: str) -> Iterator[int]:
-    """Yield the column in which each cell of a line begins; a comma inside quotes separates nothing."""
+    """Yield the column at which each cell of a line begins; commas inside quotes do not separate cells."""
     yield 1
     quoted = False
     for place, letter in enumerate(line):
@@ -176,7 +177,7 @@ def _columns(
 
 
 def _figures(scene: Scene) -> Mapping[str, Figure]:
-    """Return the figures that the program knows, and those of the scene's own effects."""
+    """Return the program's figures and those of the scene's own effects."""
     return known() | {each.name: each for active in scene.effects.values() for each in active.effect.figures}
 
 
@@ -187,9 +188,9 @@ def units_of(figure: str) -> Mapping[str, float]:
 
 
 def _quantity(figure: str, kind: str, unit: str) -> Kind | None:
-    """Return the dimension of a figure, or of its uncertainty, in whose units as scenes take them one is; None else.
+    """Return the dimension of a figure, or of its uncertainty, among those of scenes that know the unit; else None.
 
-    Raise `Refused` of an uncertainty in a unit with a zero of its own (barg, degF).
+    Raise `Refused` for an uncertainty in a unit with a zero of its own (barg, degF).
     """
     si = tidy_unit(si_unit(declared(figure).units))
     named = [each for each in KINDS.values() if each.si == si]
@@ -214,7 +215,7 @@ def _reads(kind: Kind, unit: str) -> bool:
 
 
 def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column:
-    """Return what a column holds; raise `Refused` or UsageError."""
+    """Return the meaning of a column; raise `Refused` or UsageError."""
     if name in ("name", "use"):
         return _Column(name, name, unit)
     figure = name.removesuffix(UNCERTAINTY)
@@ -243,7 +244,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
 
 
 def odd_uncertainty(value: float, own: float) -> str:
-    """Return why an uncertainty is none of a value, in one unit, with the remedy; '' where it may be."""
+    """Return why an uncertainty is implausible for a value, in one unit, with the remedy; '' where it is plausible."""
     size = abs(value)
     if SMALLEST * size <= own <= LARGEST * size or not size > 0.0:
         return ""
@@ -283,7 +284,7 @@ def _point(
 
 
 def _value(column: _Column, text: str) -> Any:
-    """Return the value [SI] of a cell, None of an empty one of a figure; raise `Refused`."""
+    """Return the value [SI] of a cell, None for an empty cell of a figure; raise `Refused`."""
     if column.kind == "name":
         return text
     if column.kind == "use":

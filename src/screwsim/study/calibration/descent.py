@@ -1,11 +1,12 @@
-"""Least squares within bounds: Gauss-Newton steps in a box that grows and shrinks, secants between Jacobians.
+"""Bounded least squares: Gauss-Newton steps in a box-shaped trust region, with Broyden updates between Jacobians.
 
 A step solves the linearised problem within the bounds and the box (bounded-variable least squares). Broyden's update
-lets the Jacobian follow every step; it is asked for anew where a step with an updated one does not lead downwards, and,
-where that is wanted, at the end. It ends where a step promises less than a thousandth of what one standard error makes.
+lets the Jacobian follow every step; it is computed anew where a step with an updated one does not reduce the sum of
+squares and, where that is wanted, at the end. The search ends where a step promises less than a thousandth of the
+change due to one standard error.
 
-Sources: C. G. Broyden, Mathematics of Computation 19 (1965) 577; J. Nocedal, S. J. Wright, Numerical Optimization,
-2nd ed., Springer 2006, 4.1 and 10.3; P. B. Stark, R. L. Parker, Computational Statistics 10 (1995) 129.
+Sources: C. G. Broyden, Mathematics of Computation 19 (1965) 577; J. Nocedal, S. J. Wright, Numerical Optimization, 2nd
+ed., Springer 2006, 4.1 and 10.3; P. B. Stark, R. L. Parker, Computational Statistics 10 (1995) 129.
 """
 
 from collections.abc import Callable
@@ -14,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-BOX = 0.3  # of the bounds' distance: the first steps are no longer
-ENOUGH = 1e-3  # of chi squared per residual, at least of 1: what no step promises more than is none
-SHORTEST = 1e-5  # of the bounds' distance, of a step
-SECANT = 3e-3  # of it: a secant over less says more of the solver's noise than of the slope
-JUMP = 5e3  # uncertainties: what changes by more has become a figure without a solution, or was one
-POOR, GOOD = 0.25, 0.75  # of what a step promised: the box shrinks, grows
+BOX = 0.3  # of the bounds' distance: half size of the first box
+ENOUGH = 1e-3  # of chi squared per residual, at least of 1: a smaller promised gain ends the search
+SHORTEST = 1e-5  # of the bounds' distance: shortest step
+SECANT = 3e-3  # of the bounds' distance: a shorter secant shows the solver's noise more than the slope
+JUMP = 5e3  # uncertainties: a larger change means that a figure has lost or gained its solution
+POOR, GOOD = 0.25, 0.75  # of the promised gain: below and above it the box shrinks or grows
 
 
 def descend(
@@ -30,9 +31,9 @@ def descend(
     *,
     confirmed: bool,
 ) -> tuple[Array, bool]:
-    """Return where the sum of squares is least, within 0 … 1, and whether that was reached within so many steps.
+    """Return the places within 0 … 1 of the least sum of squares, and whether it was reached in at most `most` steps.
 
-    `confirmed`: it ends with a Jacobian of the very place where it ends.
+    With `confirmed` the search ends with a Jacobian computed at its end.
     """
     here = residuals(places)
     slopes, fresh, box = jacobian(places), True, BOX
@@ -62,7 +63,7 @@ def descend(
 
 
 def _step(slopes: Array, here: Array, low: Array, high: Array) -> Array:
-    """Return the step between two ends that makes the linearised residuals least."""
+    """Return the step between two ends that minimises the linearised residuals."""
     from scipy.optimize import lsq_linear
 
     room = np.maximum(high - low, 1e-12)
@@ -71,7 +72,7 @@ def _step(slopes: Array, here: Array, low: Array, high: Array) -> Array:
 
 
 def _followed(slopes: Array, step: Array, change: Array) -> Array:
-    """Return slopes that tell the change of a step; residuals that jump, as to no solution, are left as they were."""
+    """Return slopes that reproduce the change along a step; those of residuals that jump, as to a failure, are kept."""
     off = change - slopes @ step
     off[np.abs(change) > JUMP] = 0.0
     return slopes + np.outer(off, step) / float(step @ step)

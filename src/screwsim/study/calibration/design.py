@@ -1,8 +1,9 @@
-"""D-optimal choice of experiments: rows of slopes by candidate, what is known already, and which candidates add most.
+"""D-optimal choice of experiments: from rows of slopes per candidate and prior information, the best candidates.
 
-The unknowns are the parameters and, behind them, inputs that are not known exactly and that nobody asks for. With the
-information A = prior + Σ JᵀJ of what is measured, chosen is what makes the determinant of the parameters' block of A⁻¹
-least (Ds-optimal): one after the other, then exchanged one for one until no exchange helps (Fedorov).
+The unknowns are the parameters followed by nuisance inputs, which are not known exactly but not wanted either. With the
+information A = prior + Σ JᵀJ of what is measured, candidates are chosen that minimise the determinant of the
+parameters' block of A⁻¹ (Ds-optimal): one after the other, then exchanged one for one until no exchange helps
+(Fedorov).
 
 Sources: V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972; K. Chaloner, I. Verdinelli, Statistical
 Science 10 (1995) 273.
@@ -14,7 +15,7 @@ import numpy as np
 
 from screwsim.study.calibration.residuals import Array
 
-BETTER = 1e-9  # of the logarithm of a determinant: less is none
+BETTER = 1e-9  # least improvement of the logarithm of a determinant
 
 
 def covariance(information: Array, asked: int) -> Array:
@@ -23,17 +24,17 @@ def covariance(information: Array, asked: int) -> Array:
 
 
 def spread(information: Array, asked: int) -> float:
-    """Return the logarithm of the determinant of that covariance."""
+    """Return the logarithm of the determinant of the covariance of the first `asked` unknowns."""
     return float(np.linalg.slogdet(covariance(information, asked))[1])
 
 
 def spreads(known: Array, pieces: Array, asked: int) -> Array:
-    """Return that logarithm with each of the `pieces` (n, unknowns, unknowns) added to what is known."""
+    """Return the `spread` with each of the `pieces` (n, unknowns, unknowns) added to what is known."""
     return np.linalg.slogdet(np.linalg.inv(known + pieces)[:, :asked, :asked])[1]
 
 
 def chosen(known: Array, pieces: Sequence[Array], asked: int, count: int) -> list[int]:
-    """Return the numbers of `count` pieces of information that make the spread least, the one that adds most first."""
+    """Return the indices of the `count` pieces of information that minimise the spread, the most informative first."""
     picked = greedy(known, pieces, asked, range(len(pieces)), count)
     every, improved = np.array(pieces), True
     while improved:
@@ -52,7 +53,7 @@ def chosen(known: Array, pieces: Sequence[Array], asked: int, count: int) -> lis
 
 
 def greedy(known: Array, pieces: Sequence[Array], asked: int, among: Sequence[int], count: int) -> list[int]:
-    """Return up to `count` of the numbers `among`, each the one that then makes the spread least."""
+    """Return up to `count` of the indices `among`, each the one that minimises the spread after those before it."""
     left, picked, information, every = list(among), [], known, np.array(pieces)
     while left and len(picked) < count:
         best = left.pop(int(np.argmin(spreads(information, every[left], asked))))

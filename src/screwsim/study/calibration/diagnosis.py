@@ -1,8 +1,8 @@
-"""Which parameters of a machine have changed, and with what probability: one, two or none of them, by Bayes' rule.
+"""Which parameters of a machine have changed, and with what probability: one, two or none, by Bayes' rule.
 
-The machine is a fit's scene, its parameters at the means of their priors where these are stated. Each parameter alone,
-or each two at once, may have come to lie anywhere between their bounds, or none has. Inputs of the unchanged machine
-are known as far as priors and the scene's tolerances say, and off by the same at all points. All hypotheses are judged
+The unchanged machine is the fit's scene, with its parameters at the means of their priors where these are stated. Each
+parameter alone, or each pair, may have moved anywhere between its bounds, or none has. Inputs of the unchanged machine
+are known as far as priors and the scene's tolerances say, with the same errors at all points. All hypotheses are judged
 by exact slopes at the unchanged machine; the likely ones are solved again at their best estimates.
 """
 
@@ -46,22 +46,22 @@ from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
-UNCHANGED = 0.5  # probability beforehand that nothing changed; the others share the rest
-PAIRS = 0.1  # odds beforehand of two changes at once against one
-UNTOLD = 0.95  # of the width of an interval that knows the bounds alone: the points tell next to nothing
-FIRST = 3  # single changes that are solved again in any case, beside those that are likely by slopes
+UNCHANGED = 0.5  # prior probability that nothing changed; the others share the rest
+PAIRS = 0.1  # prior odds of two changes at once against one
+UNTOLD = 0.95  # of the width of an interval from the bounds alone: above it the points hardly determine the parameter
+FIRST = 3  # single changes that are solved again in any case, besides those likely by slopes
 LIKELY_PAIR = 1e-2  # probability from which on two changes at once are solved, ...
-MOST_PAIRS = 6  # ... at most so many of them, ...
+MOST_PAIRS = 6  # ... at most so many pairs, ...
 FIRST_PAIRS = 2  # ... and in any case so many where nothing else fits
-UNLIKELY, UNSOLVED = "hardly probable", "no other value has a solution at all points"  # why by slopes alone
+UNLIKELY, UNSOLVED = "hardly probable", "no other value has a solution at all points"  # why slopes alone
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The answer: hypotheses, the most probable first; `unchanged` are the parameters [SI] of the machine as it was.
+    """The answer: hypotheses, the most probable first; `unchanged` are the parameters [SI] of the unchanged machine.
 
-    `chance` is the probability of a misfit at least as large as the best one's. `odds` are those of two changes at once
-    against one beforehand. `reasons` are those of points without a solution. `status` ok | failed.
+    `chance` is the probability of a misfit at least as large as the best one's. `odds` are the prior odds of two
+    changes at once against one. `reasons` are those of points without a solution. `status` ok | failed.
     """
 
     fit: Fit
@@ -71,7 +71,7 @@ class Diagnosis:
     hypotheses: tuple[Hypothesis, ...] = ()
     alike: tuple[Alike, ...] = ()
     chance: float | None = None
-    inputs: tuple[str, ...] = ()  # of the unchanged machine, that are not known exactly
+    inputs: tuple[str, ...] = ()  # inputs of the unchanged machine that are not known exactly
     reasons: Mapping[str, str] = field(default_factory=dict)
     solutions: int = 0
     failed: int = 0
@@ -79,7 +79,7 @@ class Diagnosis:
 
     @property
     def changed(self) -> dict[str, float]:
-        """How probable it is that each parameter has changed, alone or with another; the most probable first."""
+        """Probability that each parameter has changed, alone or with another; the most probable first."""
         sums = dict.fromkeys(self.unchanged, 0.0)
         for one in self.hypotheses:
             for path in one.paths:
@@ -88,7 +88,7 @@ class Diagnosis:
 
     @property
     def untold(self) -> tuple[str, ...]:
-        """The parameters of which the points tell next to nothing: any value between the bounds fits as well."""
+        """Parameters that the points hardly determine: any value between the bounds fits as well."""
         single = {one.path: one.changes[0] for one in self.hypotheses if len(one.changes) == 1 and not one.linear}
 
         def width(parameter: Parameter) -> float:
@@ -99,7 +99,7 @@ class Diagnosis:
 
 
 class Here(NamedTuple):
-    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), what its inputs make (n, inputs)."""
+    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), effect of its inputs (n, inputs)."""
 
     residuals: Array
     slopes: Array
@@ -119,10 +119,10 @@ def diagnose(
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """Return which parameters of a fit's machine its points say have changed; `unchanged` is how probable none is.
+    """Return which parameters of a fit's machine have changed by its points; `unchanged` is the prior of no change.
 
-    `pairs` are the odds beforehand of two changes at once against one; 0: single changes alone are weighed. Raises
-    UsageError where the unchanged machine lies outside a parameter's bounds.
+    `pairs` are the prior odds of two changes at once against one; 0: single changes only. Raises UsageError where the
+    unchanged machine lies outside a parameter's bounds.
     """
     _check(unchanged, pairs)
     machine, before = unchanged_machine(fit)
@@ -160,7 +160,7 @@ def diagnose(
         first = max(rows, key=lambda one: one.probability)
         likely = [i for i in range(len(by_slopes)) if i not in solved]
         if not likely or by_chance(first.misfit, first.freedom) >= CHANCE:
-            break  # else slopes may have dismissed what fits
+            break  # else a hypothesis that fits may have been dismissed by its slopes
         solutions += sum(one.solutions for one in doubles.values())
         failed += sum(one.failed for one in doubles.values())
     every = [*(one for one in solved.values() if one), *doubles.values()]
@@ -200,7 +200,7 @@ def here(
     simulate: Simulate | None,
     number: int,
 ) -> Here:
-    """Return one point of the unchanged machine, and how it moves."""
+    """Return one point of the unchanged machine, with its slopes."""
     point = [point for point in fit.points if point.fitted][number]
     asked = Objective(replace(fit, points=(point,)), simulate)
     places = places_of(fit, values)
@@ -226,7 +226,7 @@ def _lost(number: int) -> Here:
 
 
 def _likely(none: float, by_slopes: Sequence[Along], unchanged: float) -> list[int]:
-    """Return which hypotheses are worth solving again."""
+    """Return the indices of the hypotheses worth solving again."""
     chances = probabilities(none, [one.log_evidence for one in by_slopes], unchanged)[1:]
     ranked = sorted(range(len(by_slopes)), key=lambda i: -chances[i])
     return [i for rank, i in enumerate(ranked) if rank < FIRST or chances[i] > LIKELY]
@@ -235,7 +235,7 @@ def _likely(none: float, by_slopes: Sequence[Along], unchanged: float) -> list[i
 def refined(
     fit: Fit, white: Array, simulate: Simulate | None, likely: Sequence[int], start: Array, columns: Array, number: int
 ) -> Profile | None:
-    """Return the likelihood over one of the likely parameters; None where there is none but by slopes."""
+    """Return the likelihood over one of the likely parameters; None where only slopes give one."""
     index = likely[number]
     asked = Objective(replace(fit, parameters=(fit.parameters[index],)), simulate)
     return profile(asked, white, float(start[index]), columns[index])
@@ -250,7 +250,7 @@ def _doubles(
     misfits: Sequence[float],
     jobs: int | None,
 ) -> dict[tuple[int, ...], Both]:
-    """Return the likelihoods of all pairs, those that are likely solved; none where pairs have no odds."""
+    """Return the likelihoods of all pairs, the likely ones solved; none where the odds of pairs are zero."""
     if not prior.odds > 0.0:
         return {}
     found = {pair: by_curves(curves, pair, LEVEL) for pair in combinations(range(len(curves.start)), 2)}

@@ -1,11 +1,11 @@
-"""Two parameters at once against measured points: their best change, and how probable that makes both.
+"""Two parameters changed at once, against measured points: their best change, and the evidence of both.
 
-The best places are found by least squares. About them the likelihood is taken as normal (Laplace's approximation, with
-the slopes there), and its integral over the places, even between the bounds of both, is the evidence: over one place in
-closed form, over the other by the trapezoidal rule.
+The best places are found by least squares. Around them the likelihood is taken as normal (Laplace's approximation, with
+the slopes there); the evidence is its integral over the places, uniform between the bounds of both: in closed form over
+one place, by the trapezoidal rule over the other.
 
-All pairs are judged without a solution: what two changes make of the residuals is taken as the sum of what each makes
-alone, by its slopes or, where it was solved again, by its solutions. The likely pairs are then solved.
+All pairs are judged without solving: the change of the residuals by two parameters is taken as the sum of the changes
+by each alone, from its slopes or, where it was solved again, from its solutions. The likely pairs are then solved.
 
 Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms, Cambridge 2003, chapters 27 and 28.
 """
@@ -21,17 +21,17 @@ from screwsim.study.calibration.fit import DIFFERENCES, Fit
 from screwsim.study.calibration.profile import Along, Profile, log_mass
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
 
-STEPS, CHEAP = 8, 40  # of least squares, with solutions and without
-GRID, FINER = 401, 3  # places of a grid, and how often it is made finer where the likelihood lies
-FAR = 40.0  # of the logarithm below the largest: there is no likelihood
-APART = 1e-4  # between places for the slope of a curve through solutions
+STEPS, CHEAP = 8, 40  # least-squares steps with solutions, and without
+GRID, FINER = 401, 3  # places of a grid, and number of its refinements where the likelihood lies
+FAR = 40.0  # of the logarithm below the largest, where the likelihood is negligible
+APART = 1e-4  # distance of places for the slope of a curve through solutions
 
 Curve = Callable[[float], Array]
 
 
 @dataclass(frozen=True)
 class Both:
-    """The likelihood over two places: the best, its chi², the evidence, intervals, residuals and slopes there."""
+    """Likelihood over two places: the best, its chi², the evidence, intervals, residuals and slopes there."""
 
     places: tuple[float, float]
     misfit: float
@@ -44,13 +44,13 @@ class Both:
     failed: int = 0
 
 
-Guesses = Sequence[tuple[tuple[int, int], Both]]  # pairs of parameters, and where their best places may be
+Guesses = Sequence[tuple[tuple[int, int], Both]]  # pairs of parameters, and guesses of their best places
 
 
 class Curves(NamedTuple):
-    """What each parameter alone makes of the whitened residuals `here` of the machine as it was, at places `start`.
+    """Changes of the whitened residuals by each parameter alone, from `here` of the unchanged machine at `start`.
 
-    `of` are the changes of the residuals over the place; `best` the best places of each alone.
+    `of` are functions of the place that return the change of the residuals; `best` the best places of each alone.
     """
 
     here: Array
@@ -60,7 +60,7 @@ class Curves(NamedTuple):
 
 
 def curves_of(here: Array, start: Array, columns: Array, singles: Sequence[Along | Profile]) -> Curves:
-    """Return the curves by solutions where there are any, else by slopes (parameters, n)."""
+    """Return the curves from solutions where there are any, else from slopes (parameters, n)."""
     of = tuple(
         _solved_curve(one, here) if isinstance(one, Profile) else _straight_curve(float(place), column)
         for one, place, column in zip(singles, start, columns, strict=True)
@@ -78,7 +78,7 @@ def _straight_curve(start: float, column: Array) -> Curve:
 
 
 def by_curves(curves: Curves, pair: tuple[int, int], level: float) -> Both:
-    """Return the likelihood over two parameters without a solution: their changes are added up."""
+    """Return the likelihood over two parameters without solving: their separate changes are added."""
     i, j = pair
     alone = curves.start[i], curves.start[j]
     begins = [alone, (curves.best[i], alone[1]), (alone[0], curves.best[j])]
@@ -102,9 +102,9 @@ def _slope(curve: Curve, place: float) -> Array:
 def solved(
     fit: Fit, white: Array, simulate: Simulate | None, guesses: Guesses, level: float, number: int
 ) -> Both | None:
-    """Return the likelihood over one of the pairs about its best places, which solutions find from the guess.
+    """Return the likelihood over one of the pairs around its best places, found by solutions from the guess.
 
-    The first slopes are those of the guess, later ones and those at the end differences. None where the best
+    The first slopes are those of the guess; later ones, and those at the end, are differences. None where the best
     places have no solution at all points.
     """
     pair, guess = guesses[number]
@@ -135,7 +135,7 @@ def solved(
 
 
 def normal_about(places: Array, residuals: Array, slopes: Array, level: float) -> Both:
-    """Return the likelihood over two places, linear about these, from whitened residuals (n,) and slopes (n, 2)."""
+    """Return the likelihood over two places, linear around these, from whitened residuals (n,) and slopes (n, 2)."""
     intervals, evidence = [], -np.inf
     for own, other in ((0, 1), (1, 0)):
         grid, density = _over_one(places, residuals, slopes, own, other)

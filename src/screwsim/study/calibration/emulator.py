@@ -1,7 +1,7 @@
-"""Figures of a fit over its parameters as polynomials of second degree, from solutions, with what they are off.
+"""Figures of a fit over its parameters as quadratic polynomials through solutions, with their errors.
 
-A chain asks for a hundred thousand of evaluations; polynomials over the region that counts answer them, and say by how
-much they may be wrong: by the errors at each solution of the fit to the others.
+A chain needs some hundred thousand evaluations; polynomials over the relevant region provide them, and their errors are
+estimated from each solution's deviation from the fit to the others.
 """
 
 from collections.abc import Mapping
@@ -16,12 +16,12 @@ from screwsim.study.calibration.residuals import Array, Objective, Simulate
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
 
-PER_TERM = 2  # solutions for each coefficient
+PER_TERM = 2  # solutions per coefficient
 Key = tuple[str, str]  # name of the point, figure
 
 
 class Row(NamedTuple):
-    """The figures [SI] of all points at one set of places; NaN where there is none."""
+    """Figures [SI] of all points at one set of places; NaN for missing ones."""
 
     figures: tuple[float, ...]
     why: str = ""
@@ -49,7 +49,7 @@ class Emulator:
 
 
 def terms(x: Array) -> Array:
-    """Return 1, x, and all products of two of x (…, terms), of places scaled to the region's -1 … 1."""
+    """Return 1, x, and all products of two of x (…, terms), with x the places scaled from 0 … 1 to −1 … 1."""
     x = 2.0 * np.asarray(x, float) - 1.0
     size = x.shape[-1]
     products = [x[..., i] * x[..., j] for i in range(size) for j in range(i, size)]
@@ -88,7 +88,7 @@ def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) 
 
 
 def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[Row]) -> Emulator | None:
-    """Return the polynomials through solutions, by least squares."""
+    """Return the polynomials through solutions, by least squares; None where there are too few."""
     keys = tuple((point.name, figure) for point in fit.points for figure in point.measured)
     whole = [len(row.figures) == len(keys) and bool(np.isfinite(row.figures).all()) for row in rows]
     design = terms((places[whole] - low) / (high - low))

@@ -1,4 +1,4 @@
-"""What a fit asks: parameters with bounds, measured points with uncertainties; all in SI units."""
+"""The question of a fit: parameters with bounds, measured points with uncertainties; all in SI units."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from screwsim.scene.types import COVERAGE
 
 EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
 TOLERANCE = "prior from the scene's tolerance"
-TOGETHER = 0.999  # correlation of what errs together: of one the density would have no width across
-LEAST = 1e-9  # of the mean of a logarithm: less counts as this, as bounds may begin at nothing
+TOGETHER = 0.999  # correlation within a group of correlated parameters: with 1 the density would have no width across
+LEAST = 1e-9  # of the mean of a logarithmic prior: smallest value, as bounds may begin at zero
 
 
 class Tie(NamedTuple):
@@ -29,10 +29,10 @@ class Tie(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """What is known of a parameter beforehand: normal, of that mean and standard deviation [SI].
+    """Prior of a parameter: normal with this mean and standard deviation [SI].
 
-    `logarithmic`: its logarithm is normal about that of the mean, the deviation that of the logarithm. `of_scene`: it
-    is the tolerance that the scene states, and not the fit's own.
+    `logarithmic`: the logarithm is normal about that of the mean, and the deviation is that of the logarithm.
+    `of_scene`: the prior is the scene's tolerance, not the fit's own.
     """
 
     mean: float
@@ -41,15 +41,15 @@ class Prior(NamedTuple):
     of_scene: bool = False
 
     def off(self, value: float) -> float:
-        """Return by how many standard deviations a value [SI] is off."""
+        """Return by how many standard deviations a value [SI] is off the mean."""
         return (math.log(max(value / self.mean, LEAST)) if self.logarithmic else value - self.mean) / self.deviation
 
     def slope(self, value: float) -> float:
-        """Return by how much that grows with the value [1/SI]."""
+        """Return the derivative of `off` by the value [1/SI]."""
         return 1.0 / self.deviation_at(value)
 
     def deviation_at(self, value: float) -> float:
-        """Return the standard deviation [SI] around a value [SI]; of a logarithm that of small changes."""
+        """Return the standard deviation [SI] around a value [SI]; for a logarithmic prior that of small changes."""
         return self.deviation * max(value, LEAST * self.mean) if self.logarithmic else self.deviation
 
     @property
@@ -62,7 +62,7 @@ class Prior(NamedTuple):
 
     @property
     def tolerance(self) -> float:
-        """Half of the 95 % interval [SI], or the factor by which that goes up and down: as scenes state it."""
+        """Half of the 95 % interval [SI], or for a logarithmic prior its factor up and down, as scenes state it."""
         return math.exp(COVERAGE * self.deviation) if self.logarithmic else COVERAGE * self.deviation
 
 
@@ -75,9 +75,9 @@ class Measured(NamedTuple):
 
 @dataclass(frozen=True)
 class Parameter:
-    """One unknown: its path in the scene, bounds [SI], and what else is known.
+    """One unknown: its path in the scene, bounds [SI], and prior knowledge.
 
-    `unheld`: nothing else is, even where the scene states a tolerance (`prior: none`).
+    `unheld`: it has no prior even where the scene states a tolerance (`prior: none`).
     """
 
     path: str
@@ -96,13 +96,13 @@ class Parameter:
         return self.low + (self.high - self.low) * place
 
     def place(self, value: float) -> float:
-        """Return where between the bounds a value [SI] lies, 0 … 1."""
+        """Return the place 0 … 1 of a value [SI] between the bounds."""
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def slope(self, value: float) -> float:
-        """Return by how much the value [SI] grows per unit of place."""
+        """Return the derivative of the value [SI] by the place."""
         return value * math.log(self.high / self.low) if self.logarithmic else self.high - self.low
 
     def values(self, value: float) -> dict[str, float]:
@@ -111,7 +111,7 @@ class Parameter:
 
 
 def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:
-    """Return what is known of a parameter beforehand: its own prior, or the tolerance that the scene states of it."""
+    """Return the prior of a parameter: its own, or the tolerance that the scene states for it; None without either."""
     tolerance = scene.uncertain.get(parameter.path)
     if parameter.prior is not None or parameter.unheld or tolerance is None:
         return parameter.prior
@@ -120,7 +120,7 @@ def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:
 
 
 def held_together(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tuple[int, ...], ...]:
-    """Return the parameters, by number, that are held by tolerances of which the scene says that they err together."""
+    """Return the groups of parameters, by index, whose priors are correlated tolerances of the scene."""
     found = []
     for group in scene.correlated:
         own = [i for i, each in enumerate(parameters) if each.path in group]
@@ -131,7 +131,7 @@ def held_together(scene: Scene, parameters: Sequence[Parameter]) -> tuple[tuple[
 
 @dataclass(frozen=True)
 class Point:
-    """One operating point: values [SI] by scene path, and what was measured there; `fitted` False: only predicted."""
+    """One operating point: values [SI] by scene path, and measurements; `fitted` False: only predicted."""
 
     name: str
     values: Mapping[str, Any]
@@ -141,13 +141,13 @@ class Point:
 
 @dataclass(frozen=True)
 class Fit:
-    """The whole question. `scene` has no sweep and the accuracy that the fit asks of each solution.
+    """The whole question. `scene` has no sweep, and the accuracy that the fit requires of each solution.
 
-    `together` are parameters, by number, whose priors err together (`with_priors`).
+    `together` are groups of parameters, by index, with correlated priors (`with_priors`).
     """
 
     title: str
-    name: str  # of the file
+    name: str  # name of the file
     scene: Scene
     scene_file: str
     parameters: tuple[Parameter, ...]
@@ -159,14 +159,14 @@ class Fit:
 
     @property
     def held(self) -> tuple[int, ...]:
-        """The parameters, by number, that have a prior."""
+        """Indices of the parameters that have a prior."""
         return tuple(i for i, each in enumerate(self.parameters) if each.prior is not None)
 
     @cached_property
     def whitener(self) -> NDArray[np.float64]:
-        """W that makes by how many standard deviations the held parameters are off independent of each other.
+        """Matrix W that decorrelates the deviations of the held parameters, in standard deviations.
 
-        WᵀW is the inverse of their correlation: `TOGETHER` within a group, 0 else.
+        WᵀW is the inverse of their correlation matrix: `TOGETHER` within a group, else 0.
         """
         correlation = np.eye(len(self.held))
         for group in self.together:
@@ -180,7 +180,7 @@ class Fit:
         return with_values(self.scene, self.changes(values))
 
     def changes(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return every path that values [SI] of the parameters change, those that follow included."""
+        """Return every path that values [SI] of the parameters change, including those that follow."""
         found: dict[str, float] = {}
         for parameter in self.parameters:
             found |= parameter.values(values[parameter.path])
@@ -191,13 +191,13 @@ class Fit:
         return with_values(self.machine(values), point.values)
 
     def with_priors(self) -> Fit:
-        """Return the fit with the scene's tolerances as priors of those parameters that have none."""
+        """Return the fit with the scene's tolerances as priors of parameters that have none."""
         held = (replace(each, prior=prior_of(self.scene, each)) for each in self.parameters)
         together = held_together(self.scene, self.parameters)
         return replace(self, parameters=tuple(held), together=together)
 
     def short_names(self) -> dict[str, str]:
-        """Return the last words of the parameters' paths, as many as tell them apart, by path."""
+        """Return short names of the parameters by path: the last words that tell them apart."""
         paths = {each.path: each.path.split(".") for each in self.parameters}
         ends = [path[-1] for path in paths.values()]
         return {name: ".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for name, path in paths.items()}

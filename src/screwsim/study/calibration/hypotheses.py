@@ -1,4 +1,4 @@
-"""What may have changed of a machine: hypotheses of one change, two or none, and their probabilities by Bayes' rule."""
+"""Hypotheses of what has changed in a machine: one parameter, two or none, and their probabilities by Bayes' rule."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ import numpy as np
 
 from screwsim.study.calibration.residuals import Array
 
-NONE = ""  # the path of the hypothesis that nothing changed
-LEVEL = 0.9  # of the intervals
+NONE = ""  # path of the hypothesis that nothing changed
+LEVEL = 0.9  # probability of the intervals
 LIKELY = 1e-3  # probability from which on a hypothesis counts
-APART = 2.0  # uncertainties: nearer than that two changes make the same of the points
+APART = 2.0  # uncertainties: two changes whose residuals are nearer than this have the same effect
 CHANCE = 0.01  # probability of a misfit below which no hypothesis fits
 
 
 class Change(NamedTuple):
-    """What one parameter would be now, and by how much it has changed, between `low` and `high` with `LEVEL` [SI]."""
+    """Estimated value of a changed parameter, and its change, between `low` and `high` with `LEVEL` [SI]."""
 
     path: str
     value: float
@@ -28,10 +28,10 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A change of one parameter, of two at once, or none: its probability, and what is left over, chi² of all points.
+    """A change of one parameter, of two at once, or none: its probability, and the remaining chi² of all points.
 
-    `also` are values [SI] of one parameter that fit nearly as well, further off. `linear` says why it was not solved
-    again, '' where it was.
+    `also` are other values [SI] of one parameter that fit nearly as well. `linear` says why the hypothesis was not
+    solved again, '' where it was.
     """
 
     changes: tuple[Change, ...]
@@ -44,7 +44,7 @@ class Hypothesis:
 
     @property
     def path(self) -> str:
-        """The path of what has changed, or two of them joined by ' + '; '' of none."""
+        """Path of the changed parameter, or two joined by ' + '; '' for none."""
         return " + ".join(self.paths)
 
     @property
@@ -56,12 +56,12 @@ class Hypothesis:
 
     @property
     def value(self) -> float | None:
-        """What the one parameter would be now [SI]."""
+        """Estimated present value of the one parameter [SI]."""
         return self._only("value")
 
     @property
     def change(self) -> float | None:
-        """By how much the one parameter has changed [SI]."""
+        """Change of the one parameter [SI]."""
         return self._only("change")
 
     @property
@@ -74,7 +74,7 @@ class Hypothesis:
 
 
 class Alike(NamedTuple):
-    """Two hypotheses that the points do not tell apart: `off`: by how many uncertainties they differ at all points."""
+    """Two hypotheses that the points cannot distinguish; `off`: their distance at all points, in uncertainties."""
 
     first: str
     second: str
@@ -82,7 +82,7 @@ class Alike(NamedTuple):
 
 
 class Beforehand(NamedTuple):
-    """What is known without pairs: probabilities beforehand, chi² of no change, logarithms of singles' evidences."""
+    """Prior probabilities, chi² of no change, and logarithms of the single changes' evidences: all but the pairs."""
 
     unchanged: float
     odds: float
@@ -90,7 +90,7 @@ class Beforehand(NamedTuple):
     singles: tuple[float, ...]
 
     def probabilities(self, doubles: Sequence[float]) -> Array:
-        """Return the probabilities of no change, of each single one and of each pair, by the pairs' log evidences."""
+        """Return the probabilities of no change, each single change and each pair, by the pairs' log evidences."""
         return probabilities(self.none, self.singles, self.unchanged, doubles, self.odds)
 
 
@@ -99,7 +99,7 @@ def probabilities(
 ) -> Array:
     """Return the probabilities of no change (chi² `none`), of each single change and pair, by their log evidences.
 
-    `odds` are those of the pairs together against the single changes together beforehand.
+    `odds` are the prior odds of all pairs together against all single changes together.
     """
     odds = odds if doubles else 0.0
     changed = (1.0 - unchanged) / (1.0 + odds)
@@ -111,9 +111,10 @@ def probabilities(
 
 
 def alike(ranked: Sequence[Hypothesis], left: Mapping[tuple[str, ...], Array]) -> tuple[Alike, ...]:
-    """Return likely hypotheses that the points do not tell apart; none where nothing changed most probably.
+    """Return pairs of likely hypotheses that the points cannot distinguish; none where no change is most probable.
 
-    Only of as many changes as the most probable one has: a pair always fits as well as each of its two alone.
+    Only hypotheses with as many changes as the most probable one count: a pair always fits as well as each of its two
+    alone.
     """
     likely = [one for one in ranked if len(one.paths) == len(ranked[0].paths) and one.probability > LIKELY]
     if ranked[0].path == NONE:
@@ -124,7 +125,7 @@ def alike(ranked: Sequence[Hypothesis], left: Mapping[tuple[str, ...], Array]) -
 
 
 def by_chance(misfit: float, freedom: int) -> float:
-    """Return how probable a misfit at least as large is."""
+    """Return the probability of a misfit at least as large, by chance."""
     from scipy.stats import chi2
 
     return float(chi2.sf(misfit, max(freedom, 1)))

@@ -1,4 +1,4 @@
-"""What the slopes of a fit say: standard errors, correlations, and which parameters the data do not tell apart."""
+"""Certainty of a fit by its slopes: standard errors, correlations, and parameters that the data cannot separate."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -8,20 +8,20 @@ import numpy as np
 from screwsim.study.calibration.fit import Parameter
 from screwsim.study.calibration.residuals import Array
 
-CORRELATED = 0.95  # from this |r| on two parameters are not told apart
-WEAK = 0.02  # of the largest singular value of the scaled slopes: below it a combination is not fixed
-LEAST = 1e-100  # singular value, whose inverse can be squared
-IDLE = 1.0  # of the bounds' distance: a standard error above it tells nothing, even where it is the smallest
-BORDER = 5e-3  # of the bounds' distance: nearer is at the bound
-SHARE = 0.25  # of the largest part: what belongs to a combination
+CORRELATED = 0.95  # from this |r| on two parameters cannot be separated
+WEAK = 0.02  # of the largest singular value of the scaled slopes: below it a combination is not determined
+LEAST = 1e-100  # smallest singular value whose inverse can be squared
+IDLE = 1.0  # of the bounds' distance: a larger standard error carries no information, even where it is the smallest
+BORDER = 5e-3  # of the bounds' distance: nearer counts as at the bound
+SHARE = 0.25  # of the largest component: least component that belongs to a combination
 
 
 @dataclass(frozen=True)
 class Combination:
-    """Parameters that the data do not fix together: moves over the bounds' distance that leave the figures alone.
+    """Parameters that the data do not determine together: moves over the bounds' distance that keep the figures.
 
-    `strength` is the singular value over the largest; `span` is the standard error along it, over the bounds'
-    distance, with no bound upwards. `says` tells it in words.
+    `strength` is the singular value over the largest; `span` is the standard error along the move, over the bounds'
+    distance, without an upper limit. `says` states it in words.
     """
 
     paths: tuple[str, ...]
@@ -33,7 +33,7 @@ class Combination:
 
 @dataclass(frozen=True)
 class Certainty:
-    """How well the parameters are known: standard errors [SI] and correlations of those that are not at a bound.
+    """Certainty of the parameters: standard errors [SI] and correlations of those that are not at a bound.
 
     `border` names the bound, else it is empty.
     """
@@ -42,11 +42,11 @@ class Certainty:
     correlation: tuple[tuple[float | None, ...], ...]
     border: tuple[str, ...]
     open: tuple[Combination, ...]
-    singular: tuple[float, ...]  # values of the scaled slopes, over the largest
+    singular: tuple[float, ...]  # singular values of the scaled slopes, over the largest
 
 
 def borders(places: Array) -> tuple[str, ...]:
-    """Return at which bound each parameter is: lower, upper or neither."""
+    """Return the bound at which each parameter is: lower, upper or ''."""
     return tuple("lower" if u < BORDER else "upper" if u > 1.0 - BORDER else "" for u in places)
 
 
@@ -58,9 +58,9 @@ def certainty(
     apart: Array | None = None,
     together: Sequence[Sequence[int]] = (),
 ) -> Certainty:
-    """Return how well parameters are known, from the slopes of the residuals over the places.
+    """Return the certainty of parameters from the slopes of the residuals over the places.
 
-    Of parameters whose priors err `together`, by number, `apart` are the slopes as if they did not.
+    For parameters whose priors are correlated (`together`, by index), `apart` are the slopes as if they were not.
     """
     at = borders(places)
     free = [index for index, border in enumerate(at) if not border]
@@ -88,10 +88,10 @@ def _inverse(s: Array) -> Array:
 def open_combinations(
     parameters: Sequence[Parameter], slopes: Array, apart: Array, together: Sequence[Sequence[int]] = ()
 ) -> tuple[tuple[float, ...], tuple[Combination, ...]]:
-    """Return singular values of the slopes over the largest, and what the data do not tell apart.
+    """Return singular values of the slopes over the largest, and what the data cannot separate.
 
-    All parameters count, also those at a bound: there one of a pair may have ended by chance. The largest value is that
-    of slopes `apart`: what holds two parameters together says nothing of how well others are known.
+    All parameters count, also those at a bound: one of a pair may have ended there by chance. The largest value is that
+    of the slopes `apart`: a correlation of two priors says nothing about how well others are known.
     """
     _, s, v = np.linalg.svd(slopes, full_matrices=False)
     largest = float(s[0]) if apart is slopes else float(np.linalg.svd(apart, compute_uv=False)[0])
@@ -106,7 +106,7 @@ def open_combinations(
 
 
 def _weak(parameters: Sequence[Parameter], share: Array, inverse: Array, v: Array) -> Iterator[Combination]:
-    """Yield the combinations whose singular value is small, and those that bounds tell more of than the data."""
+    """Yield the combinations whose singular value is small, and those determined by their bounds more than by data."""
     for strength, span, direction in zip(share, inverse, v, strict=True):
         if strength < WEAK or span > IDLE:
             move = direction / direction[int(np.argmax(np.abs(direction)))]
@@ -121,7 +121,7 @@ def _pairs(
     known: set[str],
     together: Sequence[Sequence[int]],
 ) -> Iterator[Combination]:
-    """Yield pairs that are strongly correlated, in no weak combination already, and not held together."""
+    """Yield strongly correlated pairs that are in no weak combination already, and whose priors are not correlated."""
     for i, first in enumerate(parameters):
         for j, second in enumerate(parameters[:i]):
             r = float(correlation[i, j])
@@ -139,7 +139,7 @@ def _told(parameters: Sequence[Parameter], moves: Array, strength: float, span: 
 
 
 def _words(parameters: Sequence[Parameter], moves: Array) -> str:
-    """Return what a move that leaves the figures alone means."""
+    """Return in words the meaning of a move that keeps the figures."""
     names = [each.path for each in parameters]
     if len(parameters) == 1:
         return f"the data say next to nothing about {names[0]}"

@@ -1,4 +1,4 @@
-"""The machine of a fit as it is taken to be, how its points move, and points at which nothing is measured yet."""
+"""The unchanged machine of a fit, the response of its points to inputs, and points that are not measured yet."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -18,11 +18,11 @@ from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.local import sensitivities
 from screwsim.study.uncertain import groups_of
 
-Group = tuple[str, ...]  # paths of inputs that err together, one or more
+Group = tuple[str, ...]  # paths of correlated inputs, one or more
 
 
 def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
-    """Return the scene of the machine as it was, and the fit's parameters [SI] in it."""
+    """Return the scene of the unchanged machine, and the fit's parameters [SI] in it."""
     before = {}
     for parameter in fit.parameters:
         stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
@@ -36,7 +36,7 @@ def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
 
 
 def posed(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
-    """Return a fit of that machine without priors, its slopes exact but where points are not ours."""
+    """Return the fit of that machine without priors; slopes are exact unless `simulate` is given."""
     bare = tuple(replace(parameter, prior=None) for parameter in fit.parameters)
     return replace(fit, scene=machine, parameters=bare, slopes=EXACT if simulate is None else DIFFERENCES)
 
@@ -53,7 +53,7 @@ def prepare(fit: Fit, simulate: Simulate | None) -> None:
 def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, float]]:
     """Return the groups of the scene's inputs with a tolerance, and deviations [SI] of parameters by their priors.
 
-    A parameter's prior counts, and not the tolerance of its path.
+    A parameter's prior replaces the tolerance of its path.
     """
     priors = {(each.path,): each.prior.deviation for each in fit.parameters if each.prior is not None}
     known = {path for group in priors for path in group}
@@ -62,9 +62,9 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
 
 
 def by_tolerance(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> list[Array]:
-    """Return what one standard uncertainty of each group of inputs makes of a point's residuals; errors go together.
+    """Return the changes of a point's residuals by one standard uncertainty of each group of correlated inputs.
 
-    The scene is that of the point, and solved anew where its `result` is not known.
+    The scene is that of the point; it is solved where its `result` is not known.
     """
     if not groups:
         return []
@@ -82,12 +82,12 @@ def by_tolerance(scene: Scene, point: Point, groups: Sequence[Group], result: Re
 
 
 def places_of(fit: Fit, values: Mapping[str, float]) -> Array:
-    """Return where between their bounds the parameters lie, 0 … 1."""
+    """Return the places of the parameters between their bounds, 0 … 1."""
     return np.array([parameter.place(values[parameter.path]) for parameter in fit.parameters])
 
 
 class Typical(NamedTuple):
-    """How well a figure is measured: a standard uncertainty [SI], of temperatures, or a share of the value."""
+    """Usual standard uncertainty of a figure: an absolute one [SI] for temperatures, else a share of the value."""
 
     size: float
     share: bool
@@ -98,9 +98,9 @@ class Typical(NamedTuple):
 
 
 def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) -> tuple[Point, ...]:
-    """Return the points of a CSV file that names conditions, and of figures at least how well they would be measured.
+    """Return the points of a CSV file with conditions, and with at least the uncertainty of each figure listed.
 
-    `option` is the one by which the file was named. Raises SceneError with a line a fault, UsageError.
+    `option` is the one that named the file. Raises SceneError with one line per fault, UsageError.
     """
     if not os.path.isfile(file):
         raise UsageError(f"{option} {file}: is not a file (name an existing one)")
@@ -117,7 +117,7 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
 
 
 def typical(fit: Fit) -> dict[str, Typical]:
-    """Return how well the fit's points measure each figure: the median share; of temperatures the median itself."""
+    """Return the usual uncertainty of each figure at the fit's points: the median share, or for temperatures [K]."""
     found = {}
     every = [(name, one) for point in fit.points for name, one in point.measured.items()]
     for name in dict.fromkeys(name for name, _ in every):

@@ -1,8 +1,8 @@
-"""Which points to measure next: those of the candidates that would tell most about the parameters of a fit.
+"""Which points to measure next: the candidates that say most about the parameters of a fit.
 
-The slopes are exact, at the parameters that the scene states (or the means of priors). Known already is what the fit's
-points tell, priors, tolerances of the scene, and for a parameter without either that it lies between its bounds, at any
-place as probably.
+Slopes are exact, at the parameters that the scene states (or the means of priors). Prior information comes from the
+fit's points, priors, tolerances of the scene and, for a parameter without either, from a uniform distribution between
+its bounds.
 """
 
 import itertools
@@ -39,14 +39,14 @@ from screwsim.study.progress import Progress
 from screwsim.study.sensitivity import Range, read_ranges
 from screwsim.study.workers import DIED
 
-EVEN = 12.0  # one over the variance of what lies at any place 0 … 1 as probably
-COUNT, LEVELS = 3, 4  # points that are chosen; values of a range
+EVEN = 12.0  # one over the variance of a uniform distribution on 0 … 1
+COUNT, LEVELS = 3, 4  # points to choose; values per range
 MOST = 2000  # candidates
 NONE_DELIVERS = "at no candidate anything is delivered (candidates at a higher speed, or a lower pressure ratio)"
 
 
 def point_name(scene: Scene, values: Mapping[str, Any]) -> str:
-    """Return the name of a candidate: its values [SI] as people state them."""
+    """Return the name of a candidate: its values [SI] as people write them."""
     return ", ".join(shown_value(scene, path, value) for path, value in values.items())
 
 
@@ -54,7 +54,7 @@ def point_name(scene: Scene, values: Mapping[str, Any]) -> str:
 class Step:
     """One point to measure: standard deviations [SI] of the parameters with it and those before, the gain in nats.
 
-    `gain` is by how much the logarithm of the volume of what the parameters may be becomes less.
+    `gain` is the decrease of the logarithm of the volume in which the parameters may lie.
     """
 
     point: Point
@@ -64,9 +64,9 @@ class Step:
 
 @dataclass(frozen=True)
 class Plan:
-    """The answer: points in the order in which they tell most; `before` are the deviations [SI] as it is.
+    """The answer: points in the order of their information; `before` are the present deviations [SI].
 
-    `even` are the parameters of which nothing but bounds is known beforehand. `reasons` are those of points and
+    `even` are the parameters of which only the bounds are known beforehand. `reasons` are those of points and
     candidates without a solution. `status` ok | failed.
     """
 
@@ -86,15 +86,15 @@ class Plan:
 
 
 class Told(NamedTuple):
-    """What a point would tell: rows of slopes over uncertainties (figures, parameters and inputs), and of what."""
+    """Information of a point: rows of slopes over uncertainties (figures, parameters and inputs), and the figures."""
 
     rows: Array
     measured: Mapping[str, Measured]
     why: str
     solutions: int = 0
     failed: int = 0
-    idle: bool = False  # is nothing delivered there?
-    odd: str = ""  # what is wrong with an uncertainty that the point states
+    idle: bool = False  # nothing is delivered there
+    odd: str = ""  # fault of an uncertainty that the point states
 
 
 def candidates_of(
@@ -102,8 +102,8 @@ def candidates_of(
 ) -> tuple[Point, ...]:
     """Return the candidates of a CSV file, or all combinations of so many values of ranges PATH=LOW..HIGH.
 
-    A candidate measures what its file states an uncertainty of; of ranges, and without such columns, nothing yet.
-    Raises SceneError with a line a fault of the file, UsageError.
+    A candidate measures the figures whose uncertainties its file states; from ranges, and without such columns, none
+    yet. Raises SceneError with one line per fault of the file, UsageError.
     """
     if (file is None) == (not paths):
         raise UsageError(
@@ -147,7 +147,7 @@ def plan(
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> Plan:
-    """Return which `count` of the candidates would tell most beside the fit's points; raise UsageError."""
+    """Return which `count` of the candidates say most in addition to the fit's points; raise UsageError."""
     if not 1 <= count <= len(candidates):
         raise UsageError(f"--count {count}: of {len(candidates)} candidates 1 to {len(candidates)} can be chosen")
     machine, values = unchanged_machine(fit)
@@ -192,7 +192,7 @@ def plan(
 
 
 def _known(fit: Fit, machine: Scene, values: Mapping[str, float], inputs: int) -> tuple[Array, tuple[str, ...]]:
-    """Return the information of what is known beforehand, and of which parameters that is their bounds alone."""
+    """Return the prior information, and the parameters of which it is that of the bounds alone."""
     diagonal, even = [], []
     for one in fit.parameters:
         value, prior = values[one.path], prior_of(machine, one)
@@ -215,7 +215,7 @@ def told(
     simulate: Simulate | None,
     number: int,
 ) -> Told:
-    """Return what one point would tell; a candidate that states no uncertainties is measured as the others are."""
+    """Return the information of one point; a candidate without stated uncertainties is measured like the others."""
     point = points[number]
     asked, places = Objective(fit, simulate), places_of(fit, values)
     result = asked.solved(point, values)
@@ -232,13 +232,13 @@ def told(
     slopes = asked.point_slopes(point, places, result.performance)
     inputs = by_tolerance(fit.at(point, values), point, groups, result if simulate is None else None)
     rows = np.column_stack([slopes, *inputs]) if inputs else slopes
-    # what a machine without flow takes tells of its leaks, and nobody rates it
+    # power without flow depends on the leaks, but nobody rates such a point
     flow = result.performance.get("gas_mass_flow")
     return Told(rows, measured, "", asked.solutions, asked.failed, flow is not None and flow <= 0.0)
 
 
 def _as_measured(point: Point, figures: Figures, usual: Mapping[str, Typical]) -> dict[str, Measured]:
-    """Return ours of what a point measures, with the uncertainties that it states, or the usual ones."""
+    """Return the computed figures that a point measures, with its stated uncertainties, or the usual ones."""
     if point.measured:
         return {name: Measured(figures[name], one.uncertainty) for name, one in point.measured.items()}
     return {name: Measured(figures[name], one.of(figures[name])) for name, one in usual.items() if figures[name]}

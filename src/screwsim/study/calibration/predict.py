@@ -1,8 +1,8 @@
-"""What measurements at other operating points would be, by the posterior of a fit, and what makes them uncertain.
+"""Predicted measurements at other operating points, from the posterior of a fit, and the parts of their uncertainty.
 
-A measurement there is the model at parameters of the posterior, plus a discrepancy of a width of the posterior, plus
-the measurement's own uncertainty. The figures at each point are polynomials over the region of the posterior, as those
-of the fit's points are.
+A measurement is the model at parameters of the posterior, plus a discrepancy with a width from the posterior, plus the
+measurement's own uncertainty. The figures at each point are polynomials over the region of the posterior, as are those
+of the fit's points.
 """
 
 import os
@@ -26,7 +26,7 @@ from screwsim.study.workers import DIED
 
 
 def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "predict") -> tuple[Point, ...]:
-    """Return the points of a CSV file as `predict` takes them; raise SceneError with a line a fault, UsageError."""
+    """Return the points of a CSV file for `predict`; raise SceneError with one line per fault, UsageError."""
     points = points_of(fit, file, option, "points to predict")
     known_figures(fit, points)
     return points
@@ -66,10 +66,11 @@ def predict(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Predictions:
-    """Return what would be measured at points, of every figure that the fitted points measure.
+    """Return predicted measurements at points, of every figure that the fitted points measure.
 
-    How well is the uncertainty that a point states of a figure, or that of the fit's points (the median share of the
-    value; of temperatures the median itself). A value that a point states is set beside. Raises UsageError.
+    The uncertainty of a measurement is the one that a point states for a figure, or the usual one of the fit's points
+    (the median share of the value; for temperatures the median itself). A value that a point states is listed for
+    comparison. Raises UsageError.
     """
     figures = known_figures(found.fit, points)
     if found.samples is None or found.widths is None or found.region is None:
@@ -120,7 +121,7 @@ def _number(found: Posterior, figure: str) -> int:
 
 
 def _uncertainties(point: Point, figures: Sequence[str], usual: Mapping[str, Typical], medians: Array) -> Array:
-    """Return how well each figure is measured at a point [SI]."""
+    """Return the standard uncertainty [SI] with which each figure is measured at a point."""
     stated = point.measured
     pairs = zip(figures, medians.tolist(), strict=True)
     return np.array([stated[name].uncertainty if name in stated else usual[name].of(value) for name, value in pairs])
@@ -129,7 +130,7 @@ def _uncertainties(point: Point, figures: Sequence[str], usual: Mapping[str, Typ
 def _of_point(
     point: Point, figures: Sequence[str], parts: tuple[Array, Array, Array, Array], generator: np.random.Generator
 ) -> list[Prediction]:
-    """Return the predictions of a point from figures and widths at draws, measuring and the polynomials' errors."""
+    """Return a point's predictions from figures and widths at draws, measurement uncertainties, polynomial errors."""
     ours, widths, uncertainty, off = parts
     variance = widths**2 + uncertainty**2 + off**2
     drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)

@@ -1,4 +1,4 @@
-"""Goal seek: the values of paths at which figures are what they are wanted to be, and machines sized that way."""
+"""Goal seek: the values of paths at which figures have their wanted values, and machines sized that way."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from screwsim.study.workers import DIED
 
 __all__ = ["Found", "Question", "find", "find_each", "question"]
 
-EXPECTED = 10  # solutions for each path of a search that is told
-DIGITS = 7  # of a value that was found: far below its error
+EXPECTED = 10  # solutions per path that the progress expects
+DIGITS = 7  # of a found value: far below its error
 Vary = Iterable[str] | Mapping[str, tuple[float, float] | None]
 Goals = Iterable[str] | Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked: as many paths as goals, and of one path the sizes [SI] that a maker has."""
+    """The question: as many paths as goals, and for one path the sizes [SI] that a maker offers."""
 
     spans: tuple[Span, ...]
     goals: tuple[Goal, ...]
@@ -44,7 +44,7 @@ class Question:
 
 
 def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[float] = ()) -> Question:
-    """Return what is asked; raise UsageError, in one line, of what makes no sense.
+    """Return the question; raise UsageError, in one line, where it makes no sense.
 
     `vary` are texts 'PATH' or 'PATH=LOW..HIGH', or {path: (low, high) [SI], None for the range that the scene or the
     schema gives}; `goals` texts 'FIGURE=VALUE', or {figure: value [SI], or a text as '500 kW'}; `catalogue` a text or
@@ -79,7 +79,7 @@ def _goals(scene: Scene, goals: Goals) -> tuple[Goal, ...]:
 
 
 def _wanted(figure: str, value: Any) -> float:
-    """Return the value [SI] that a program states for a figure: a number, or a text as on the command line."""
+    """Return the value [SI] wanted of a figure: given as a number, or as a text as on the command line."""
     if isinstance(value, str):
         return read_figure(figure, value, f"goal {figure}")
     if not NUMBER.holds(value):
@@ -134,7 +134,7 @@ def find_each(
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> list[Found]:
-    """Return what is found at each point of the scene's axes but those of the paths (one without them)."""
+    """Return the answer at each point of the scene's axes other than the varied paths (one point without axes)."""
     varied = {span.path: span.value(span.first) for span in asked.spans}
     rest = only(scene, [path for path in scene.sweep if path not in varied])
     check_fit(case(rest, 0), varied, ", ".join(varied))
@@ -153,7 +153,7 @@ def find_each(
 
 
 def _found(rest: Scene, asked: Question, simulate: Simulate | None, number: int) -> Found:
-    """Return what is found at one point of the other axes."""
+    """Return the answer at one point of the other axes."""
     trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or Warm())
     met = (one if len(asked.spans) == 1 else several).solve(trials)
     at: dict[str, Any] = case_values(rest, number)
@@ -182,5 +182,5 @@ def _written(scene: Scene) -> Scene:
 
 
 def rounded(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
-    """Return values [SI] as they are written: `DIGITS` digits of the customary unit."""
+    """Return values [SI] as they are written: with `DIGITS` digits in the customary unit."""
     return {path: read_text(scene, path, shown_value(scene, path, value, DIGITS)) for path, value in values.items()}

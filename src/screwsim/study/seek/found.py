@@ -1,4 +1,4 @@
-"""The answer to a goal seek: values with errors, what the figures are, or how near it came; the next size up."""
+"""The answer to a goal seek: values with errors, figures, how near a failed search came; the next size up."""
 
 import math
 import re
@@ -20,15 +20,15 @@ from screwsim.study.seek import one, several
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import Span
 
-SAME = 1e-9  # relative: a size is the value itself
-BORDER = 1e-6  # of a range: at its end
-CLEAR = 4.0  # errors of a figure from which on two solutions tell its slope
+SAME = 1e-9  # relative difference below which a size equals the value
+BORDER = 1e-6  # of a range: distance from its end that counts as at the end
+CLEAR = 4.0  # errors of a figure from which on two solutions determine its slope
 BORDERS = ("lower border", "upper border")
 
 
 @dataclass(frozen=True)
 class Size:
-    """A size of a catalogue that meets the goal, and what it gives [SI]."""
+    """A size of a catalogue that meets the goal, and the figure there [SI]."""
 
     value: float
     figure: float
@@ -39,9 +39,9 @@ class Size:
 class Found(Brief):
     """What was found at one point of the scene's other axes (`at`), all in SI units.
 
-    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest;
-    failed: no solution has the figures. `uncertainties` are what the figures' estimated numerical `errors` (absolute)
-    make of the values; `borders` names the end of a range at which a value lies.
+    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest
+    solution; failed: no solution has the figures. `uncertainties` are those of the values due to the figures' estimated
+    numerical `errors` (absolute); `borders` names the end of a range at which a value lies.
     """
 
     status: str  # ok | none | failed
@@ -57,7 +57,7 @@ class Found(Brief):
     size: Size | None = None
     solutions: int = 0
     failed: int = 0
-    scene: Scene | None = None  # with the values; of a catalogue, with the size
+    scene: Scene | None = None  # with the values found; for a catalogue, with the size
     result: Result | None = None
 
     def _about(self) -> About:
@@ -74,7 +74,7 @@ class Found(Brief):
 
 
 def judged(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> Found:
-    """Return what a search found."""
+    """Return the answer of a search."""
     head: dict[str, Any] = {"spans": trials.spans, "goals": trials.goals, "at": at}
     told = _failures(trials)
     best = met or trials.nearest
@@ -113,7 +113,7 @@ def _borders(trials: Trials, trial: Trial) -> dict[str, str]:
 
 
 def uncertainties(trials: Trials, met: Trial) -> dict[str, float | None]:
-    """Return what the errors of the figures make of the values [SI]: over their slopes, all to the worse side."""
+    """Return the errors of the values [SI] due to those of the figures, over their slopes, in the worst combination."""
     slopes = _slope(trials, met) if len(trials.spans) == 1 else several.jacobian(trials, met)
     if slopes is None or np.linalg.cond(slopes) > 1e12:
         return {span.path: None for span in trials.spans}
@@ -124,7 +124,7 @@ def uncertainties(trials: Trials, met: Trial) -> dict[str, float | None]:
 
 
 def _slope(trials: Trials, met: Trial) -> np.ndarray | None:
-    """Return the slope of the one figure over its size, by the nearest solution that is clearly another."""
+    """Return the slope of the one figure, over its size, from the nearest solution that clearly differs."""
     (size,) = trials.sizes
     assert met.off is not None
     for other in sorted(trials.closed, key=lambda trial: abs(trial.places[0] - met.places[0])):
@@ -157,7 +157,7 @@ def missed(trials: Trials, best: Trial) -> str:
 
 
 def _jump(trials: Trials) -> str:
-    """Return how one figure passes its goal without having it; empty where it does not."""
+    """Return how one figure jumps over its goal; empty where it does not."""
     ends = one.bracket(trials) if len(trials.spans) == 1 else None
     if ends is None:
         return ""
@@ -169,7 +169,7 @@ def _jump(trials: Trials) -> str:
 
 
 def _flat(trials: Trials) -> str:
-    """Return that one figure does not change; empty where it does."""
+    """Return the message that the one figure does not change; empty where it does."""
     if len(trials.spans) > 1 or len(trials.closed) < 2:
         return ""
     off = [(trial.off or (math.nan,))[0] for trial in trials.closed]
@@ -180,7 +180,7 @@ def _flat(trials: Trials) -> str:
 
 
 def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
-    """Return the sizes [SI] of '140, 163, 204 mm', ascending; a unit holds for all before it without one."""
+    """Return the sizes [SI] of '140, 163, 204 mm', ascending; a unit holds for all earlier numbers without one."""
     parts = [part.strip() for part in text.split(",")]
     last = re.fullmatch(rf"{NUMBER}\s*(.*)", parts[-1])
     unit = last[1].strip() if last else ""
@@ -195,10 +195,10 @@ def read_catalogue(scene: Scene, path: str, text: str) -> tuple[float, ...]:
 
 
 def next_size(trials: Trials, met: Trial | None, sizes: Iterable[float]) -> Size | None:
-    """Return the smallest size from the value found on that is at the goal or beyond it; None where none is.
+    """Return the smallest size, from the value found on, that is at the goal or beyond it; None where none is.
 
-    Beyond is the side to which the figure goes as the size grows. Where no value meets the goal, because every size is
-    beyond it, that is the smallest size.
+    Beyond is the side towards which the figure moves as the size grows. Where no value meets the goal because every
+    size is beyond it, that is the smallest size.
     """
     sizes = list(sizes)
     row = sorted(trials.closed, key=lambda trial: trial.places)

@@ -1,4 +1,4 @@
-"""One goal by one path: a walk to a change of sign, then Brent's way of narrowing it; failures are gone round."""
+"""One goal by one path: secant steps to a change of sign, then interpolation as in Brent's method; avoids failures."""
 
 import itertools
 import math
@@ -8,20 +8,20 @@ import numpy as np
 
 from screwsim.study.seek.trials import Trial, Trials
 
-MOST = 40  # solutions of the walk and the narrowing
-OTHERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to begin at where the scene's own fails
-WIDEST, LEAST = 0.35, 0.01  # a step of the walk, in places
-SCAN = 7  # places over the whole range, where the walk came to an end without the goal
-TURN = 1e-3  # of the range: how well the place is wanted where the figure is nearest to a goal that it never has
-NARROW = 1e-8  # width of a change of sign at which it is a jump
-FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign, where a solution in it fails
+MOST = 40  # solutions of the walk, and of the narrowing
+OTHERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to start from where the scene's own fails
+WIDEST, LEAST = 0.35, 0.01  # longest and shortest step of the walk, in places
+SCAN = 7  # places over the whole range, where the walk ended without the goal
+TURN = 1e-3  # of the range: wanted accuracy of the place nearest to a goal that is never reached
+NARROW = 1e-8  # width of a change of sign below which it is a jump
+FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign: places tried where a solution in it fails
 
 Bracket = tuple[Trial, Trial]
 
 
 def solve(trials: Trials) -> Trial | None:
-    """Return the solution that meets the goal; None where there is none: `trials` tells how near it came."""
-    # at the scene's own place, else at others until one has the figure
+    """Return the solution that meets the goal; None where there is none: `trials` then holds how near it came."""
+    # start at the scene's own place, else at others until one has the figure
     if not any(trials.at(place).closed for place in (trials.spans[0].first, *OTHERS)):
         return None
     _walk(trials)
@@ -34,7 +34,7 @@ def solve(trials: Trials) -> Trial | None:
 
 
 def bracket(trials: Trials) -> Bracket | None:
-    """Return the neighbours between which the figure passes its goal, nearest to it; None of none."""
+    """Return the neighbours between which the figure passes its goal, those nearest to it; None without any."""
     row = sorted(trials.closed, key=lambda trial: trial.places)
     pairs = [pair for pair in itertools.pairwise(row) if _off(pair[0]) * _off(pair[1]) <= 0.0]
     return min(pairs, key=lambda pair: min(abs(_off(each)) for each in pair), default=None)
@@ -46,24 +46,24 @@ def _off(trial: Trial) -> float:
 
 
 def _walk(trials: Trials) -> None:
-    """Follow the secant until the figure passes its goal, or an end of the range, or a failure is met."""
+    """Take secant steps until the figure passes its goal, or until an end of the range or a failure is met."""
     for _ in range(MOST):
         best = trials.nearest
         if best is None or trials.met(best) or bracket(trials) is not None:
             return
         here = best.places[0]
         place = min(max(_next(trials, best), 0.0), 1.0)
-        for _ in range(4):  # halfway back from what fails
+        for _ in range(4):  # back towards the last place by halves where a solution fails
             if (place,) in trials.known or trials.at(place).closed:
                 break
             place = 0.5 * (place + here)
         new = trials.nearest
-        if new is best and bracket(trials) is None:  # no nearer: the end of the range, or a turn of the figure
+        if new is best and bracket(trials) is None:  # no nearer: the end of the range, or an extremum of the figure
             return
 
 
 def _next(trials: Trials, best: Trial) -> float:
-    """Return where a secant through the two best solutions passes the goal; at first, as if in proportion."""
+    """Return where a secant through the two best solutions meets the goal; at first, assuming proportionality."""
     here, off = best.places[0], _off(best)
     others = sorted((each for each in trials.closed if each is not best), key=trials.far)
     if others:
@@ -79,7 +79,7 @@ def _next(trials: Trials, best: Trial) -> float:
 
 
 def _scan(trials: Trials) -> None:
-    """Look over the whole range; where the figure turns inside it, closer there."""
+    """Scan the whole range; where the figure has an extremum inside it, search there more closely."""
     from scipy.optimize import minimize_scalar
 
     for place in np.linspace(0.0, 1.0, SCAN):
@@ -92,7 +92,7 @@ def _scan(trials: Trials) -> None:
         return
 
     def off(place: float) -> float:
-        if bracket(trials) is not None:  # enough is known
+        if bracket(trials) is not None:  # a bracket is known
             return 0.0
         trial = trials.at(float(place))
         return abs(_off(trial)) if trial.closed else max(abs(_off(each)) for each in row)
@@ -102,7 +102,7 @@ def _scan(trials: Trials) -> None:
 
 
 def _narrowed(trials: Trials) -> Trial | None:
-    """Return the solution at a change of sign; None without one, at a jump, or where all within it fail."""
+    """Return the solution at a change of sign; None without one, at a jump, or where all solutions within it fail."""
     narrowing = 0
     for _ in range(MOST):
         best, ends = trials.nearest, bracket(trials)
@@ -125,7 +125,7 @@ def _narrowed(trials: Trials) -> Trial | None:
 
 
 def _inside(trials: Trials, ends: Bracket, halve: bool) -> Iterator[float]:
-    """Yield places within a change of sign: by inverse interpolation, else by the secant, then by parts of it."""
+    """Yield places within a change of sign: by inverse interpolation, else by the secant, then fractions of it."""
     low, high = ends[0].places[0], ends[1].places[0]
     if not halve:
         row = sorted(trials.closed, key=trials.far)[:3]
@@ -133,13 +133,13 @@ def _inside(trials: Trials, ends: Bracket, halve: bool) -> Iterator[float]:
         if guess is None or not low < guess < high:
             a, b = _off(ends[0]), _off(ends[1])
             guess = low - a * (high - low) / (b - a)
-        margin = 1e-3 * (high - low)  # so that the other end comes nearer, too
+        margin = 1e-3 * (high - low)  # so that the other end moves, too
         yield min(max(guess, low + margin), high - margin)
     yield from (low + part * (high - low) for part in FRACTIONS)
 
 
 def _inverse(points: list[tuple[float, float]]) -> float | None:
-    """Return where the parabola of the places over the figure (off, place) passes zero; None where it is none."""
+    """Return the zero of the parabola of the places over the figure (off, place); None where there is none."""
     if len(points) < 3 or len({off for off, _ in points}) < 3:
         return None
     total = 0.0

@@ -1,4 +1,4 @@
-"""Several goals by as many paths: Newton's way with a Jacobian of differences, kept up by Broyden's rule, damped."""
+"""Several goals by as many paths: damped Newton steps; the Jacobian from differences, updated by Broyden's rule."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,16 +7,16 @@ from screwsim.study.seek.trials import Trial, Trials
 
 Array = NDArray[np.float64]
 
-STEP = 0.01  # of the ranges: a difference of the Jacobian
-FARTHEST = 0.35  # of a range: a step of Newton's
-MOST = 60  # steps of Newton's, of one start
-HALVED = 4  # times that a step is halved before the Jacobian is made anew
+STEP = 0.01  # of the ranges: difference for the Jacobian
+FARTHEST = 0.35  # of a range: longest Newton step
+MOST = 60  # Newton steps from one start
+HALVED = 4  # halvings of a step before the Jacobian is computed anew
 STILL = 1e-9  # step below which nothing is gained
-STARTS = ((), (0.5,), (0.25,), (0.75,))  # the scene's own place, then these of all ranges
+STARTS = ((), (0.5,), (0.25,), (0.75,))  # the scene's own place, then these fractions of all ranges
 
 
 def solve(trials: Trials) -> Trial | None:
-    """Return the solution that meets all goals; None where none of the starts comes to one."""
+    """Return the solution that meets all goals; None where no start leads to one."""
     for place in STARTS:
         start = tuple(place[0] if place else span.first for span in trials.spans)
         found = _from(trials, trials.at(*start)) if trials.at(*start).closed else None
@@ -26,7 +26,7 @@ def solve(trials: Trials) -> Trial | None:
 
 
 def jacobian(trials: Trials, at: Trial) -> Array | None:
-    """Return how the figures over their sizes change with the places; None where both sides of a place fail."""
+    """Return the derivatives of the figures, over their sizes, by the places; None where both sides of a place fail."""
     columns = []
     for number, place in enumerate(at.places):
         for step in sorted((STEP, -STEP), key=lambda step, place=place: abs(place + step - 0.5)):
@@ -55,23 +55,23 @@ def _from(trials: Trials, here: Trial) -> Trial:
             slopes, here, fresh = _kept_up(trials, slopes, here, new), new, False
             continue
         if fresh:
-            return here  # Newton's own direction gains nothing: the nearest that the ranges allow
+            return here  # even Newton's own direction gains nothing: the nearest within the ranges
         slopes, fresh = jacobian(trials, here), True
     return here
 
 
 def _step(slopes: Array, places: tuple[float, ...], off: Array) -> Array:
-    """Return the step that makes the linear model least within the ranges, and no longer than `FARTHEST`."""
+    """Return the step that minimises the linear model within the ranges, no longer than `FARTHEST`."""
     from scipy.optimize import lsq_linear
 
     low = np.maximum(-np.array(places), -FARTHEST)
     high = np.minimum(1.0 - np.array(places), FARTHEST)
-    tiny = 1e-12  # it wants room
+    tiny = 1e-12  # lsq_linear needs distinct bounds
     return np.asarray(lsq_linear(slopes, -off, (low - tiny, high + tiny)).x, float)
 
 
 def _damped(trials: Trials, here: Trial, step: Array, slopes: Array) -> Trial | None:
-    """Return the first solution along a step, whole, halved …, that is nearer; None where none is."""
+    """Return the first solution along a step, full, halved …, that is nearer to the goals; None where none is."""
     for number in range(HALVED):
         part = step * 0.5**number
         if np.max(np.abs(part)) < STILL:
@@ -83,7 +83,7 @@ def _damped(trials: Trials, here: Trial, step: Array, slopes: Array) -> Trial | 
 
 
 def _kept_up(trials: Trials, slopes: Array, here: Trial, new: Trial) -> Array:
-    """Return the Jacobian changed by Broyden's rule: it tells of the step what the step has told."""
+    """Return the Jacobian after Broyden's update: it reproduces the change along the last step."""
     step = np.array(new.places) - np.array(here.places)
     missed = _scaled(trials, new) - _scaled(trials, here) - slopes @ step
     return slopes + np.outer(missed, step) / float(step @ step)

@@ -1,4 +1,4 @@
-"""The solutions of one search for goals: figures less their goals over places 0 … 1, and what went wrong."""
+"""Solutions of one search for goals: figures minus their goals over places 0 … 1, and what went wrong."""
 
 from dataclasses import dataclass, field
 
@@ -9,13 +9,13 @@ from screwsim.study.optimum import Simulate, absolute_error, closed
 from screwsim.study.progress import Progress
 from screwsim.study.spans import Span
 
-CLOSE = 0.5  # of the estimated errors of the figures: met when no further off
+CLOSE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
 ROUNDING = 1e-9  # of a goal
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One solution: where, how far each figure [SI] is above its goal, and its estimated error; None: failed."""
+    """One solution: its places, each figure [SI] minus its goal, its estimated errors; `off` None: failed."""
 
     places: tuple[float, ...]
     off: tuple[float, ...] | None
@@ -29,18 +29,18 @@ class Trial:
 
 @dataclass
 class Trials:
-    """What is sought, and every solution so far; a place is solved once."""
+    """The goals of a search, and every solution so far; a place is solved once."""
 
     scene: Scene
     spans: tuple[Span, ...]
     goals: tuple[Goal, ...]
     simulate: Simulate
-    tolerance: float = 0.0  # of the goals, within which they count as met beside the errors
+    tolerance: float = 0.0  # relative, of the goals: also met within it where it exceeds the errors
     reasons: list[str] = field(default_factory=list)  # of solutions that failed, did not close, or lack a figure
     known: dict[tuple[float, ...], Trial] = field(default_factory=dict)
 
     def at(self, *places: float) -> Trial:
-        """Return the solution at places, within the spans."""
+        """Return the solution at places, clipped to the spans."""
         places = tuple(min(max(float(place), 0.0), 1.0) for place in places)
         if places not in self.known:
             self.known[places] = self._solved(places)
@@ -70,7 +70,7 @@ class Trials:
         return [trial for trial in self.known.values() if trial.closed]
 
     def met(self, trial: Trial) -> bool:
-        """Tell whether a solution meets its goals within their estimated errors, or the tolerance."""
+        """Return whether a solution meets its goals within their estimated errors, or the tolerance."""
         least = max(self.tolerance, ROUNDING)
         return trial.off is not None and all(
             abs(off) <= max(CLOSE * error, least * abs(goal.value))
@@ -78,14 +78,14 @@ class Trials:
         )
 
     def far(self, trial: Trial) -> float:
-        """Return how far a solution is off: the sum of squares over the sizes of the goals."""
+        """Return the distance of a solution from its goals: the sum of squares over the sizes of the goals."""
         if trial.off is None:
             return float("inf")
         return sum((off / size) ** 2 for off, size in zip(trial.off, self.sizes, strict=True))
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """What a difference of each figure is measured by; of a temperature ten kelvins."""
+        """Scale of each figure's differences; ten kelvins for a temperature."""
         return tuple(size_of(goal) for goal in self.goals)
 
     @property
@@ -95,14 +95,14 @@ class Trials:
 
 
 def size_of(goal: Goal) -> float:
-    """Return what a difference from a goal [SI] is measured by: its size, of a temperature ten kelvins."""
+    """Return the scale of differences from a goal [SI]: its size, for a temperature ten kelvins."""
     from screwsim.figures import declared
 
     return 10.0 if declared(goal.figure).units == "K" else max(abs(goal.value), 1e-12)
 
 
 class Told:
-    """Simulates as another does; within `with`, each solution is one of those expected, or of as many again."""
+    """Simulation that reports progress; within `with` it expects `expected` solutions, then as many again."""
 
     def __init__(self, simulate: Simulate, progress: Progress, expected: int) -> None:
         self._simulate = simulate
