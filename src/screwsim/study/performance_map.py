@@ -106,7 +106,7 @@ def performance_maps(results: Results, figures: Sequence[str] = ()) -> list[Perf
 
 
 def conditions(results: Results) -> dict[str, float]:
-    """Return what else the map was made at [SI]: superheat, subcooling, the oil."""
+    """Return the other conditions of the map [SI]: superheat, subcooling, the oil."""
     names = {path: path.replace(".", "_") for path in _CONDITIONS}
     found = {path: results.inputs[name] for path, name in names.items() if name in results.inputs}
     return {path: float(value) for path, value in found.items() if value.shape == () and np.isfinite(value)}

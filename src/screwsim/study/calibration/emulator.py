@@ -31,8 +31,8 @@ class Row(NamedTuple):
 class Emulator:
     """Figures over places 0 … 1 within `low` … `high`; rows of `coefficients` are the terms, columns the figures.
 
-    `off`: root mean square of the errors at solutions that were left out, by figure [SI]. `solutions` were made, of
-    which `failed` have not all figures.
+    `off`: root mean square of the leave-one-out errors, by figure [SI]. `solutions` is the number of solutions,
+    `failed` the number of places without all figures.
     """
 
     keys: tuple[Key, ...]

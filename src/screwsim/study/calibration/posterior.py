@@ -1,10 +1,10 @@
-"""What measured points say of parameters as a probability: Bayes' rule, sampled by emcee.
+"""Posterior of a fit's parameters given its measured points, by Bayes' rule, sampled with emcee.
 
 Measured = model (parameters) + discrepancy + measurement. The discrepancy of each figure, what the model cannot follow
-whatever its parameters, is a normal deviation of its own at every point, of a width that is found with the parameters.
-Priors: parameters even between their bounds, or normal where the fit states a prior, or as the tolerance that the scene
-states; widths half-Cauchy, of the scale of the figure's stated uncertainty (Gelman 2006: weak, and without an end).
-Places are 0 … 1 between the bounds.
+whatever its parameters, is an independent normal deviation at every point, whose width is inferred with the parameters.
+Priors: parameters uniform between their bounds, or normal where the fit states a prior, or by the tolerance that the
+scene states; widths half-Cauchy, with the scale of the figure's stated uncertainty (Gelman 2006: weak, and without an
+upper end). Places are 0 … 1 between the bounds.
 """
 
 from dataclasses import dataclass
@@ -20,32 +20,32 @@ from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.progress import Progress
 
-REGION = 5.0  # standard errors of the fit to each side, in which the posterior is looked for; widened where it is cut,
+REGION = 5.0  # standard errors of the fit to each side in which the posterior is sought; widened where it is cut off,
 WIDENED = 3  # times at most
 LEAST = 0.02  # of the bounds, likewise: polynomials of a smaller region would follow the errors of the solutions
-CUT = 0.003  # share of the samples in the outer twentieth of the region at one side, from which on it is cut
-WALKERS, STEPS, MOST_STEPS = 6, 2000, 16000  # walkers a dimension; steps of a stretch, and in all
-LONG = 50.0  # autocorrelation times that a chain has to have (emcee's advice)
-SETTLED = 1.01  # split-R̂ below which chains have settled (Vehtari et al. 2021)
-CHECKED = 8  # draws that are solved, to see what the polynomials are off
-TOLERABLE = 0.5  # of a figure's uncertainty: further off, the posterior is that of the polynomials and not of the model
-SHIFT = 0.5  # likewise of the logarithm's error over the posterior: no parameter's mean is off by more of its deviation
-UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on the points do not tell it
+CUT = 0.003  # share of the samples in the outer twentieth of the region on one side, from which on it is cut off
+WALKERS, STEPS, MOST_STEPS = 6, 2000, 16000  # walkers per dimension; steps per stretch, and in all
+LONG = 50.0  # autocorrelation times that a chain must have (emcee's advice)
+SETTLED = 1.01  # split-R̂ below which chains have converged (Vehtari et al. 2021)
+CHECKED = 8  # draws that are solved to find the errors of the polynomials
+TOLERABLE = 0.5  # of a figure's uncertainty: with larger errors the posterior is that of the polynomials, not the model
+SHIFT = 0.5  # likewise of the log-posterior's error: no parameter's mean is shifted by more of its standard deviation
+UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on the points hardly determine it
 
 
 @dataclass(frozen=True)
 class _Problem:
-    """The logarithm of the posterior over places and logarithms of the widths.
+    """Logarithm of the posterior over places and logarithms of the widths.
 
-    Of parameters that err together the state has in place of the places by how many standard deviations they are off:
-    what holds them together is straight there, which chains follow.
+    For correlated parameters the state holds their deviations in standard deviations instead of places: their
+    correlation is linear there, which chains can follow.
     """
 
     fit: Fit
     emulator: Emulator
     figures: tuple[str, ...]
-    which: np.ndarray  # number of the figure of each key
-    fitted: np.ndarray  # keys of fitted points
+    which: np.ndarray  # index of the figure of each key
+    fitted: np.ndarray  # which keys belong to fitted points
     value: Array
     uncertainty: Array
     scale: Array  # of the widths, by figure
@@ -67,7 +67,7 @@ class _Problem:
         return tuple(i for group in self.fit.together for i in group)
 
     def begun(self, places: Array) -> Array:
-        """Return the first part of states at places (n, parameters)."""
+        """Return the first part of states, from places (n, parameters)."""
         found = np.array(places)
         for i in self._bound:
             parameter = self.fit.parameters[i]
@@ -81,18 +81,18 @@ class _Problem:
         inside = np.all((places >= self.emulator.low) & (places <= self.emulator.high), axis=-1)
         left = self.misfit(self.emulator(places), widths, self.emulator.off)
         ratio = at[:, places.shape[-1] :]
-        wide = -np.sum(np.logaddexp(ratio, -ratio), axis=-1)  # half-Cauchy, over the logarithm: falls to both sides
+        wide = -np.sum(np.logaddexp(ratio, -ratio), axis=-1)  # half-Cauchy over the logarithm: falls to both sides
         return np.where(inside, -0.5 * left + wide + self._prior(places), -np.inf)
 
     def misfit(self, figures: Array, widths: Array, off: Array) -> Array:
-        """Return -2 log of the probability of the fitted measurements by figures (n, keys) that are off by so much."""
+        """Return −2 log-likelihood of the fitted measurements, given figures (n, keys) with the errors `off`."""
         variance = self.uncertainty**2 + off**2 + widths[:, self.which] ** 2
         return np.where(self.fitted, (figures - self.value) ** 2 / variance + np.log(variance), 0.0).sum(axis=-1)
 
     def _prior(self, places: Array) -> Array:
-        """Return the logarithm of the parameters' priors, densities in the value itself, as densities over the place.
+        """Return the logarithm of the parameters' priors, stated over the value, as densities over the place.
 
-        Where nothing else is known the density over the place is even.
+        Where nothing else is known, the density over the place is uniform.
         """
         total = np.zeros(len(places))
         off = np.zeros((len(self.fit.held), len(places)))
@@ -104,7 +104,7 @@ class _Problem:
             off[row] = [prior.off(value) for value in values]
             if (
                 i not in self._bound and prior.logarithmic != parameter.logarithmic
-            ):  # else value over place is the same everywhere
+            ):  # else the derivative is the same everywhere
                 total += np.log([prior.slope(value) * parameter.slope(value) for value in values])
         if self.fit.together:
             off = self.fit.whitener @ off
@@ -112,7 +112,7 @@ class _Problem:
 
 
 def _places_of_off(parameter: Parameter, off: Array) -> Array:
-    """Return the places at which a held parameter is off by so many standard deviations."""
+    """Return the places at which a held parameter is so many standard deviations off its prior's mean."""
     prior = parameter.prior
     assert prior is not None
     by = prior.deviation * off
@@ -131,7 +131,7 @@ def posterior(
     progress: Progress | None = None,
     most_steps: int = MOST_STEPS,
 ) -> Posterior:
-    """Return what the points say of the parameters of a fit, from its best one."""
+    """Return the posterior of the parameters of a fit, starting from its best values."""
     try:
         import emcee
     except ImportError:
@@ -159,7 +159,7 @@ def posterior(
 
 
 def _errors(found: Calibration) -> Array:
-    """Return the standard errors of the best fit's places; of those that are not known a share of the bounds."""
+    """Return the standard errors of the best fit's places; a share of the bounds for those that are not known."""
     if found.certainty is None:
         return np.full(len(found.fit.parameters), 1.0 / REGION)
     pairs = zip(found.fit.parameters, found.certainty.errors, strict=True)
@@ -168,7 +168,7 @@ def _errors(found: Calibration) -> Array:
 
 
 def _cut(places: Array, low: Array, high: Array) -> np.ndarray:
-    """Tell at which sides (2, parameters) of the region, that are no bounds, the samples are cut off."""
+    """Return on which sides (2, parameters) of the region, other than the bounds, the samples are cut off."""
     edge = 0.05 * (high - low)
     below = (np.mean(places < low + edge, axis=0) > CUT) & (low > 0.0)
     above = (np.mean(places > high - edge, axis=0) > CUT) & (high < 1.0)
@@ -194,7 +194,7 @@ def _problem(fit: Fit, emulator: Emulator) -> _Problem:
 
 @dataclass(frozen=True)
 class _Chain:
-    states: Array  # (steps, walkers, size), without the beginning
+    states: Array  # (steps, walkers, size), without the burn-in
     steps: int
     autocorrelation: float
     r_hat: float
@@ -205,7 +205,7 @@ class _Chain:
 
 
 def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _Chain:
-    """Return states of the posterior, after as many steps as it takes to settle, or the most."""
+    """Return states of the posterior, after as many steps as convergence takes, or the most allowed."""
     generator = np.random.default_rng(found.fit.seed)
     places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
     width = problem.emulator.high - problem.emulator.low
@@ -214,7 +214,7 @@ def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _C
     start = places + spread * generator.standard_normal((walkers, len(places)))
     margin = 0.01 * width
     start = np.clip(start, problem.emulator.low + margin, problem.emulator.high - margin)
-    # no two alike where a bound has caught them
+    # makes walkers distinct that a bound has clipped to the same place
     start += np.minimum(1e-4 * width, spread) * generator.random(start.shape)
     states = np.hstack([problem.begun(start), 0.3 * generator.standard_normal((walkers, len(problem.figures))) - 0.5])
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DEMove(gamma0=1.0), 0.2)]
@@ -280,10 +280,10 @@ def _judged(
 
 
 def _check(problem: _Problem, draws: Array, simulate: Simulate | None) -> tuple[float | None, float | None, int]:
-    """Return the largest error of the polynomials at some draws, over the uncertainties, and how many failed.
+    """Return the largest error of the polynomials at some draws, over the uncertainties; their shift; failed draws.
 
-    Between them the standard deviation of what the polynomials add to the logarithm of the posterior: the mean of no
-    quantity is shifted by more of its own.
+    The shift is the standard deviation of the polynomials' error in the log-posterior: the mean of no quantity is
+    shifted by more of its own standard deviation.
     """
     some, widths = problem.parted(draws[:CHECKED])
     rows = [figures_at(problem.fit, some, simulate, number) for number in range(len(some))]
@@ -312,7 +312,7 @@ def _spread(name: str, values: Array) -> Spread:
 
 
 def _predictions(problem: _Problem, places: Array, widths: Array, generator: np.random.Generator) -> Any:
-    """Yield each measured figure with what a measurement of it would be by the posterior."""
+    """Yield each measured figure with the posterior's prediction of a measurement of it."""
     ours = problem.emulator(places)
     variance = problem.uncertainty**2 + problem.emulator.off**2 + widths[:, problem.which] ** 2
     drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)

@@ -1,13 +1,14 @@
-"""The likelihood of measured points over one parameter at a time, and how probable that makes its best change.
+"""Likelihood of measured points over one parameter at a time, and the evidence of its best change.
 
-Gauss-Newton steps with slopes lead from where the parameter was to a best value; a few places between the bounds are
-solved, too, for a figure that falls and rises with the parameter (power over the oil ratio) may fit twice. Between
-solutions the residuals are interpolated (modified Akima); where the likelihood lies, further ones are made.
+Gauss-Newton steps with slopes lead from the unchanged value of the parameter to a best one; a few places between the
+bounds are solved, too, because a figure that falls and rises with the parameter (power over the oil ratio) may fit
+twice. Between solutions the residuals are interpolated (modified Akima); where the likelihood lies, more are added.
 
-With residuals r over their uncertainties, slopes j over the place u of the parameter (0 … 1 between its bounds) and
-C = 1 + M Mᵀ, where the columns of M are what one standard uncertainty of each input of the unchanged machine makes of
-the residuals, the likelihood is exp(-½ (r + j s)ᵀ C⁻¹ (r + j s)) over steps s. The evidence is its integral over the
-places, even between the bounds (MacKay 2003, chapter 28): what fits as well with less room is the more probable.
+With residuals r over their uncertainties, slopes j over the place u of the parameter (0 … 1 between its bounds) and C =
+1 + M Mᵀ, where the columns of M are the changes of the residuals by one standard uncertainty of each input of the
+unchanged machine, the likelihood is exp(-½ (r + j s)ᵀ C⁻¹ (r + j s)) over steps s. The evidence is its integral over
+the places, uniform between the bounds (MacKay 2003, chapter 28): of two that fit equally well, the one with less
+freedom is more probable.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,18 +20,18 @@ import numpy as np
 from screwsim.study.calibration.residuals import Array, Objective
 
 STEPS, HALVINGS = 6, 4
-SETTLED = 0.1  # of a standard error: a shorter step is none
+SETTLED = 0.1  # of a standard error: a shorter step ends the search
 SCANNED = (0.0, 0.25, 0.5, 0.75, 1.0)  # places between the bounds
-ROUNDS, QUANTILES = 2, (0.05, 0.5, 0.95)  # where further solutions are made, so often
-NEAR = 0.15  # of the distance between the outer two: nearer to a solution none is made
-GRID, FINER = 401, 3  # places of a grid, and how often it is made finer where the likelihood lies
-FAR = 60.0  # of chi² above the least: there is no likelihood
-BARRIER, DEEP = 2.0, 6.0  # of chi²: between two best values at least, and above the best at most
+ROUNDS, QUANTILES = 2, (0.05, 0.5, 0.95)  # rounds of further solutions, and the quantiles of their places
+NEAR = 0.15  # of the distance between the outer two quantiles: least distance from known solutions
+GRID, FINER = 401, 3  # places of a grid, and number of its refinements where the likelihood lies
+FAR = 60.0  # of chi² above the least, where the likelihood is negligible
+BARRIER, DEEP = 2.0, 6.0  # of chi²: least barrier between two best values, and largest depth above the best
 
 
 @dataclass(frozen=True)
 class Along:
-    """The likelihood along one place, from residuals and slopes at a place: best place, its chi², how sharp it is.
+    """Likelihood along one place, from residuals and slopes at a place: best place, its chi², its sharpness.
 
     `information` is one over the variance of the place; 0 where the residuals do not depend on it.
     """
@@ -41,7 +42,7 @@ class Along:
 
     @property
     def estimate(self) -> float:
-        """The best place between the bounds."""
+        """Best place between the bounds."""
         return float(np.clip(self.place, 0.0, 1.0))
 
     @property
@@ -59,7 +60,7 @@ class Along:
         return -0.5 * self.chi_squared + 0.5 * float(np.log(2.0 * np.pi / self.information)) + width
 
     def interval(self, level: float) -> tuple[float, float]:
-        """Return the places between which the parameter lies with a probability."""
+        """Return the places between which the parameter lies with a probability of `level`."""
         from scipy.stats import truncnorm
 
         tails = 0.5 - 0.5 * level, 0.5 + 0.5 * level
@@ -81,12 +82,12 @@ def along(place: float, residuals: Array, slopes: Array) -> Along:
 
 
 def whitener(inputs: Array) -> Array:
-    """Return W (n, n) with WᵀW the inverse of 1 + M Mᵀ, of the columns M (n, inputs)."""
+    """Return W (n, n) with WᵀW the inverse of 1 + M Mᵀ, from the columns M (n, inputs)."""
     return np.asarray(np.linalg.inv(np.linalg.cholesky(np.eye(len(inputs)) + inputs @ inputs.T)), float)
 
 
 def log_mass(low: float | Array, high: float | Array) -> Array:
-    """Return the logarithm of the standard normal distribution's mass between two ends, of tails too."""
+    """Return the logarithm of the standard normal distribution's mass between two ends, accurate in the tails."""
     from scipy.special import log_ndtr
 
     right = np.greater(low, 0.0)
@@ -99,7 +100,7 @@ def log_mass(low: float | Array, high: float | Array) -> Array:
 
 @dataclass(frozen=True)
 class Profile:
-    """Chi² over a grid of places, and residuals at the best of them; what was solved for it.
+    """Chi² over a grid of places, the residuals at the best of them, and the solutions behind it.
 
     `nodes` are the residuals at places that were solved.
     """
@@ -112,12 +113,12 @@ class Profile:
     failed: int = 0
 
     def curve(self) -> Callable[[Any], Array]:
-        """Return the residuals over the place, between solutions and beyond."""
+        """Return the residuals as a function of the place, interpolated and extrapolated."""
         return _between(self.nodes)
 
     @property
     def estimate(self) -> float:
-        """The best place."""
+        """Best place."""
         return float(self.grid[np.argmin(self.chi_squared)])
 
     @property
@@ -135,18 +136,18 @@ class Profile:
         return np.exp(-0.5 * (self.chi_squared - self.misfit))
 
     def quantiles(self, shares: tuple[float, ...]) -> list[float]:
-        """Return the places below which the parameter lies with such probabilities."""
+        """Return the places below which the parameter lies with these probabilities."""
         density = self._density
         mass = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(self.grid))])
         return [float(np.interp(share * mass[-1], mass, self.grid)) for share in shares]
 
     def interval(self, level: float) -> tuple[float, float]:
-        """Return the places between which the parameter lies with a probability."""
+        """Return the places between which the parameter lies with a probability of `level`."""
         low, high = self.quantiles((0.5 - 0.5 * level, 0.5 + 0.5 * level))
         return low, high
 
     def others(self) -> list[float]:
-        """Return the places of other best values that fit nearly as well, behind a barrier."""
+        """Return the places of other local optima that fit nearly as well and lie behind a barrier."""
         found = [int(np.argmin(self.chi_squared))]
         inner = np.concatenate([[np.inf], self.chi_squared, [np.inf]])
         low = np.flatnonzero((inner[1:-1] <= inner[:-2]) & (inner[1:-1] <= inner[2:]))
@@ -159,7 +160,7 @@ class Profile:
 
 
 def straight(known: Along, place: float, residuals: Array, slopes: Array) -> Array:
-    """Return the residuals at the best place by slopes."""
+    """Return the residuals at the best place, by slopes."""
     return residuals + slopes * (known.estimate - place)
 
 
@@ -190,7 +191,7 @@ def profile(asked: Objective, white: Array, place: float, slopes: Array) -> Prof
 
 
 def _solve(asked: Objective, white: Array, place: float, nodes: dict[float, Array]) -> bool:
-    """Add the residuals at a place, where all points have a solution."""
+    """Add the residuals at a place where all points have a solution; return whether they have."""
     there = asked.outcome(np.array([place]))
     if not there.reasons:
         nodes[place] = white @ there.residuals
@@ -198,7 +199,7 @@ def _solve(asked: Objective, white: Array, place: float, nodes: dict[float, Arra
 
 
 def _walk(asked: Objective, white: Array, place: float, slopes: Array, nodes: dict[float, Array]) -> None:
-    """Add what Gauss-Newton steps pass, halved where chi² grows."""
+    """Add the residuals along Gauss-Newton steps, halved where chi² grows."""
     for _ in range(STEPS):
         here = nodes[place]
         known = along(place, here, slopes)
@@ -226,7 +227,7 @@ def _between(nodes: Mapping[float, Array]) -> Callable[[Any], Array]:
 
 
 def _over(nodes: Mapping[float, Array]) -> Profile:
-    """Return the likelihood from residuals at places, beyond which it is that of the outer two."""
+    """Return the likelihood from residuals at places; beyond the outer ones they are extrapolated."""
     places, between = np.array(sorted(nodes)), _between(nodes)
     grid = np.linspace(0.0, 1.0, GRID)
     for _ in range(FINER):

@@ -1,4 +1,4 @@
-"""Read FIT.yaml: the scene, the parameters, the data; every fault at its line."""
+"""Read FIT.yaml: the scene, the parameters, the data; each fault is reported with its line."""
 
 import dataclasses
 import os
@@ -18,7 +18,7 @@ from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 from screwsim.study.inputs import STEPS, shown_value
 
-ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
+ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
 HEAD = {
     "title": Leaf("word", "what is fitted", "", {}),
     "scene": Leaf("word", "the machine: a scene's file", dataclasses.MISSING, {}),
@@ -30,7 +30,7 @@ HEAD = {
 }
 _REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
 _PARAMETER = "write {from: …, to: …}"
-UNHELD = "none"  # a prior: the scene's tolerance is none either
+UNHELD = "none"  # prior of a parameter that does not take the scene's tolerance either
 
 
 def read_fit(
@@ -40,9 +40,9 @@ def read_fit(
     data: str | os.PathLike[str] | None = None,
     fixed: bool = True,
 ) -> Fit:
-    """Return the fit of a YAML file; raise `SceneError` with one line a fault.
+    """Return the fit of a YAML file; raise `SceneError` with one line per fault.
 
-    `scene` and `data` are files in place of those that it names; `fixed` False: the data need not be as many as the
+    `scene` and `data` are files in place of those that it names; with `fixed` False there may be fewer data than
     parameters.
     """
     name = shipped(path)
@@ -109,7 +109,7 @@ def _is_file(root: Node, key: str, name: str, problems: list[Problem]) -> bool:
 
 
 def _tightened(scene: Scene, accuracy: float | None) -> Scene:
-    """Return the scene with the accuracy of a fit, where it states no tolerance of its own."""
+    """Return the scene with the accuracy of a fit, unless it states a tolerance of its own."""
     numerics = scene.numerics
     if numerics.rtol is not None:
         return scene
@@ -139,7 +139,7 @@ def _parameters(root: Node, scene: Scene, problems: list[Problem]) -> tuple[Para
 
 
 def _leaf(scene: Scene, path: str, place: Place, where: str, problems: list[Problem]) -> Leaf | None:
-    """Return the leaf of a continuous path, or None after a fault was added."""
+    """Return the leaf of a continuous path; None after adding a fault."""
     try:
         leaf = leaf_of(scene, path)
     except UsageError as error:
@@ -192,7 +192,7 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
 
 
 def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) -> Leaf:
-    """Return the leaf of a difference of two values of a leaf."""
+    """Return the leaf for the difference of two values of a leaf."""
     kind = f"{leaf.kind}_difference" if leaf.kind in ("temperature", "pressure") else leaf.kind
     return Leaf(kind, f"difference of {leaf.doc}", default, limits)
 
@@ -233,7 +233,7 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
 
 
 def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, problems: list[Problem]) -> None:
-    """Add a fault of a path that follows itself, or to where it cannot be."""
+    """Add a fault where a path follows itself, or leaves its limits."""
     where = join("parameters", parameter.path)
     for tie in parameter.ties:
         heading, named = node.value["also"].value[tie.path].heading, join(join(where, "also"), tie.path)
@@ -251,9 +251,9 @@ def _check_ties(parameter: Parameter, leaf: Leaf, node: Node, scene: Scene, prob
 
 
 def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, fixed: bool, problems: list[Problem]) -> None:
-    """Add a fault where the values of a point and of the first start do not fit together, or data are too few.
+    """Add a fault where values of a point and of the first start do not fit together, or there are too few data.
 
-    Not `fixed`: one measured figure is enough.
+    Without `fixed` one measured figure is enough.
     """
     start = fit.first_start()
     for point, place in rows:

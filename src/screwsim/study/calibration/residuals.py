@@ -1,7 +1,7 @@
-"""The residuals of a fit, over their uncertainties, and how they change with each parameter.
+"""Residuals of a fit, over their uncertainties, and their slopes over each parameter.
 
-A solution that fails or does not close never enters as NaN: its figures count as further off than any solved one, so
-that the search turns back, and a difference over it is taken to the other side.
+A solution that fails or does not close never enters as NaN: its figures count as further off than any solved ones, so
+that the search turns back, and a difference across it is taken to the other side.
 """
 
 import json
@@ -20,43 +20,43 @@ from screwsim.study.each import Warm
 from screwsim.study.optimum import Simulate, closed
 
 Array = NDArray[np.float64]
-PENALTY = 1e4  # [uncertainties] at the least, of a figure without a solution
-BEYOND = 10.0  # times what is measured: by so much it counts as off at the least
+PENALTY = 1e4  # [uncertainties] least residual of a figure without a solution
+BEYOND = 10.0  # times the measured value: least difference of a figure without a solution
 ASKED = "slopes: exact takes derivatives"
-STEP = 0.01  # of the bounds' distance, each way: far above the solver's noise
+STEP = 0.01  # of the bounds' distance, to each side: far above the solver's noise
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one set of parameters gives: residuals of fitted points and priors, results by point, why some failed.
+    """Outcome of one set of parameters: residuals of fitted points and priors, figures by point, reasons of failures.
 
-    `unsolved` tells which residuals are those of figures without a solution; `warnings` are of the points that warn.
+    `unsolved` marks the residuals of figures without a solution; `warnings` are those of the points that warn.
     """
 
     residuals: Array
-    figures: tuple[Figures, ...]  # of each asked point; empty where it failed
-    reasons: Mapping[str, str]  # by the name of the point
+    figures: tuple[Figures, ...]  # of each fitted point; empty where it failed
+    reasons: Mapping[str, str]  # by name of the point
     unsolved: NDArray[np.bool_]
-    warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # likewise
+    warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # by name of the point
 
     @property
     def chi_squared(self) -> float:
-        """Return the sum of squares of what was solved: penalties are no measure of a fit."""
+        """Return the sum of squares of the solved residuals: penalties do not measure a fit."""
         return float(np.sum(self.residuals[~self.unsolved] ** 2))
 
 
 @dataclass
 class Objective:
-    """Residuals over places 0 … 1 between the bounds; counts solutions, remembers the best set."""
+    """Residuals over places 0 … 1 between the bounds; counts solutions and remembers the best set."""
 
     fit: Fit
     simulate: Simulate | None = None
-    note: Path | None = None  # where the best so far is written
+    note: Path | None = None  # where the best set so far is written
     solutions: int = 0
     failed: int = 0
     best: tuple[float, Array, Outcome] | None = None
     jacobians: int = 0
-    exact: int = 0  # points whose slopes are exact, by Jacobian
+    exact: int = 0  # points with exact slopes, over all Jacobians
     methods: dict[str, str] = field(default_factory=dict)  # by path: why the last slopes are differences, '' if exact
     _last: tuple[bytes, Outcome] | None = None
     _slopes: tuple[tuple[bytes, int], Array] | None = None
@@ -116,7 +116,7 @@ class Objective:
         return result
 
     def slopes(self, places: Array, sides: int = 2) -> Array:
-        """Return the slopes of the residuals over the places: exact where they are, or differences to 1 or 2 sides.
+        """Return the slopes of the residuals over the places: exact where possible, else one- or two-sided differences.
 
         The rows of a figure without a solution are zero.
         """
@@ -137,7 +137,7 @@ class Objective:
         return self._slopes[1]
 
     def apart(self, slopes: Array) -> Array:
-        """Return slopes of all residuals as they would be if no priors erred together."""
+        """Return slopes of all residuals as they would be with uncorrelated priors."""
         if not self.fit.together:
             return slopes
         priors = np.asarray(np.linalg.solve(self.fit.whitener, slopes[-len(self.fit.held) :]), float)
@@ -167,7 +167,7 @@ class Objective:
         return found(scene, self.fit.changes(values), QUICK)
 
     def _differences(self, point: Point, places: Array, index: int, here: Figures, sides: int) -> Array:
-        """Return the slopes of a point's residuals over one place; zero where no second solution is."""
+        """Return the slopes of a point's residuals over one place; zero where there is no second solution."""
         known = [(float(places[index]), here)]
         for sign in (1.0, -1.0) if places[index] < 0.5 else (-1.0, 1.0):
             moved = np.array(places)
@@ -183,7 +183,7 @@ class Objective:
 
 
 def _residual(value: float | None, measured: Measured) -> float:
-    """Return by how many uncertainties a figure is off; of one without a solution by more than any other is."""
+    """Return by how many uncertainties a figure is off; more than any other for one without a solution."""
     if value is None:
         return max(PENALTY, BEYOND * abs(measured.value) / measured.uncertainty)
     return (value - measured.value) / measured.uncertainty
@@ -207,5 +207,5 @@ def exact_column(parameter: Parameter, value: float, point: Point, exact: Found)
 
 
 def why_not(point: Point, result: Result) -> str:
-    """Return why a point has no figures, or not all; empty when it has."""
+    """Return why a point lacks figures; empty when it has them all."""
     return result.told if result.status != "ok" else "; ".join(result.lacks(point.measured))

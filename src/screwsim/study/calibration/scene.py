@@ -14,7 +14,7 @@ from screwsim.study.inputs import shown_value
 DIGITS = 7  # of a fitted value: far below its error
 
 
-BEGINS = "# Fitted by: screwsim calibrate"  # a scene that a calibration wrote
+BEGINS = "# Fitted by: screwsim calibrate"  # start of a scene that a calibration wrote
 
 
 def fitted_text(found: Calibration, folder: Path) -> str:
@@ -38,14 +38,14 @@ def fitted_text(found: Calibration, folder: Path) -> str:
 
 
 def told(found: Calibration) -> str:
-    """Return how good the fit is, in a few words."""
+    """Return the quality of the fit, in a few words."""
     fitted = sum(point.fitted for point in found.fit.points)
     text = f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom, {fitted} points"
     return text if found.status == "ok" else f"{text}; {found.status}"
 
 
 def keys(path: str) -> list[str]:
-    """Return the keys of a dotted path: names of a user's own effects have dots."""
+    """Return the keys of a dotted path; names of a user's own effects contain dots."""
     if not path.startswith("effects."):
         return path.split(".")
     name, below = effect_keys(path, catalogue())
@@ -65,5 +65,5 @@ def lines_of(tree: Mapping[str, Any], indent: str = "") -> Iterator[str]:
 def _relative(path: str, folder: Path) -> str:
     try:
         return os.path.relpath(os.path.realpath(path), os.path.realpath(folder))
-    except ValueError:  # another drive
+    except ValueError:  # on another drive
         return os.path.abspath(path)

@@ -1,4 +1,4 @@
-"""Fit parameters to measured points: bounded least squares from several starts, and what the best of them is worth."""
+"""Fit parameters to measured points: bounded least squares from several starts, and the certainty of the best."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -23,13 +23,13 @@ from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
-MOST_STEPS = 40  # of one round of a start
+MOST_STEPS = 40  # steps per round of a start
 MOST_ROUNDS = 3
 
 
 @dataclass(frozen=True)
 class Start:
-    """What became of one start: places 0 … 1 where it began and ended, sum of squares with penalties."""
+    """Result of one start: places 0 … 1 where it began and ended, sum of squares with penalties."""
 
     status: str  # ok | not converged | failed | interrupted
     message: str
@@ -43,7 +43,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Compared:
-    """One measured figure beside ours [SI]; ours is None where the point has no solution."""
+    """A measured figure beside the computed one [SI]; None where the point has no solution."""
 
     point: Point
     figure: str
@@ -52,13 +52,13 @@ class Compared:
 
     @property
     def residual(self) -> float | None:
-        """Return ours less measured over the uncertainty."""
+        """Return computed less measured over the uncertainty."""
         return None if self.ours is None else (self.ours - self.measured.value) / self.measured.uncertainty
 
 
 @dataclass(frozen=True, repr=False)
 class Calibration(Brief):
-    """The answer: values and their certainty, what is left over, and the fits that are as good."""
+    """The answer: values and their certainty, the remaining residuals, and the fits that are equally good."""
 
     fit: Fit
     status: str  # ok | failed | interrupted
@@ -68,26 +68,26 @@ class Calibration(Brief):
     certainty: Certainty | None
     chi_squared: float | None
     freedom: int
-    margin: float  # of chi², within which a fit is as good
-    as_good: tuple[int, ...]  # starts
+    margin: float  # of chi², within which a fit is equally good
+    as_good: tuple[int, ...]  # numbers of the starts
     compared: tuple[Compared, ...]
     reasons: dict[str, str]  # of points without a solution
     solutions: int
     failed: int
     jacobians: int = 0
-    methods: Mapping[str, str] = field(default_factory=dict)  # by path: '' of exact slopes, else why differences
+    methods: Mapping[str, str] = field(default_factory=dict)  # by path: '' for exact slopes, else why differences
     warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of points that warn at the best values
 
     @property
     def scale(self) -> float:
-        """Return by how much standard errors grow because the residuals exceed the uncertainties; at least 1."""
+        """Return the factor of standard errors where the residuals exceed the uncertainties; at least 1."""
         if self.chi_squared is None or self.freedom < 1:
             return 1.0
         return max(1.0, float(np.sqrt(self.chi_squared / self.freedom)))
 
     @property
     def scene(self) -> Scene:
-        """The fitted machine: the scene of the fit with the values that were found."""
+        """The fitted machine: the scene of the fit with the values found."""
         changed = self.fit.machine(self.values)
         return replace(changed, text=scene_text(changed))
 
@@ -109,7 +109,7 @@ class Calibration(Brief):
 
 
 def first_places(fit: Fit) -> Array:
-    """Return where the starts begin, (starts, parameters): the stated values, then a Latin hypercube."""
+    """Return the places where the starts begin (starts, parameters): the stated values, then a Latin hypercube."""
     from scipy.stats import qmc
 
     stated = fit.first_start()
@@ -121,7 +121,7 @@ def first_places(fit: Fit) -> Array:
 
 
 def cost_told(fit: Fit) -> str:
-    """Return in a line about how many solutions a search takes, and what makes it shorter: one Jacobian to three."""
+    """Return in a line the approximate number of solutions, for one to three Jacobians, and how to need fewer."""
     points = sum(point.fitted for point in fit.points)
     jacobian = points * (2 if fit.slopes == EXACT else 2 * len(fit.parameters) + 1)
     least = fit.starts * jacobian
@@ -134,9 +134,9 @@ def cost_told(fit: Fit) -> str:
 def calibrate(
     fit: Fit, *, jobs: int | None = None, simulate: Simulate | None = None, progress: Progress | None = None
 ) -> Calibration:
-    """Return the best fit of all starts; interrupted, the best so far. The same for any number of workers.
+    """Return the best fit of all starts; when interrupted, the best so far. The number of workers does not matter.
 
-    Held by its tolerance is a parameter of which the scene states one, and the fit no prior.
+    The scene's tolerance is the prior of a parameter for which the fit states none.
     """
     fit = fit.with_priors()
     places = first_places(fit)
@@ -166,12 +166,12 @@ def calibrate(
     starts = [answers[number] for number in sorted(answers)]
     try:
         return _judged(fit, starts, simulate)
-    except KeyboardInterrupt:  # while the best end is confirmed
+    except KeyboardInterrupt:  # while the best end is being confirmed
         return _judged(fit, starts, simulate, interrupted=True)
 
 
 def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
-    """Return the best so far of starts that an interruption ended."""
+    """Return the best results so far of interrupted starts."""
     found = {}
     for number in range(len(places)):
         note = folder / f"{number}.json"
@@ -184,7 +184,7 @@ def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict
 
 
 def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, number: int) -> Start:
-    """Return what least squares reach from one start; the best so far is noted in a folder, for an interruption."""
+    """Return the end of a least-squares search from one start; a folder holds the best so far for interruptions."""
     began = np.clip(places[number], 1e-6, 1.0 - 1e-6)
     asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
     first = asked.outcome(began)
@@ -196,10 +196,11 @@ def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, n
 
 
 def _search(asked: Objective, began: Array, confirmed: bool) -> bool:
-    """Walk to a minimum; tell whether one was reached.
+    """Search for a minimum; return whether one was reached.
 
-    Figures that have no solution where a round begins are left out of it: their penalty is the same everywhere and
-    would hide what the others gain. Where the end solves others than the beginning, a further round begins there.
+    Figures that have no solution where a round begins are left out of it: their penalty is constant and would hide the
+    improvement of the others. Where other figures have solutions at the end than at the beginning, another round begins
+    there.
     """
     places, converged = began, False
     for _ in range(MOST_ROUNDS):
@@ -231,7 +232,7 @@ def _lost(began: Array, reason: str, asked: Objective | None = None) -> Start:
 
 
 def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False) -> Calibration:
-    """Return the answer from what the starts reached."""
+    """Return the answer from the results of the starts."""
     counts: dict[str, Any] = {
         "solutions": sum(start.solutions for start in starts),
         "failed": sum(start.failed for start in starts),
@@ -271,7 +272,7 @@ def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interr
 
 
 def _margin(free: int, chi_squared: float, freedom: int) -> float:
-    """Return by how much chi² may rise where a fit counts as equally good."""
+    """Return the increase of chi² within which a fit counts as equally good."""
     from scipy.stats import chi2
 
     if free < 1:
@@ -292,7 +293,7 @@ def _message(outcome: Outcome, best: Start, interrupted: bool, count: int) -> st
 def _compared(
     asked: Objective, outcome: Outcome, values: dict[str, float]
 ) -> tuple[tuple[Compared, ...], dict[str, str], dict[str, tuple[str, ...]]]:
-    """Return every measured figure beside ours, points that were not fitted included, with reasons and warnings."""
+    """Return every measured figure beside the computed one, also at points not fitted, with reasons and warnings."""
     fitted = dict(zip((point.name for point in asked.points), outcome.figures, strict=True))
     compared, reasons, warned = [], dict(outcome.reasons), dict(outcome.warnings)
     for point in asked.fit.points:

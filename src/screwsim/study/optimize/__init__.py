@@ -35,16 +35,16 @@ from screwsim.study.workers import cores
 
 __all__ = ["Aim", "Optimum", "Question", "Reach", "optimize", "question", "run", "spans_of"]
 
-BORDER = 2e-4  # of a range: at its end
-IDLE = 0.9  # of a range over which all is as good: its path does not matter ...
-HOLE = 0.5  # ... where no such share of it is without a value as good
+BORDER = 2e-4  # of a range: distance from its end that counts as at the end
+IDLE = 0.9  # of a range over which the aim is equally good: the path does not matter ...
+HOLE = 0.5  # ... unless such a share of it is without an equally good value
 
 
 @dataclass(frozen=True)
 class Reach:
-    """How far a path [SI] may go with one aim as good within its error, by what was evaluated.
+    """How far a path [SI] may go with the aim equally good within its error, as far as evaluated.
 
-    `border` it lies at; `idle` where the aim is as good from one end of the range to the other.
+    `border` is the end at which the best lies; `idle` where the aim is equally good over the whole range.
     """
 
     low: float
@@ -55,12 +55,12 @@ class Reach:
 
 @dataclass(frozen=True, repr=False)
 class Optimum(Brief):
-    """What was found, all in SI units; `status` none: no evaluation has results within the bounds.
+    """The answer, all in SI units; `status` none: no evaluation has results within the bounds.
 
-    Rows of `places` (0 … 1 between the bounds), `aims`, `errors` (of the aims, numerical, absolute) and `excess` (over
-    the bounds) are the evaluations; NaN where one failed. `front` are the rows that no other dominates, by the first
-    aim; with one aim that is the best alone, of which `values`, `reach`, `points` and `scene` are. `others` are further
-    local optima (value, aim) of one path.
+    The rows of `places` (0 … 1 between the bounds), `aims`, `errors` (numerical, of the aims, absolute) and `excess`
+    (over the bounds) are the evaluations; NaN where one failed. `front` holds the rows that no other dominates, sorted
+    by the first aim; with one aim it is the best alone, to which `values`, `reach`, `points` and `scene` belong.
+    `others` are further local optima (value, aim) of one path.
     """
 
     asked: Question
@@ -79,11 +79,11 @@ class Optimum(Brief):
     others: tuple[tuple[float, float], ...] = ()
     points: tuple[Simulated, ...] = ()
     scene: Scene | None = None
-    warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations of the front that warn
+    warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations on the front that warn
 
     @property
     def values(self) -> dict[str, float]:
-        """The values [SI] of the best, or of the first of the front."""
+        """Values [SI] of the best evaluation, or of the first of the front."""
         return self.values_at(int(self.front[0])) if len(self.front) else {}
 
     def values_at(self, row: int) -> dict[str, float]:
@@ -185,13 +185,13 @@ def run(
 
 
 def _feasible(record: Record) -> np.ndarray:
-    """Tell which evaluations have results within the bounds."""
+    """Return which evaluations have results within the bounds."""
     aims, _, excess = record.columns()
     return np.asarray(np.all(np.isfinite(aims), axis=1) & np.all(excess <= 0.0, axis=1))
 
 
 def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
-    """Return what the evaluations tell."""
+    """Return the answer from all evaluations."""
     asked, (aims, errors, excess) = record.asked, record.columns()
     feasible, solved = _feasible(record), np.asarray(np.all(np.isfinite(aims), axis=1))
     signs = np.array([aim.sign for aim in asked.aims])
@@ -238,13 +238,13 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
 
 
 def _reach(found: Optimum, feasible: np.ndarray, column: int, best: int, top: Top | None) -> Reach:
-    """Return how far a path may go, as good within the error of the best; of one path by the parabola of its top."""
+    """Return how far a path may go within the error of the best; for a single path from the parabola at its top."""
     span, place = found.asked.spans[column], float(found.places[best, column])
     sign = found.asked.aims[0].sign
     worse = sign * (found.aims[:, 0] - found.aims[best, 0])
     good = np.sort(found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column])
     low, high = float(good[0]), float(good[-1])
-    if high - low > IDLE and float(np.diff(good).max()) < HOLE:  # what does next to nothing lies at a border by chance
+    if high - low > IDLE and float(np.diff(good).max()) < HOLE:  # the best place is one by chance
         return Reach(span.value(low), span.value(high), idle=True)
     border = "lower border" if place < BORDER else "upper border" if place > 1.0 - BORDER else ""
     if top is not None and not found.asked.bounds:

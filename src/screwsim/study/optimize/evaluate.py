@@ -1,4 +1,4 @@
-"""One set of values: simulated at every operating point, weighted, held against the bounds."""
+"""Evaluation of one set of values: simulated at every operating point, weighted, checked against the bounds."""
 
 import math
 from collections.abc import Sequence
@@ -21,13 +21,13 @@ from screwsim.study.seek.trials import Trials
 from screwsim.study.spans import Span
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
-LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control over the load, where a part load is sought
+LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, below times the load: range of a part load
 UNCOMPUTED = "not simulated: another operating point has no result"
 COP = "cop"
 
 
 class Evaluation(NamedTuple):
-    """What a set of values gives: each aim and its error [SI], by how much each bound is broken; or why it failed."""
+    """Evaluation of a set of values: each aim and its error [SI], the excess over each bound; or why it failed."""
 
     aims: tuple[float, ...]
     errors: tuple[float, ...]
@@ -41,7 +41,7 @@ class Evaluation(NamedTuple):
 
 @dataclass(frozen=True)
 class Simulated:
-    """An operating point with the values that its load needed, and its result."""
+    """An operating point with the values that its load required, and its result."""
 
     point: OperatingPoint
     values: dict[str, Any]
@@ -90,7 +90,7 @@ def _at_load(
 
 
 def _cooling(scene: Scene, full: Result) -> float:
-    """Return about the cooling per volume of suction gas [J/m³] at other temperatures, by that of the full load.
+    """Return the approximate cooling per volume of suction gas [J/m³] at other temperatures, from the full load.
 
     The refrigerating effect is the fluid's own; the density follows the suction pressure.
     """
@@ -104,7 +104,7 @@ def _cooling(scene: Scene, full: Result) -> float:
 
 
 def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
-    """Return the evaluation of the results from a row of a table on, one an operating point."""
+    """Return the evaluation from the rows of a table that begin at `row`, one per operating point."""
     rows = range(row, row + len(asked.points.points))
     bad = [each for each in rows if table.status[each] != STATUSES.index("ok")]
     nothing = (math.nan,) * len(asked.aims)
@@ -120,7 +120,7 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
 
 
 def mean(points: Points, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return a figure over the operating points, and its error; the COP of energy weights is cooling over work."""
+    """Return a figure over the operating points, and its error; with energy weights the COP is cooling over work."""
     weights = np.array([point.weight for point in points.points])
     weights = weights / weights.sum()
     if points.energy and name == COP:
@@ -130,7 +130,7 @@ def mean(points: Points, name: str, values: np.ndarray, errors: np.ndarray) -> t
 
 
 def told(table: Table, row: int) -> str:
-    """Return how a row of a table ended, in words."""
+    """Return the status and message of a row of a table, in words."""
     texts = table.texts["message"]
     return f"{STATUSES[table.status[row]].replace('_', ' ')}: {texts.words[texts.number[row]]}"
 
@@ -142,7 +142,7 @@ def value_of(table: Table, row: int, name: str, group: str = "performance") -> f
 
 
 def error_of(scene: Scene, table: Table, row: int, name: str) -> float:
-    """Return the estimated error of a figure in its own unit; by the wanted accuracy where nothing is estimated."""
+    """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
     scale = declared(name, Figures() if not table.about else _About(table)).scale
     known = {each.name: value for each in table.about if not math.isnan(value := value_of(table, row, each.name))}
     relative = value_of(table, row, name, "error")
@@ -151,14 +151,14 @@ def error_of(scene: Scene, table: Table, row: int, name: str) -> float:
 
 
 class _About:
-    """What is declared of the figures of a table, as `figures.declared` asks for it."""
+    """Declarations of the figures of a table, in the form that `figures.declared` needs."""
 
     def __init__(self, table: Table) -> None:
         self.about = {each.name: each for each in table.about}
 
 
 def broken(asked: Question, evaluation: Evaluation) -> float:
-    """Return by how much bounds are broken together, over their sizes; 0 within all."""
+    """Return the sum of all violations of bounds, over their sizes; 0 within all."""
     sizes: Sequence[float] = [
         10.0 if declared(bound.figure).units == "K" else max(abs(bound.value), 1e-12) for bound in asked.bounds
     ]

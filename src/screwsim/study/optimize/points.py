@@ -1,9 +1,9 @@
-"""Operating points over which figures are weighted: of a CSV file, or of a seasonal figure by its name.
+"""Operating points over which figures are weighted: from a CSV file, or those of a seasonal figure given by name.
 
-Sources: AHRI 551/591 (SI) and 550/590 for IPLV: weights 0.01, 0.42, 0.45, 0.12. Eurovent certification programme
-LCP-HP for ESEER: 3, 33, 41, 23 %. EN 14825 for SEER (space cooling, water at a fixed 7 °C, average climate) and SEPR
-(process cooling, water at 7 °C; Regulation (EU) 2016/2281 has the same), whose weights follow from hours at each
-outdoor temperature and the load there. All of them rate a whole chiller; `points` says how they become a compressor's.
+Sources: AHRI 551/591 (SI) and 550/590 for IPLV: weights 0.01, 0.42, 0.45, 0.12. Eurovent certification programme LCP-HP
+for ESEER: 3, 33, 41, 23 %. EN 14825 for SEER (space cooling, water at a fixed 7 °C, average climate) and SEPR (process
+cooling, water at 7 °C; Regulation (EU) 2016/2281 has the same), whose weights follow from the hours at each outdoor
+temperature and the load there. All of them rate a whole chiller; `points_of` converts them for a compressor.
 """
 
 import os
@@ -20,7 +20,7 @@ from screwsim.scene.units import NUMBER, ZERO_CELSIUS, Refused
 from screwsim.scene.values import convert
 from screwsim.study.inputs import check_continuous
 
-WATER = 7.0  # [°C] of the chilled water that leaves, in all of them
+WATER = 7.0  # [°C] of the leaving chilled water, in all of them
 
 # EN 14825: hours a year at each outdoor temperature [°C], from the first on
 _COOLING = (17, (205, 227, 225, 225, 216, 215, 218, 197, 178, 158, 137, 109, 88, 63, 39, 31, 24, 17, 13, 9, 4, 3, 1, 0))
@@ -37,15 +37,15 @@ HOURS: Mapping[str, Mapping[int, float]] = {
     name: {first + number: float(each) for number, each in enumerate(hours)}
     for name, (first, hours) in {"SEER": _COOLING, "SEPR": _PROCESS}.items()
 }
-LEAST_CONDENSING = 20.0  # [°C] below which a chiller's control holds the condenser: an assumption of ours
+LEAST_CONDENSING = 20.0  # [°C] down to which a chiller's control lets condensation fall: an assumption of ours
 LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load
 SPEED = "operation.speed"
-MOST = 100  # points of one file
+MOST = 100  # points per file
 _EXAMPLE = "weight, operation.condensing_temperature [degC], load"
 
 
 class Rating(NamedTuple):
-    """One rating point: load over the full one, temperature [°C] of what comes to the condenser, weight."""
+    """One rating point: load over the full one, temperature [°C] of the medium entering the condenser, weight."""
 
     load: float
     entering: float
@@ -53,7 +53,7 @@ class Rating(NamedTuple):
 
 
 class Standard(NamedTuple):
-    """A seasonal figure: its points; `energy`: their weights are shares of the cooling energy, else of the figure."""
+    """A seasonal figure: its points; with `energy` weights are shares of the cooling energy, else of the figure."""
 
     name: str
     source: str
@@ -65,7 +65,7 @@ _IPLV, _ESEER = (0.01, 0.42, 0.45, 0.12), (0.03, 0.33, 0.41, 0.23)
 _QUARTERS = (1.0, 0.75, 0.5, 0.25)
 _OUTDOOR = {"SEER": (35.0, 30.0, 25.0, 20.0), "SEPR": (35.0, 25.0, 15.0, 5.0)}  # [°C] of the points A … D
 _LOADS = {"SEER": (1.0, 0.74, 0.47, 0.21), "SEPR": (1.0, 0.93, 0.87, 0.8)}
-_TABLE = {  # temperatures of air, and of water where the condenser is cooled by it
+_TABLE = {  # temperatures of air, and of water where it cools the condenser
     "IPLV": ("AHRI 551/591", _QUARTERS, (35.0, 27.0, 19.0, 13.0), (30.0, 24.5, 19.0, 19.0)),
     "ESEER": ("Eurovent LCP-HP", _QUARTERS, (35.0, 30.0, 25.0, 20.0), (30.0, 26.0, 22.0, 18.0)),
     "SEER": ("EN 14825, fixed outlet", _LOADS["SEER"], _OUTDOOR["SEER"], (30.0, 26.0, 22.0, 18.0)),
@@ -74,19 +74,19 @@ _TABLE = {  # temperatures of air, and of water where the condenser is cooled by
 
 
 def energy_shares(name: str) -> tuple[float, ...]:
-    """Return the share of a year's cooling energy that each rating point of SEER or SEPR stands for.
+    """Return the share of a year's cooling energy that each rating point of SEER or SEPR represents.
 
-    Hours times load at each outdoor temperature, shared linearly between the two points around it; beyond the outer
-    points those stand for all.
+    Hours times load at each outdoor temperature, divided linearly between the two neighbouring points; beyond the outer
+    points these take all.
     """
-    at, loads = _OUTDOOR[name][::-1], _LOADS[name][::-1]  # rising
+    at, loads = _OUTDOOR[name][::-1], _LOADS[name][::-1]  # ascending
     shares = [0.0] * len(at)
     for T, hours in HOURS[name].items():
         upper = next((i for i, each in enumerate(at) if each >= T), len(at) - 1)
         lower = max(upper - 1, 0)
         part = 1.0 if upper == lower else min(max((T - at[lower]) / (at[upper] - at[lower]), 0.0), 1.0)
         load = loads[lower] + part * (loads[upper] - loads[lower])
-        if name == "SEER" and T < at[0]:  # its load goes to zero at 16 °C; that of process cooling stays
+        if name == "SEER" and T < at[0]:  # this load falls to zero at 16 °C; that of process cooling does not
             load = (T - 16.0) / (35.0 - 16.0)
         shares[upper] += part * hours * load
         shares[lower] += (1.0 - part) * hours * load
@@ -94,7 +94,7 @@ def energy_shares(name: str) -> tuple[float, ...]:
 
 
 def standards() -> dict[str, Standard]:
-    """Return the seasonal figures by name; `-water`: condensers cooled by water, else by air."""
+    """Return the seasonal figures by name; `-water`: water-cooled condensers, else air-cooled."""
     found = {}
     for name, (source, loads, air, water) in _TABLE.items():
         energy = name in HOURS
@@ -107,7 +107,7 @@ def standards() -> dict[str, Standard]:
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """One point: values [SI] by scene path, weight, and the load over the first point's, None where none is asked."""
+    """One point: values [SI] by scene path, weight, and the load over the first point's, None where none is stated."""
 
     name: str
     values: Mapping[str, Any]
@@ -117,14 +117,17 @@ class OperatingPoint:
 
 @dataclass(frozen=True)
 class Points:
-    """Points with how they are averaged: `energy` weights are shares of the cooling energy, so that the COP of all is
-    cooling over work; else the mean is that of the figures. Loads are reached by the path `by`."""
+    """Points with their way of averaging. Loads are reached by the path `by`.
+
+    With `energy` the weights are shares of the cooling energy, so that the overall COP is cooling over work; else
+    figures are averaged.
+    """
 
     name: str
     points: tuple[OperatingPoint, ...]
     energy: bool = False
     by: str = SPEED
-    told: tuple[str, ...] = ()  # how conditions of a chiller became the compressor's
+    told: tuple[str, ...] = ()  # how a chiller's conditions were converted to the compressor's
 
     @property
     def single(self) -> bool:
@@ -135,7 +138,7 @@ ONE = Points("", (OperatingPoint("", {}),))
 
 
 def read_points(scene: Scene, named: str | None) -> Points:
-    """Return the points of a standard or a CSV file by its name; one point, as the scene has it, without."""
+    """Return the points of a standard or a CSV file by its name; without a name one point, the scene itself."""
     if not named:
         return ONE
     standard = standards().get(named.upper().replace("-WATER", "-water"))
@@ -148,11 +151,11 @@ def read_points(scene: Scene, named: str | None) -> Points:
 
 
 def points_of(scene: Scene, standard: Standard) -> Points:
-    """Return a standard's points as a compressor meets them.
+    """Return a standard's points as conditions of the compressor.
 
-    The scene's own temperatures are those of the full load: what lies between them and the chilled water, or what comes
-    to the condenser, is taken to shrink with the load, as with surfaces of constant size; the condenser is held at
-    `LEAST_CONDENSING` at least. Superheat and subcooling stay.
+    The scene's own temperatures are those of the full load: their differences from the chilled water, and from the
+    medium entering the condenser, are taken as proportional to the load, as with surfaces of constant size;
+    condensation never falls below `LEAST_CONDENSING`. Superheat and subcooling stay.
     """
     T_e, T_c = scene.operation.evaporating_temperature, scene.operation.condensing_temperature
     if T_e is None or T_c is None:
@@ -203,7 +206,7 @@ class _Column:
 
 
 def _from_file(scene: Scene, name: str) -> Points:
-    """Return the points of a CSV file; raise UsageError with the line at fault."""
+    """Return the points of a CSV file; raise UsageError with the faulty line."""
     with usable("name a CSV file in UTF-8", f"--over {name}"):
         sheet = read_sheet(name)
     if not 1 <= len(sheet.rows) <= MOST:

@@ -1,4 +1,4 @@
-"""What an optimisation asks: paths between two values, figures to be highest or lowest, bounds, operating points."""
+"""The question of an optimisation: paths between two values, figures to optimise, bounds, operating points."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ from screwsim.study.inputs import check_continuous, usual_efficiency
 from screwsim.study.optimize.points import ONE, Points, read_points
 from screwsim.study.spans import Span, read_spans, span_of
 
-EACH = 100  # evaluations a path, without a number given
+EACH = 100  # evaluations per path, where no number is given
 
 
 class Aim(NamedTuple):
-    """A figure that is to be highest, or lowest."""
+    """A figure that is to be maximised, or minimised."""
 
     figure: str
     minimum: bool = False
 
     @property
     def sign(self) -> float:
-        """Factor that makes of the figure what is to be lowest."""
+        """Factor by which the figure becomes a quantity to minimise."""
         return 1.0 if self.minimum else -1.0
 
 
 @dataclass(frozen=True)
 class Question:
-    """The whole question; `scene` has no sweep. Of the paths at most `evaluations` sets of values are tried."""
+    """The whole question; `scene` has no sweep. At most `evaluations` sets of values of the paths are tried."""
 
     scene: Scene
     spans: tuple[Span, ...]
@@ -47,7 +47,7 @@ class Question:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """The figures that every operating point has to have."""
+        """Figures that every operating point must have."""
         loads = ("cooling_capacity",) if any(point.load is not None for point in self.points.points) else ()
         named = (*(aim.figure for aim in self.aims), *(bound.figure for bound in self.bounds), *loads)
         return tuple(dict.fromkeys(named))
@@ -64,10 +64,10 @@ def question(
     evaluations: int | None = None,
     seed: int = 1,
 ) -> Question:
-    """Return what is asked; raise UsageError, in one line, of what makes no sense.
+    """Return the question; raise UsageError, in one line, where it makes no sense.
 
-    `vary` are texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the sweep, or {path: (low, high) [SI]}. Without an aim it
-    is the usual efficiency, to be highest.
+    `vary` are texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the sweep, or {path: (low, high) [SI]}. The default aim
+    is to maximise the usual efficiency.
     """
     aims = [Aim(figure_of(scene, name, "--maximize")) for name in _listed(maximize)]
     aims += [Aim(figure_of(scene, name, "--minimize"), True) for name in _listed(minimize)]

@@ -1,8 +1,8 @@
 """All evaluations of an optimisation, in the order in which it asked for them; those of an earlier run are reused.
 
-What is asked for next depends on nothing but the answers so far, so that a run that is begun again asks for the same:
-the stored cases of an interrupted one are its first answers. A batch is cut into blocks whose cycles begin from each
-other; the cut depends on the batch alone, so that answers depend neither on the number of workers nor on interruptions.
+Each request depends on nothing but the answers so far, so that a restarted run makes the same requests: the stored
+cases of an interrupted run are its first answers. A batch is cut into blocks whose cycles start from each other; the
+cut depends on the batch alone, so that answers depend neither on the number of workers nor on interruptions.
 """
 
 import pickle
@@ -28,15 +28,15 @@ from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
 from screwsim.study.workers import DIED, sent
 
-FRESH = 2000  # evaluations after which workers start afresh: profiles leave tables and rotors in their caches
-BLOCK = 4  # evaluations of a batch whose cycles begin from each other
-REASONS = 100  # kinds of reasons of failed evaluations that are kept
+FRESH = 2000  # evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
+BLOCK = 4  # evaluations of a batch whose cycles start from each other
+REASONS = 100  # kinds of failure reasons that are kept
 OTHER = "another reason"
-_Job = tuple[Question, Simulate | None, float | None]  # what is asked, what simulates, the limit of a case [s]
+_Job = tuple[Question, Simulate | None, float | None]  # question, simulation, time limit of a case [s]
 
 
 class Spent(Exception):
-    """The evaluations are spent."""
+    """All evaluations have been used."""
 
 
 @dataclass
@@ -45,18 +45,18 @@ class Record:
 
     asked: Question
     crew: Crew
-    parts: Parts | None = None  # where the cases are kept
+    parts: Parts | None = None  # where the cases are stored
     simulate: Simulate | None = None
     progress: Progress = field(default_factory=Progress)
     reasons: Counter[str] = field(default_factory=Counter)
     reused: int = 0
-    warned: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by the evaluation, of those that warn
+    warned: dict[int, tuple[str, ...]] = field(default_factory=dict)  # by number of the evaluation, of those that warn
     _places: list[np.ndarray] = field(default_factory=list)
     _rows: list[np.ndarray] = field(default_factory=list)
     _kinds: dict[str, str] = field(default_factory=dict)  # kind of a reason -> its first example
     _job: _Job | bytes = b""
     _crews: int = 0
-    _kept: int = 0  # cases that an earlier run has kept, from the first on
+    _kept: int = 0  # cases stored by an earlier run, counted from the first
 
     def __post_init__(self) -> None:
         limit = CASE_LIMIT * len(self.asked.points.points) if self.crew.jobs > 1 else None
@@ -82,7 +82,7 @@ class Record:
         return rows[:, :aims], rows[:, aims : 2 * aims], rows[:, 2 * aims :]
 
     def evaluate(self, places: np.ndarray) -> list[Evaluation]:
-        """Return the evaluations of places (n, paths); raise `Spent` when fewer are left, which are made and kept."""
+        """Return the evaluations of places (n, paths); where fewer are left, keep those and raise `Spent`."""
         wanted, left = np.clip(np.atleast_2d(np.asarray(places, float)), 0.0, 1.0), self.asked.evaluations - len(self)
         places = wanted[:left]
         if not len(places):
@@ -119,7 +119,7 @@ class Record:
         self.progress.advance(len(found), len(failed))
 
     def _computed(self, places: np.ndarray) -> Table:
-        if len(self) // FRESH > self._crews:  # what workers keep in memory is bounded
+        if len(self) // FRESH > self._crews:  # bounds the memory of workers
             self._crews = len(self) // FRESH
             self.crew.leave()
         order = neighbours(places)
@@ -130,7 +130,7 @@ class Record:
         return whole.rows((size * back[:, None] + np.arange(size)).ravel())
 
     def _solved(self, places: np.ndarray, blocks: Sequence[np.ndarray]) -> list[Table]:
-        """Return the results of blocks; where a worker died over one, its evaluations are tried one by one."""
+        """Return the results of blocks; where a worker died over a block, its evaluations are tried one by one."""
         tables = self.crew.answers(_block, [_Work(self._job, places[rows]) for rows in blocks])
         for number, table in enumerate(tables):
             if table is None and len(blocks[number]) == 1:
@@ -142,7 +142,7 @@ class Record:
 
 
 def neighbours(places: np.ndarray) -> np.ndarray:
-    """Return an order in which each place is followed by the nearest that is left."""
+    """Return an order in which each place is followed by the nearest remaining one."""
     left, order = set(range(1, len(places))), [0]
     while left:
         rest = np.array(sorted(left))
@@ -153,7 +153,7 @@ def neighbours(places: np.ndarray) -> np.ndarray:
 
 
 class _Work(NamedTuple):
-    """A block as it is sent: what is asked and what simulates, pickled once for workers, and the places (n, paths)."""
+    """A block as it is sent: question and simulation, pickled once for workers, and the places (n, paths)."""
 
     job: _Job | bytes
     places: np.ndarray
@@ -163,7 +163,7 @@ _unpacked = lru_cache(maxsize=1)(pickle.loads)
 
 
 def _block(work: _Work) -> Table:
-    """Return the results of a block, an operating point a row."""
+    """Return the results of a block, one operating point per row."""
     asked, simulate, limit = work.job if isinstance(work.job, tuple) else _unpacked(work.job)
     simulate = simulate or Warm()
     results: list[Result] = []

@@ -1,7 +1,7 @@
-"""The searches: one path by bracket and bounded search, one aim by differential evolution and a polish, else NSGA-II.
+"""Searches: a bracket and bounded search for one path; differential evolution and a simplex for one aim; else NSGA-II.
 
-Each works on places 0 … 1 between the bounds and asks a `Record` for evaluations until it has converged or those are
-spent. Failed evaluations are worse than any other; of those that break bounds the less the better.
+Each works on places 0 … 1 between the bounds and asks a `Record` for evaluations until it has converged or all are
+used. Failed evaluations are worse than any other; of those that violate bounds, a smaller violation is better.
 """
 
 import math
@@ -18,15 +18,15 @@ from screwsim.study.optimize.record import Record, Spent
 from screwsim.study.search import COARSE, Point, Top, highest
 
 Array = NDArray[np.float64]
-FAILED = 1e12  # what a failed evaluation counts as
-PENALTY = 10.0  # of the largest aim of the first batch: what a bound that is broken by its own size costs
-EVOLVED = 0.7  # share of the evaluations that differential evolution may take
-SPREAD = 3e-4  # of the aims of a population at which it has converged
-SIMPLEX, PLACE = 0.05, 1e-3  # of the ranges: the polish begins and ends with
+FAILED = 1e12  # score of a failed evaluation
+PENALTY = 10.0  # of the largest aim of the first batch: cost of violating a bound by its own size
+EVOLVED = 0.7  # share of the evaluations that differential evolution may use
+SPREAD = 3e-4  # relative spread of a population's aims at which it has converged
+SIMPLEX, PLACE = 0.05, 1e-3  # of the ranges: initial size and final accuracy of the simplex
 
 
 def search(record: Record) -> Top | None:
-    """Search until converged or spent; of one path with one aim return the top."""
+    """Search until converged or out of evaluations; for one path with one aim return the top."""
     try:
         if len(record.asked.aims) > 1:
             _nsga2(record)
@@ -40,7 +40,7 @@ def search(record: Record) -> Top | None:
 
 
 def _score(asked: Question, evaluation: Evaluation, penalty: float) -> float:
-    """Return what is to be lowest for one aim."""
+    """Return the quantity to minimise for one aim."""
     if evaluation.failed:
         return FAILED
     return asked.aims[0].sign * evaluation.aims[0] + penalty * broken(asked, evaluation)
@@ -52,7 +52,7 @@ def _penalty(evaluations: Sequence[Evaluation]) -> float:
 
 
 def _line(record: Record) -> Top | None:
-    """Bracket every local optimum at evenly spaced places, at once; then narrow each."""
+    """Bracket every local optimum at evenly spaced places in one batch; then narrow each."""
     asked = record.asked
     places = np.linspace(0.0, 1.0, COARSE)
     first = record.evaluate(places[:, None])
@@ -68,7 +68,7 @@ def _line(record: Record) -> Top | None:
 
 
 def _first(asked: Question, count: int) -> Array:
-    """Return places to begin with: the scene's own, as far as they lie in the ranges, and a Latin hypercube."""
+    """Return initial places: a Latin hypercube, with the scene's own if it lies in all ranges."""
     from scipy.stats import qmc
 
     cube = qmc.LatinHypercube(len(asked.spans), rng=np.random.default_rng(asked.seed)).random(count)
@@ -117,7 +117,7 @@ def _evolution(record: Record) -> None:
 
 
 def _nsga2(record: Record) -> None:
-    """Search for several aims by NSGA-II, the bounds as its constraints."""
+    """Search for several aims by NSGA-II, with the bounds as its constraints."""
     try:
         from pymoo.algorithms.moo.nsga2 import NSGA2
         from pymoo.core.evaluator import Evaluator
@@ -143,19 +143,19 @@ def _nsga2(record: Record) -> None:
 
 
 def _lowered(asked: Question, evaluation: Evaluation) -> list[float]:
-    """Return the aims as all are to be lowest."""
+    """Return the aims as quantities to minimise."""
     return [aim.sign * value for aim, value in zip(asked.aims, evaluation.aims, strict=True)]
 
 
 def front_of(values: Array) -> NDArray[np.intp]:
-    """Return which rows no other row dominates, all columns to be lowest, in the order of the first column.
+    """Return the rows that no other row dominates, all columns to be minimised, sorted by the first column.
 
-    NaN is never in front; of equal rows the first.
+    Rows with NaN are never in front; of equal rows the first is.
     """
     good = np.flatnonzero(np.all(np.isfinite(values), axis=1))
     order = good[np.lexsort(values[good].T[::-1])]
     kept: list[int] = []
-    for row in order:  # none that comes later dominates it
+    for row in order:  # no later row dominates it
         ahead = values[kept]
         if not len(kept) or not np.any(np.all(ahead <= values[row], axis=1)):
             kept.append(int(row))

@@ -1,4 +1,4 @@
-"""An optimisation on disk: all its cases as results of a sweep are, and what was aimed at over the evaluations."""
+"""An optimisation on disk: all its cases in the form of a sweep's results, and the aims over the evaluations."""
 
 import json
 from collections.abc import Iterator
@@ -23,8 +23,8 @@ from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.shards import Parts
 
-COMMAND = "optimize"  # as results say by what they were made
-QUESTION = "question"  # in what tells results apart
+COMMAND = "optimize"  # in the history of a results file
+QUESTION = "question"  # key in the identity of results
 
 
 def question_text(asked: Question) -> str:
@@ -49,7 +49,7 @@ def question_text(asked: Question) -> str:
 
 
 def identity(asked: Question) -> dict[str, str]:
-    """Return what tells the results of one optimisation from those of another."""
+    """Return the identity that tells the results of one optimisation from those of another."""
     try:
         pymoo = metadata.version("pymoo")
     except metadata.PackageNotFoundError:
@@ -59,7 +59,7 @@ def identity(asked: Question) -> dict[str, str]:
 
 @contextmanager
 def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
-    """Hold the parts of an optimisation; raise UsageError where they, or the file, are of something else."""
+    """Hold the parts of an optimisation; raise UsageError where they, or the file, belong to something else."""
     own = {"scene_sha256": digest(asked.scene.text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
     if holds(output):
@@ -74,7 +74,7 @@ def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
 
 
 def _refuse_existing(output: Path, restart: bool) -> None:
-    attributes = read_attributes(output)  # raises of a file that is none of ours
+    attributes = read_attributes(output)  # raises for a file that is not a results file
     if not str(attributes.get("history", "")).endswith(f" {COMMAND}"):
         raise UsageError(f"{output}: holds no optimisation's results (choose another -o, or remove it)")
     if restart:
@@ -96,7 +96,7 @@ def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
 
 
 def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray) -> None:
-    """Write all cases and what was found to HDF5, and remove the parts."""
+    """Write all cases and the answer to HDF5, and remove the parts."""
     assert record.parts is not None
     asked = record.asked
     aims, errors, excess = record.columns()

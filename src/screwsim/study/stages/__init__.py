@@ -1,4 +1,4 @@
-"""Two compressors in a row: two scenes, what lies between them, and the pressure there (docs/model.md M200–M203)."""
+"""Two compressors in series: two scenes, what lies between them, and the pressure there (docs/model.md M200–M203)."""
 
 from screwsim.study.stages.read import explain_stages, is_stages, read_stages, stages_schema
 from screwsim.study.stages.result import ChainResult

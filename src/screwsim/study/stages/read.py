@@ -1,4 +1,4 @@
-"""Read STAGES.yaml: both scenes and what lies between, every fault at its line; its JSON Schema, and it in words."""
+"""Read STAGES.yaml: both scenes and what lies between, with faults by line; its JSON Schema and its description."""
 
 import os
 import textwrap
@@ -51,18 +51,18 @@ class Intercooler:
 
     @property
     def cools(self) -> bool:
-        """Is the gas cooled?"""
+        """Whether the gas is cooled."""
         return self.kind == COOLS
 
     @property
     def flashes(self) -> bool:
-        """Does vapour of a flash tank mix in?"""
+        """Whether vapour of a flash tank mixes in."""
         return self.kind == FLASHES
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Two scenes in a row. The first one's discharge and the second one's suction line are found, not read."""
+    """Two scenes in series. The first one's discharge and the second one's suction line are solved for, not read."""
 
     title: str
     first: Scene
@@ -71,7 +71,7 @@ class Chain:
 
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
-    """Tell whether a YAML file describes stages in place of one scene."""
+    """Return whether a YAML file describes stages instead of one scene."""
     root = _root(shipped(path), [])
     return root is not None and KEY in root.value
 
@@ -79,7 +79,7 @@ def is_stages(path: str | os.PathLike[str]) -> bool:
 def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Chain:
     """Return the chain of a YAML file, its scenes changed by `first.PATH=VALUE` and `second.PATH=VALUE`.
 
-    Raises `SceneError` with one line a fault, `UsageError` for an override that makes no sense.
+    Raises `SceneError` with one line per fault, `UsageError` for an override that makes no sense.
     """
     name = shipped(path)
     problems: list[Problem] = []
@@ -95,7 +95,7 @@ def _root(name: str, problems: list[Problem]) -> Node | None:
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable:
-        return None  # a scene that is not there is told of by those who read scenes
+        return None  # a missing scene is reported by the reader of scenes
     root = compose(text, place, problems)
     return root if root is not None and isinstance(root.value, dict) else None
 
@@ -164,7 +164,7 @@ def _files(root: Node, node: Node, problems: list[Problem]) -> list[str] | None:
 
 
 def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: list[Problem]) -> None:
-    """Add what does not go together: gases, expanders, gas from elsewhere, and an economizer without a condenser."""
+    """Add faults of what does not go together: gases, expanders, drawn gas, an economizer without a condenser."""
     place = content[KEY].place
     for name, scene in zip(NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
@@ -210,7 +210,7 @@ def stages_schema() -> dict[str, Any]:
 
 
 def explain_stages(chain: Chain) -> str:
-    """Return the text. Raises UsageError for a fluid that is not there."""
+    """Return the explanation as text. Raises UsageError for a fluid that is not available."""
     p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
     ends = " to ".join(readable_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
     between = chain.intercooler

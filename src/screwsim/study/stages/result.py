@@ -1,4 +1,4 @@
-"""What comes of two stages together: record, capacities and COP, numerical errors (docs/model.md M203, M395, M410)."""
+"""Results of two stages together: record, capacities and COP, numerical errors (docs/model.md M203, M395, M410)."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from screwsim.scene import Scene
 if TYPE_CHECKING:
     from screwsim.study.stages.solve import Pair
 
-STEP = 1.02  # factor of the pressure between the stages, for the slopes by it
-WARMER = 1.0  # K, of the gas that the first stage gives, for the slopes by that
+STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
+WARMER = 1.0  # K, warming of the first stage's gas, for the slopes by its temperature
 USED = ("gas_mass_flow", "shaft_power", "discharge_temperature", "separator_temperature", "oil_cooler_duty")
 
 
 @dataclass(frozen=True)
 class ChainResult:
-    """Two stages together; `performance` has the names of M200–M203, `stages` the results of both."""
+    """Results of two stages together; `performance` has the names of M200–M203, `stages` the results of both."""
 
     status: str
     message: str = ""
@@ -33,7 +33,7 @@ class ChainResult:
     warnings: tuple[str, ...] = ()  # of the whole; those of a stage are in its result
 
     def as_json(self) -> dict[str, Any]:
-        """Return what `run --json` prints of stages."""
+        """Return what `run --json` prints for two stages."""
         return {
             "status": self.status,
             "message": self.message,
@@ -51,10 +51,10 @@ Given = tuple[dict[str, float | None], dict[str, str]]  # figures, and why some 
 def capacities(
     cooling: float, power: float, second: Mapping[str, Any], rejected: float | None, unparted: str = ""
 ) -> Given:
-    """Return both capacities [W] and their COP on the power of both stages [W], or None with the reason.
+    """Return both capacities [W] and their COP relative to the power of both stages [W], or None with the reason.
 
-    `second` has the figures of the second stage, whose gas goes to the condenser and gives off `rejected` [J/kg]
-    there; None where gas and oil do not part, with the reason `unparted`.
+    `second` has the figures of the second stage, whose gas gives off `rejected` [J/kg] in the condenser; None where gas
+    and oil are not separated, with the reason `unparted`.
     """
     cop = cooling / power if power > 0.0 else None
     warming, reasons = heating({"shaft_power": power}, second["gas_mass_flow"], rejected, unparted)
@@ -68,10 +68,10 @@ def chain_errors(
     beside: Callable[[float], Pair],
     warmer: Callable[[float], Pair],
 ) -> Figures:
-    """Return the estimated error of each figure of a chain, over its scale; empty where a stage tells none.
+    """Return the estimated error of each figure of a chain, over its scale; empty where a stage has no estimates.
 
-    `figures` are those of a pair of stages, `beside` is the pair at another pressure [Pa] between them, `warmer` that
-    at the same pressure whose first stage gives gas that is warmer by some kelvin.
+    `figures` returns the figures of a pair of stages, `beside` the pair at another pressure [Pa] between them, `warmer`
+    the pair at the same pressure with the gas from the first stage warmer by some kelvins.
     """
     if not all(result.error for result in pair.results):
         return Figures()
@@ -84,7 +84,7 @@ def chain_errors(
         left += share * abs(other.excess - pair.excess)
         off = {key: off[key] + share * size for key, size in _change(found, figures(other)).items()}
     other = beside(pair.p * STEP)
-    shift = left / max(abs(other.excess - pair.excess), 1e-300)  # of the way to that other pressure
+    shift = left / max(abs(other.excess - pair.excess), 1e-300)  # fraction of the step to that other pressure
     by_pressure = _change(found, figures(other))
     known = {name: 0.0 if value is None else value for name, value in found.items()}
     scales = {name: STAGES[name].scale for name, value in found.items() if value is not None}
@@ -98,14 +98,14 @@ def chain_errors(
 
 
 def handed_on(first: Result) -> str:
-    """Return which temperature the gas has that the first stage gives: behind its separator, where it has oil."""
+    """Return the figure that is the temperature of the first stage's gas: behind its separator, where it has oil."""
     return (
         "discharge_temperature" if first.performance.get("separator_temperature") is None else "separator_temperature"
     )
 
 
 def _told(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:
-    """Yield stage, name and error of each figure of both stages that those of the whole are made of, as it is."""
+    """Yield stage, name and error, in its own unit, of each figure that enters those of the whole."""
     for which, result in enumerate(results):
         for name in USED:
             error = error_in_unit(name, result.performance, result.error)
@@ -114,7 +114,7 @@ def _told(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:
 
 
 def _changed(pair: Pair, which: int, name: str, error: float) -> Pair:
-    """Return a pair with one figure of a stage larger by its error."""
+    """Return a pair with one figure of a stage increased by its error."""
     result = pair.results[which]
     performance = result.performance.copy()
     performance[name] += error
@@ -124,6 +124,6 @@ def _changed(pair: Pair, which: int, name: str, error: float) -> Pair:
 
 
 def _change(found: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, float]:
-    """Return how far apart two chains' figures are; where one has none, nothing."""
+    """Return the differences between two chains' figures; zero where one is missing."""
     pairs = ((name, value, other.get(name)) for name, value in found.items())
     return {name: 0.0 if value is None or its is None else abs(its - value) for name, value, its in pairs}

@@ -1,4 +1,4 @@
-"""The intermediate pressure of two stages, and the figures of the whole (docs/model.md M200–M203)."""
+"""Solve for the intermediate pressure of two stages, and compute the figures of the whole (docs/model.md M200–M203)."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -25,20 +25,20 @@ from screwsim.simulate import simulate
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
 from screwsim.study.stages.result import ChainResult, Given, capacities, chain_errors, handed_on
 
-GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
+GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
 EDGE = 1.02  # least pressure ratio of a stage that is tried
 LEFT = 0.1  # of the wanted accuracy: difference of both flows at which the search ends
 MOST = 40  # pairs of simulations
-BEGIN = (0.5, 0.25, 0.75, 0.1, 0.9)  # of the way between both ends, in ln p: where the search begins while all fail
-HALVES = 5  # ways back by half from where a stage has no result
-PARTED = ("separator_temperature", "oil_cooler_duty")  # of each stage
+BEGIN = (0.5, 0.25, 0.75, 0.1, 0.9)  # of the way between both ends, in ln p: first points tried, until one succeeds
+HALVES = 5  # halvings of the way back from a pressure at which a stage has no result
+PARTED = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
 SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
 _STATED += ("subcooling", "gas_cooler")
 
 
 class _Stop(Exception):
-    """Why no pair of stages can be simulated further; `results` of the stages that there are."""
+    """Reason why no pair of stages can be simulated further; `results` of the stages simulated so far."""
 
     def __init__(self, status: str, message: str, results: tuple[Result, ...] = ()) -> None:
         super().__init__(message)
@@ -46,30 +46,30 @@ class _Stop(Exception):
 
 
 class Pair(NamedTuple):
-    """Both stages at one intermediate pressure: scenes, results, vapour from the tank per gas of the first stage."""
+    """Both stages at one intermediate pressure: scenes, results, tank vapour per unit of the first stage's gas."""
 
     p: float
     scenes: tuple[Scene, Scene]
     results: tuple[Result, Result]
     vapour: float
     T: float
-    unparted: str = ""  # why gas and oil of the second stage do not part in a separator
+    unparted: str = ""  # why gas and oil of the second stage are not separated
 
     @property
     def flows(self) -> tuple[float, float]:
-        """Return what comes to the second stage, and what it takes [kg/s]."""
+        """Return the flow that reaches the second stage and the one that it takes [kg/s]."""
         first, second = (result.performance.gas_mass_flow for result in self.results)
         return first * (1.0 + self.vapour), second
 
     @property
     def excess(self) -> float:
-        """Return ln of what comes over what is taken: falls with the pressure."""
+        """Return ln of the flow that arrives over the flow taken: it falls with the pressure."""
         comes, taken = self.flows
         return float(np.log(max(comes, 1e-12) / max(taken, 1e-12)))
 
 
 def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
-    name, value = state  # of the suction gas beside its pressure
+    name, value = state  # of the suction gas, besides its pressure
     values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
     values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
     values |= {f"operation.suction.{name}": value}
@@ -81,24 +81,24 @@ def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p
 
 
 def _parted(scene: Scene) -> Scene:
-    """Return a scene whose gas and oil part in a separator: what goes on to the other stage is that gas (M201)."""
+    """Return a scene with a separator for gas and oil: only the gas goes on to the other stage (M201)."""
     every = scene.effects.values()
     if scene.oil_supply is None or any(isinstance(active.parameters, CoolsOil) for active in every):
         return scene
     name = stating(CoolsOil)
     effect = catalogue()[name]
     parted = replace(scene, effects={**scene.effects, name: ActiveEffect(effect, effect.parameters())})
-    stated = any(isinstance(active.parameters, InSeparator) for active in every)  # beside it, no file could say that
+    stated = any(isinstance(active.parameters, InSeparator) for active in every)  # a file cannot state both
     return parted if stated else replace(parted, text=scene_text(parted))
 
 
 def _given(result: Result) -> float:
-    """Return the temperature [K] of the gas that a stage gives."""
+    """Return the temperature [K] of the gas that a stage delivers."""
     return result.performance[handed_on(result)]
 
 
 class _Chain:
-    """A chain being solved."""
+    """Solver of a chain."""
 
     def __init__(self, chain: Chain) -> None:
         self.chain, self.gas = chain, build_gas(chain.first)
@@ -131,7 +131,7 @@ class _Chain:
         return Pair(p, (scene, other), (first, second), vapour, T, unparted)
 
     def warmer(self, pair: Pair, kelvin: float) -> Pair:
-        """Return a pair at the same pressure, the gas that its first stage gives warmer by some kelvin."""
+        """Return a pair at the same pressure with the first stage's gas warmer by some kelvins."""
         between, (first, second) = self.chain.intercooler, pair.results
         changed = first.performance.copy()
         changed[handed_on(first)] += kelvin
@@ -145,9 +145,9 @@ class _Chain:
         return Pair(pair.p, (pair.scenes[0], other), (first, second), vapour, T, unparted)
 
     def _second(self, scene: Scene, trace: bool, first: Result) -> tuple[Scene, Result, str]:
-        """Return the second stage; in the end, with a trace, with a separator, or why gas and oil do not part in one.
+        """Return the second stage; at the end (`trace`) with a separator, or why gas and oil are not separated.
 
-        Nothing of the chain hangs on what its separator gives.
+        Nothing else in the chain depends on that separator.
         """
         parted = _parted(scene) if trace else scene
         if parted is scene:
@@ -167,7 +167,7 @@ class _Chain:
         return result
 
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
-        """Raise `_Stop` where the first stage delivers wet vapour: its temperature does not tell its enthalpy."""
+        """Raise `_Stop` where the first stage delivers wet vapour: its temperature does not determine its enthalpy."""
         gas = self.chain.first.gas
         if not gas.equilibrium:
             return
@@ -180,10 +180,10 @@ class _Chain:
             raise _Stop("failed", f"{what} (warmer or less oil there, or drier suction gas)", (first,))
 
     def _between(self, p: float, T_d: float, between: Intercooler) -> tuple[float, float]:
-        """Return vapour per gas of the first stage, and the suction temperature [K] of the second (M201, M202)."""
+        """Return vapour per unit of first-stage gas, and the suction temperature [K] of the second (M201, M202)."""
         out = p - between.pressure_drop
         if between.cools:
-            assert between.outlet_temperature is not None  # checked when read
+            assert between.outlet_temperature is not None  # checked on reading
             throttled = self.gas.temperature(out, self.gas.enthalpy(p, T_d))
             return 0.0, min(throttled, between.outlet_temperature)
         if between.flashes:
@@ -202,7 +202,7 @@ class _Chain:
         return 0.0, self.gas.temperature(out, self.gas.enthalpy(p, T_d))
 
     def _liquid(self, p: float, T: float) -> bool:
-        """Tell whether a real gas is liquid at p [Pa], T [K]."""
+        """Return whether a real gas is liquid at p [Pa], T [K]."""
         gas = self.chain.first.gas
         try:
             return condenses(gas) and T < constants.saturation_temperature(gas.name, p)
@@ -238,7 +238,7 @@ class _Chain:
         return self.pair(best.p, trace=True)
 
     def _begun(self, least: float, most: float) -> Pair:
-        """Return a pair that has results, at the geometric mean of both ends where that has; raise its `_Stop`."""
+        """Return a first pair with results, at the geometric mean of both ends if possible; raise its `_Stop`."""
         stops: list[_Stop] = []
         for share in BEGIN:
             try:
@@ -259,7 +259,7 @@ class _Chain:
         raise stops[0] if stops else _Stop("failed", self._none_found(here.p), here.results)
 
     def _enclosed(self, one: Pair, other: Pair, least: float, most: float) -> tuple[Pair, Pair]:
-        """Return two pairs, too much gas coming at the lower pressure, too little at the higher one."""
+        """Return two pairs around the solution: too much gas arrives at the lower pressure, too little at the other."""
         a, b = (one, other) if one.p <= other.p else (other, one)
         while a.excess < 0.0:
             if a.p <= least * (1.0 + 1e-12):
@@ -320,7 +320,7 @@ class _Chain:
         return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
 
     def errors(self, pair: Pair) -> tuple[Figures, tuple[str, ...]]:
-        """Return the estimated errors of the figures of the whole (M395), or why there are none."""
+        """Return the estimated errors of the figures of the whole (M395), or a warning why there are none."""
         try:
             beside = partial(self.pair, trace=True)
             return chain_errors(pair, lambda each: self.figures(each)[0], beside, partial(self.warmer, pair)), ()
@@ -328,7 +328,7 @@ class _Chain:
             return Figures(), (f"the errors of the whole could not be estimated: {stop}",)
 
     def _capacities(self, pair: Pair, flow: float, power: float, h_s: float) -> Given:
-        """Return what `capacity.capacities` does, by the flow of the first stage [kg/s] and its inlet's h_s [J/kg]."""
+        """Return the result of `capacities` for a flow of the first stage [kg/s] and its inlet enthalpy h_s [J/kg]."""
         if condensate_enthalpy(self.chain.second) is None:
             return {}, {}
         sucked, liquid, second = suction_enthalpy(self.chain.first), self.liquid(), pair.results[1].performance
@@ -339,7 +339,7 @@ class _Chain:
 
 
 def _of_coolers(pair: Pair) -> dict[str, float | None]:
-    """Return what separator and oil cooler of each stage with oil do (M287); None where its gas and oil do not part."""
+    """Return the figures of each oiled stage's separator and oil cooler (M287); None where gas and oil stay mixed."""
     stages = zip(NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
     oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
     return {f"{which}_{name}": p.get(name) for name in PARTED for which, p in oiled}
