@@ -1,4 +1,4 @@
-"""What accuracy costs in time: the work-precision study of one scene."""
+"""Cost of accuracy in time: the work-precision study of one scene."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ __all__ = ["QUICK", "Case", "Extent", "Measured", "NoReference", "Study", "Truth
 
 @dataclass(frozen=True)
 class Study:
-    """All that was measured of one scene."""
+    """All measurements of one scene."""
 
     title: str
     accuracy: float
@@ -65,7 +65,7 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
 
 
 def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
-    """Return what did not come out well, cases of one label and reason together."""
+    """Return the cases without a good result, those of one label and reason together."""
     found: dict[tuple[str, str], list[str]] = {}
     for each in measured:
         if each.status != "ok":
@@ -75,7 +75,7 @@ def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
 
 
 class _References:
-    """The references of a study, made when they are first needed."""
+    """References of a study, computed when they are first needed."""
 
     def __init__(self, own: Truth, extent: Extent) -> None:
         self.own, self.extent = own, extent

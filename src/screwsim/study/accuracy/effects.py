@@ -1,4 +1,4 @@
-"""What each effect costs in time and evaluations, and what it changes in the answer; what size costs."""
+"""Cost of each effect in time and evaluations and its influence on the results; cost of size."""
 
 import statistics
 import tempfile
@@ -17,31 +17,31 @@ from screwsim.simulate import simulate
 from screwsim.study.accuracy.solving import Extent
 from screwsim.study.sweep import run_sweep
 
-SPREAD = 0.2  # of the speed, up and down, over which a sweep's points lie
-NOTHING = 1e-6  # of a figure with the effect: what is left without it is rounding
+SPREAD = 0.2  # of the speed, up and down: range of a sweep's points
+NOTHING = 1e-6  # of a figure with the effect: a smaller rest without it is rounding
 
 
 @dataclass(frozen=True)
 class EffectCost:
-    """One effect, simulated over left out: relative cost, and the change that it makes; NaN where there is none."""
+    """One effect, simulated over left out: relative cost, and the change of results; NaN for missing values."""
 
     effect: str
     status: str
-    time: float = np.nan  # with over without, less one
+    time: float = np.nan  # with over without the effect, less one
     evaluations: float = np.nan
-    efficiency: float = np.nan  # points of the isothermal, or else of the isentropic efficiency
+    efficiency: float = np.nan  # percentage points of the isothermal, or else of the isentropic efficiency
     shaft_power: float = np.nan  # relative
     gas_mass_flow: float = np.nan  # relative
     discharge_temperature: float = np.nan  # [K]
     cooling_capacity: float = np.nan  # relative
-    cop: float = np.nan  # relative; where a motor is simulated in one of both, on the electrical power
+    cop: float = np.nan  # relative; on the electrical power where either scene has a motor
     reason: str = ""
 
 
 def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
-    """Return what one effect costs and changes: runs with it and without it in turn, medians of both.
+    """Return cost and influence of one effect: medians over alternating runs with it and without it.
 
-    The first two compile what is missing and count only where no more are wanted; where one of them does not close,
+    The first two runs compile missing code and count only where no more are wanted; if one of them does not close,
     there are no more.
     """
     rest = {key: active for key, active in scene.effects.items() if key != name}
@@ -73,7 +73,7 @@ def _time(result: Result) -> float:
 
 
 def _both(full: Result, less: Result, name: str, instead: str = "") -> tuple[float, float]:
-    """Return a figure, or another in its place, with and without the effect; NaN where one of both lacks it."""
+    """Return a figure, or another in its place, with and without the effect; NaN where either lacks it."""
     one, other = (each.performance.get(name) or each.performance.get(instead or name) for each in (full, less))
     return (np.nan, np.nan) if one is None or other is None else (one, other)
 
@@ -112,7 +112,7 @@ def sweep_times(scene: Scene, points: int) -> Size:
 
 
 def lobe_times(scene: Scene, lobes: int, extent: Extent) -> Size:
-    """Return the median time of one point with another number of male lobes, as many of the female rotor more."""
+    """Return the median time of one point with another number of male lobes, and the female lobes changed equally."""
     machine = twin_screw(scene.machine)
     female = lobes + machine.female_lobes - machine.male_lobes
     other = with_values(scene, {"machine.male_lobes": lobes, "machine.female_lobes": female})

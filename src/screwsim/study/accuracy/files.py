@@ -1,4 +1,4 @@
-"""A study on disk: accuracy.csv with a row a case, and accuracy.h5 with everything."""
+"""A study on disk: accuracy.csv with one row per case, and accuracy.h5 with everything."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""One case of the study measured: time, evaluations and true error, or why there is none.
+"""Measurement of one case of the study: time, evaluations and true error, or why there is none.
 
-Of an accuracy that a user asks for, too: `simulate` as it is, with its estimate, against the reference.
+Likewise for an accuracy that a user asks for: `simulate` as it is, with its estimate, against the reference.
 """
 
 import statistics
@@ -23,17 +23,17 @@ from screwsim.study.accuracy.solving import Case, Extent, Solved, WorkLimit, sol
 
 Traces = Mapping[str, np.ndarray]
 NAMES = ("pressure", "gas_temperature")  # traces that are compared
-FINER = 1e3  # a reference than what is measured by it
-FILLED = 0.01  # of the largest volume: below it the little gas at the ends of a life takes no part in a figure
+FINER = 1e3  # ratio by which a reference must be more accurate than what it measures
+FILLED = 0.01  # of the largest volume: below it the little gas at the ends of a life affects no figure
 
 
 class NoReference(Exception):
-    """A scene has no solution that others could be measured by."""
+    """A scene has no solution that can serve as a reference."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A case with what it cost and how wrong it was; `reason` says why it is left out, when it is."""
+    """A case with its cost and true error; `reason` says why it is left out, when it is."""
 
     part: str
     label: str
@@ -52,7 +52,7 @@ class Measured:
     temperature_error: float = np.nan
     pressure_error_at_ends: float = np.nan  # ends of the life included
     temperature_error_at_ends: float = np.nan
-    change: float = np.nan  # of the answer to the scene as it is, where the case changes the model
+    change: float = np.nan  # of the answer from that of the scene as it is, where the case changes the model
     changed_figure: str = ""
     errors: Figures = field(default_factory=Figures)
     traces: Traces = field(default_factory=dict)
@@ -60,9 +60,9 @@ class Measured:
 
 @dataclass(frozen=True)
 class Truth:
-    """A reference: figures, traces, and by how much a second method differs (NaN: there is none).
+    """A reference: figures, traces, and their difference from a second method (NaN without one).
 
-    `accuracy` is its own: what asks for more than `FINER` times that cannot be measured by it.
+    `accuracy` is that of the reference; it cannot measure solutions that are less than `FINER` times coarser.
     """
 
     figures: Figures
@@ -84,7 +84,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Asked:
-    """An accuracy asked for: what it costs [s], what the solver estimates, what is true."""
+    """A requested accuracy: its cost [s], the solver's estimate, the true error."""
 
     asked: float
     status: str
@@ -98,8 +98,9 @@ class Asked:
 
 
 def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[float, float]:
-    """Return the largest relative errors of pressure and temperature at common angles at which the volume is at least
-    this share of its largest.
+    """Return the largest relative errors of pressure and temperature at common angles.
+
+    Only angles count at which the volume is at least this share of its largest.
     """
     chosen = better["volume"] >= least * np.max(better["volume"])
     pressure, temperature = (
@@ -129,10 +130,10 @@ def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float
 
 
 def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
-    """Return the reference of a scene: coupled chambers, hardly any regularisation, checked by scipy's Radau.
+    """Return the reference of a scene: coupled chambers with hardly any regularisation, checked by scipy's Radau.
 
-    As accurate as `extent` says, or up to a hundred times less where that takes too long. Raises NoReference where
-    none closes.
+    It is as accurate as `extent` says, or up to a hundred times less where that takes too long. Raises NoReference
+    where none closes.
     """
     started = time.perf_counter()
     first, fine = _reference(scene, extent, extent.reference)
@@ -140,7 +141,7 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     how = f"rodas4, coupled, accuracy {fine:g}, regularisation {1e-2 * fine:g} of the pressures"
     if not checked:
         return Truth(figures, traces, how, fine, seconds=time.perf_counter() - started)
-    # what scipy's methods miss of the balances is of the size of their steps' errors, over all steps
+    # errors of balances by scipy's methods are of the size of the step errors, over all steps
     closed = max(fine, 10.0 * extent.check)
     tight = way(closed, "scipy-radau", rtol=extent.check, regularised=1e-2 * fine, bound=1e-5)
     second, difference = f"scipy-radau, coupled, rtol {extent.check:g}", ("", np.nan)
@@ -205,7 +206,7 @@ def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
 
 
 def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) -> Asked:
-    """Return what asking for this accuracy gives."""
+    """Return the results of asking for this accuracy."""
     numerics = replace(scene.numerics, accuracy=accuracy, integrator=DEFAULT, rtol=None, error="estimate")
     wanted = replace(scene, numerics=numerics)
     results = [simulate(wanted, trace=False)]

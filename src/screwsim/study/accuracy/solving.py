@@ -1,4 +1,4 @@
-"""One scene solved in a stated way: integrator, closing, tolerances, regularisation and breakpoints, each by itself.
+"""One scene solved in a stated way: integrator, closing, tolerances, regularisation and breakpoints, set separately.
 
 `simulate` derives all of these from the wanted accuracy. A study of that accuracy has to set them one by one: each of
 its cases is a scene and a way of solving it.
@@ -38,17 +38,17 @@ from screwsim.solve.drive import settled
 from screwsim.study.coolprop_back_end import can_be_asked
 
 START = 1e-2  # accuracy of the cycle from which scipy's integrators start
-NARROWEST = 1e-12  # of a pressure: stands for a regularisation of zero, of which the model would divide 0 by 0
-TIGHT = 1e-7  # accuracy of all but the one choice that a case looks at
+NARROWEST = 1e-12  # of a pressure: used for a regularisation of zero, where the model would divide 0 by 0
+TIGHT = 1e-7  # accuracy of everything except the one choice under study
 
 
 class WorkLimit(Exception):
-    """The time allowed is used up."""
+    """The allowed time is used up."""
 
 
 @dataclass(frozen=True)
 class Way:
-    """How a scene is solved. `regularised` times the pressure of a line is the width ε of the regularisation there."""
+    """Way of solving a scene. `regularised` times the pressure of a line is the width ε of the regularisation there."""
 
     integrator: str = DEFAULT
     closing: str = "histories"
@@ -56,11 +56,11 @@ class Way:
     tolerance: float = 1e-4
     bound: float = 1e-3
     regularised: float = 1.5e-4
-    landing: bool = True  # do steps end on the breakpoints of the laws?
+    landing: bool = True  # whether steps end on the breakpoints of the laws
 
 
 def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Way:
-    """Return the way that follows from a wanted accuracy (docs/explanation/errors.md), but for what `others` say."""
+    """Return the way that follows from a wanted accuracy (docs/explanation/errors.md), with `others` changed."""
     known: dict[str, Any] = {
         "rtol": 0.3 * accuracy,
         "tolerance": 0.2 * accuracy,
@@ -98,17 +98,18 @@ def limited(machinery: Machinery, seconds: float) -> Iterator[None]:
 
 
 def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery | None = None) -> Solved:
-    """Return the scene solved that way. Raises WorkLimit after `limit` seconds.
+    """Return the scene solved in that way. Raises WorkLimit after `limit` seconds.
 
-    scipy's integrators start from a loose cycle (`START`) of our own, whose cost is counted; so does ours when it is
-    `closing: coupled`, for which that is the rule. `machinery` is one of the scene's, or it is lent one.
+    scipy's integrators start from a loose cycle (`START`) of our own method, whose cost is counted; our own method
+    starts in that way by itself for `closing: coupled`. `machinery` must be one of the scene's; without it one is
+    leased.
     """
     series = Series()
     scene = replace(scene, numerics=replace(scene.numerics, integrator=how.integrator))
     problem, _ = steady(problem_of(scene, series), series)
     composition = replace(problem.composition, breakpoints=_breakpoints(problem.composition, how.landing))
     at, check = problem.lines, check_of(how.integrator)
-    own = max(at.p_s, at.p_d)  # of ports to plenums of effects; that of gaps goes with the pressures at their ends
+    own = max(at.p_s, at.p_d)  # for ports to plenums of effects; the width of gaps follows the pressures at their ends
     pressures = np.array([at.p_s, at.p_d, 1.0, *(own for _ in range(composition.n_widths - 3))])
     widths = tuple((max(how.regularised, NARROWEST) * pressures).tolist())
     wanted = Wanted(how.rtol, how.tolerance, how.bound, how.closing, widths, check=check)
@@ -120,7 +121,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     machinery.warm_up(lambda: rehearse(problem, machinery))
     watch = Watch(machinery)
     with limited(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # explicit methods overflow on their way to a shorter step
+        warnings.simplefilter("ignore")  # explicit methods overflow before they shorten a step
         first = wanted if check is None else loose
         cycle = settled(problem, machinery, first, close(problem, machinery, first))
         if check is not None and not cycle.failed:
@@ -134,7 +135,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
 
 
 def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
-    """Return the angles to land on: all, or only those where chambers are born, end, and oil comes in."""
+    """Return the angles at which steps end: all, or only those where chambers begin and end, and oil enters."""
     if landing:
         return composition.breakpoints
     P = composition.P
@@ -145,7 +146,7 @@ def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is tried."""
+    """Amount of cases that are tried."""
 
     asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of our own method
     scipy_asked: tuple[float, ...] = (1e-2, 1e-4, 1e-6)
@@ -154,14 +155,14 @@ class Extent:
     closures: tuple[float, ...] = (0.01, 0.1, 1.0, 10.0, 100.0)
     dead_volumes: tuple[float, ...] = (0.1, 10.0)
     reference: float = 1e-10
-    check: float = 1e-10  # tolerance of a step of the second method
+    check: float = 1e-10  # step tolerance of the second method
     check_limit: float = 60.0  # [s]
-    limit: float = 5.0  # [s] for a case
+    limit: float = 5.0  # [s] per case
     seconds: float = 0.5  # [s] in which a case is repeated
     runs: int = 9  # at most
     points: tuple[int, ...] = (1, 10, 100, 1000)
     lobes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8)
-    pairs: int = 31  # paired runs of the cost of an effect
+    pairs: int = 31  # paired runs for the cost of an effect
 
 
 QUICK = Extent(
@@ -185,7 +186,7 @@ QUICK = Extent(
 
 @dataclass(frozen=True)
 class Case:
-    """One solution to be made: what it is for, what was asked, the way, and the gas that answers."""
+    """One solution to compute: its part of the study, the requested accuracy, the way, and the property back end."""
 
     part: str
     label: str
@@ -193,12 +194,12 @@ class Case:
     way: Way
     scene: Scene
     back_end: str  # 'ideal' | 'compiled' | 'coolprop' | 'own'
-    factor: float | None = None  # of the choice that is looked at
-    own_reference: bool = False  # is it another model, with a reference of its own?
+    factor: float | None = None  # factor on the choice under study
+    own_reference: bool = False  # whether it is another model, with a reference of its own
 
 
 def own_back_end(scene: Scene) -> str:
-    """Return the back end of a scene's gas."""
+    """Return the property back end of a scene's gas."""
     return find_gas_model(scene.gas.model).back_end
 
 
@@ -236,7 +237,7 @@ def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
 
 
 def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
-    """Yield the numerical choices of the model itself, one at a time."""
+    """Yield the numerical choices of the model itself, varied one at a time."""
     gas, asked = own_back_end(scene), scene.numerics.accuracy
     for closing in ("histories", "coupled"):
         for landing in (True, False):

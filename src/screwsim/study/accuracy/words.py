@@ -1,4 +1,4 @@
-"""What a study says: the Pareto front, one plain sentence, and tables of at most 100 columns."""
+"""A study in words: the Pareto front, one plain sentence, and tables of at most 100 columns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TOLD = (1e-3, 1e-4, 1e-6)  # accuracies in the sentence, where they were asked f
 
 
 def front(measured: Iterable[Measured], cost: str = "time") -> list[Measured]:
-    """Return the cases that closed and that no other beats in both cost and error, from the cheapest on."""
+    """Return the closed cases that no other beats in both cost and error, from the cheapest on."""
     best, found = math.inf, []
     for each in sorted((m for m in measured if m.status == "ok"), key=lambda m: (getattr(m, cost), m.error)):
         if each.error < best:
@@ -32,7 +32,7 @@ def competing(study: Study) -> list[Measured]:
 
 
 def limit_of_regularisation(study: Study) -> float | None:
-    """Return the error that the regularisation at the scene's accuracy makes when all else is tight."""
+    """Return the error due to the regularisation at the scene's accuracy when all else is tight."""
     for each in study.measured:
         if each.part == "regularisation alone" and each.factor == 1.0 and each.status == "ok":
             return each.error
@@ -40,7 +40,7 @@ def limit_of_regularisation(study: Study) -> float | None:
 
 
 def sentence(study: Study) -> str:
-    """Return what a digit costs, in one sentence made from the results."""
+    """Return the cost of accuracy, in one sentence made from the results."""
     solved = [each for each in study.asked if each.status == "ok"]
     told = [each for each in solved if any(math.isclose(each.asked, want) for want in TOLD)] or solved
     parts = []
@@ -73,7 +73,7 @@ def _number(value: float, form: str) -> str:
 
 
 def _lines(heads: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
-    """Return a table whose columns are as wide as they must be; those of `left` are aligned to the left."""
+    """Return a table with columns as wide as necessary; those of `left` are left-aligned."""
     table = [list(heads), *(list(row) for row in rows)]
     widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
     return [

@@ -1,4 +1,4 @@
-"""The data sheet of a scene, in the form that its trade uses: each kind has its modules, all one class of sheets."""
+"""Data sheet of a scene, in the form that its trade uses: each kind has its modules, all produce the same `Sheet`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -40,13 +40,13 @@ def sheet_of(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Sheet:
-    """Return the data sheet of a scene; raise UsageError, in one line, where it leaves open what is to be rated.
+    """Return the data sheet of a scene; raise UsageError, in one line, where the scene leaves open what is rated.
 
-    Of a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') in place of those of the
-    scene's sweep; of a gas compressor and an expander, whose scenes state pressures, `suction` and `discharge` ('4
-    bar..6 bar'). `limits` say what is to hold ('discharge_temperature<110 degC'), `heating` asks for the tables of a
-    heat pump, too. A package of air has none of these, but a `profile`, a CSV file of flows and hours.
-    Where the scene gives tolerances, or names the validation of its model, lines say what these make of its own point.
+    For a refrigeration machine `evaporating` and `condensing` are ranges ('-10 degC..10 degC') that replace those of
+    the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, `suction` and `discharge` are
+    ('4 bar..6 bar'). `limits` state what must hold ('discharge_temperature<110 degC'); `heating` adds the tables of a
+    heat pump. An air package takes none of these, but a `profile`, a CSV file of flows and hours. Where the scene
+    states tolerances, or names the validation of its model, lines give the resulting uncertainties of its own point.
     """
     given = (evaporating, condensing, suction, discharge)
     ranges = dict(zip((*BY_TEMPERATURE, *BY_PRESSURE), given, strict=True))
@@ -55,7 +55,7 @@ def sheet_of(
 
 
 def _with_uncertainty(scene: Scene, sheet: Sheet) -> Sheet:
-    """Return a sheet that says how sure the figures of the scene's own point are, each part by itself."""
+    """Return a sheet with the uncertainties of the scene's own point, each part by itself."""
     from screwsim.simulate import simulate
     from screwsim.study.uncertain import with_uncertainty
 
@@ -79,7 +79,7 @@ def _by_inputs(result: Result, figures: Mapping[str, Any]) -> str:
 
 
 def _by_model(result: Result, model: Mapping[str, Any]) -> str:
-    """Return the ends of the error of the model, of efficiencies in points and of others over their size."""
+    """Return the interval of the model error, in points for efficiencies, relative to their size for other figures."""
     parts = []
     for name, each in model["figures"].items():
         about, size = declared(name, result.performance), abs(result.performance[name])

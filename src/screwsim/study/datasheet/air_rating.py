@@ -1,7 +1,7 @@
-"""The rating of an air package: its points from full to lowest flow, unloaded, and by 10 CFR 431.345 (M349).
+"""Rating of an air package: its points from full to lowest flow, unloaded, and by 10 CFR 431.345 (M349).
 
 A scene that sweeps operation.speed is one of variable speed, and its speeds are the points; else the speed is fixed. A
-package with a fan is air-cooled, one without liquid-cooled.
+package with a fan is air-cooled, one without is liquid-cooled.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
-NEAR = 0.01  # of full flow, within which a load is met
+NEAR = 0.01  # of full flow, tolerance within which a load is met
 EFFICIENCY = "package_isentropic_efficiency"
 
 
@@ -33,21 +33,21 @@ class Point(NamedTuple):
 
     @property
     def flow(self) -> float:
-        """Free air delivered [m³/s]; nothing where the point did not close."""
+        """Free air delivered [m³/s]; zero where the point did not close."""
         return float(self.result.performance.get(FREE_AIR) or 0.0) if self.ok else 0.0
 
     @property
     def ok(self) -> bool:
-        """Tell whether the point closed."""
+        """Whether the point closed."""
         return self.result.status == "ok"
 
 
 @dataclass(frozen=True)
 class Regulation:
-    """How a package stands by 10 CFR 431.345.
+    """Compliance of a package with 10 CFR 431.345.
 
-    `efficiency` is that by which it is judged, over the `loads` (share of full flow, efficiency) that make it; `why`
-    says why there is none, or why the regulation does not cover the package.
+    `efficiency` is the one that is judged, computed from the `loads` (share of full flow, efficiency); `why` says why
+    there is none, or why the regulation does not cover the package.
     """
 
     speed: str
@@ -60,13 +60,13 @@ class Regulation:
 
     @property
     def met(self) -> bool | None:
-        """Tell whether the least efficiency is met; None where that is no question."""
+        """Whether the least efficiency is met; None where the question does not apply."""
         return None if self.efficiency is None or not self.covered else self.efficiency >= self.least
 
 
 @dataclass(frozen=True)
 class Rating:
-    """The points from full to lowest flow, one unloaded where the scene says how, and the regulation."""
+    """Points from full to lowest flow, the unloaded one where the scene defines it, and the regulation."""
 
     points: Sequence[Point]
     unloaded: Point | None
@@ -81,7 +81,7 @@ class Rating:
 
 
 def rating(scene: Scene) -> Rating:
-    """Return the rating of an air package; raise UsageError where a scene leaves open what is to be rated."""
+    """Return the rating of an air package; raise UsageError where a scene leaves open what is rated."""
     _check(scene)
     package, variable = scene.effects["air_package"].parameters, SPEED in scene.sweep
     base = replace(scene, sweep={}, joints=())
@@ -134,7 +134,7 @@ def _efficiency(point: Point) -> float | None:
 def _loads(base: Scene, points: Sequence[Point]) -> tuple[list[tuple[float, float | None]], str]:
     """Return the efficiency at each load at which variable speed is rated, or why there is none.
 
-    The speeds that give these flows are interpolated among the points, and solved.
+    The speeds for these flows are interpolated among the points, and solved.
     """
     good = sorted((point.flow, point.speed) for point in points if point.flow > 0.0)
     full = points[0].flow

@@ -106,7 +106,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
 
 
 def _water(found: Mapping[str, Any]) -> str:
-    """Return what becomes of the water of humid air, at full flow."""
+    """Return in words where the water of humid air goes, at full flow."""
     brought, ratio = HOUR * found["water_flow"], 1e3 * found["humidity_ratio"]
     parts = {"the separator": found[SEPARATED], "the aftercooler": found.get(COOLED)}
     falls = " and ".join(f"{HOUR * flow:.1f} in {name}" for name, flow in parts.items() if flow is not None)

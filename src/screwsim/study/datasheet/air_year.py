@@ -1,7 +1,7 @@
-"""What an air package takes over a profile of demands: hours at flows of free air, and the energy of them (M470).
+"""Energy of an air package over a profile of demands: hours at flows of free air (M470).
 
-Between the points of a package of variable speed its power is interpolated over the flow. Below the lowest of them, and
-of a package of fixed speed below full flow, it loads and unloads; one that has no unloaded point stops in between.
+Between the points of a package of variable speed its power is interpolated over the flow. Below the lowest point, or
+below full flow at fixed speed, the package loads and unloads; one without an unloaded point stops in between.
 """
 
 import re
@@ -26,14 +26,14 @@ _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
 
 class Demand(NamedTuple):
-    """A flow of free air [m³/s] that is asked for during so many hours."""
+    """A flow of free air [m³/s] demanded for so many hours."""
 
     flow: float
     hours: float
 
 
 class Share(NamedTuple):
-    """A demand, the flow [m³/s] that is given for it, the mean power [W] and the share of the time on load."""
+    """A demand, the flow [m³/s] delivered for it, the mean power [W] and the share of the time on load."""
 
     demand: Demand
     given: float
@@ -81,7 +81,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
 
 
 def year(rated: Rating, demands: Sequence[Demand]) -> tuple[Share, ...]:
-    """Return what a rated package takes for each demand (M470); raise UsageError where a point of it is not known."""
+    """Return the power of a rated package for each demand (M470); raise UsageError where a point is not known."""
     points = sorted((point for point in rated.points if point.flow > 0.0), key=lambda point: point.flow)
     if not points or not rated.full.ok:
         raise UsageError(f"{OPTION}: the package has no point of full flow ({rated.full.result.told})")
@@ -109,7 +109,7 @@ def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: De
 
 
 def year_table(rated: Rating, shares: Sequence[Share]) -> Table:
-    """Return the table of a profile, its last row the whole."""
+    """Return the table of a profile, with totals in its last row."""
     rows = [
         [*(f"{MINUTE * each.demand.flow:.2f}", f"{each.demand.hours:g}", f"{100.0 * each.loaded:.0f}"),
          *(f"{1e-3 * each.power:.1f}", f"{each.energy / KWH:.0f}", _specific(each.energy, each.volume))]
@@ -144,7 +144,7 @@ def _told(rated: Rating, shares: Sequence[Share]) -> Iterator[str]:
 
 
 def year_document(shares: Sequence[Share]) -> dict[str, Any]:
-    """Return a profile as `--json` has it, SI units; hours are hours."""
+    """Return a profile for `--json`, in SI units; hours stay hours."""
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     rows = [
         {"flow": each.demand.flow, "hours": each.demand.hours, "given_flow": each.given, "power": each.power,

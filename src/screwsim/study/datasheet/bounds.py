@@ -21,7 +21,7 @@ def motor_of(scene: Scene) -> Any:
 
 
 class Bound(NamedTuple):
-    """A limit: a figure, whether it is to stay below (1) or above (-1) a value [SI], and what states it."""
+    """A limit: a figure, whether it must stay below (1) or above (-1) a value [SI], and where that is stated."""
 
     figure: str
     sign: int
@@ -29,18 +29,18 @@ class Bound(NamedTuple):
     source: str = "--limit"
 
     def excess(self, found: Mapping[str, Any]) -> float:
-        """Return by how much [SI] figures lie beyond it; negative within, NaN of a figure without a value."""
+        """Return by how much [SI] a limit is exceeded; negative within it, NaN for a figure without a value."""
         value = found.get(self.figure)
         return math.nan if value is None else self.sign * (float(value) - self.value)
 
     @property
     def words(self) -> str:
-        """The limit as a person writes it."""
+        """The limit as people write it."""
         return f"{shown_name(self.figure)} {'<' if self.sign > 0 else '>'} {shown(self.figure, self.value)}"
 
 
 def shown(figure: str, value: float) -> str:
-    """Return a figure [SI] with its customary unit, four digits; temperatures in °C."""
+    """Return a figure [SI] as text with its customary unit, four digits; temperatures in °C."""
     about = declared(figure)
     if about.units == "K":
         return f"{value - ZERO_CELSIUS:.4g} °C"
@@ -50,7 +50,7 @@ def shown(figure: str, value: float) -> str:
 
 
 def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
-    """Return the limits that texts state, and the motor's rated power where the scene has one; raise UsageError."""
+    """Return the limits stated in texts, and the motor's rated power where the scene has one; raise UsageError."""
     stated = read_bounds(scene, texts, "--limit")
     found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
     motor = motor_of(scene)
@@ -61,7 +61,7 @@ def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
 
 
 class Reach(NamedTuple):
-    """From where to where the axis down may go at a value of that across [SI], and what ends it."""
+    """Range of the axis down at a value of the axis across [SI], and what ends it on both sides."""
 
     at: float
     low: float
@@ -75,10 +75,11 @@ def envelope(
     axes: tuple[Sequence[float], Sequence[float]],
     bounds: Sequence[Bound],
 ) -> Iterator[Reach]:
-    """Yield for each value across the longest run of points within all limits, its ends interpolated.
+    """Yield for each value across the longest run of points within all limits, with interpolated ends.
 
-    `points` are figures by the numbers on both axes, None where a point has none. Between a point within and one beyond
-    a limit its excess is taken as linear; next to a point without figures the run ends at the last one that has them.
+    `points` are figures by the indices on both axes, None where a point has none. Between a point within a limit and
+    one beyond it the excess is taken as linear; next to a point without figures the run ends at the last one that has
+    them.
     """
     for i, across in enumerate(axes[0]):
         column = [points[i, j] for j in range(len(axes[1]))]
@@ -93,7 +94,7 @@ def envelope(
 
 
 def beyond(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[Bound]:
-    """Return the limits that figures lie beyond, or have no value of."""
+    """Return the limits that figures exceed, or for which they have no value."""
     return [bound for bound in bounds if not bound.excess(found) <= 0.0]
 
 
@@ -110,7 +111,7 @@ def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
 def _end(
     column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Sequence[Bound]
 ) -> tuple[float, str]:
-    """Return where a run that ends at point j ends, and why."""
+    """Return the end of a run whose last point is j, and its cause."""
     if not 0 <= outside < len(column):
         return values[j], "end of the table"
     here, there = column[j], column[outside]

@@ -1,7 +1,7 @@
-"""What a gas compressor is rated over, its suction and discharge pressure, and an expander, its speed and outlet.
+"""Axes of a rating: suction and discharge pressure for a gas compressor, speed and outlet pressure for an expander.
 
-A scene that sweeps these is rated at their values, one that does not at shares of its own. An expander is rated over
-its inlet in place of the speed where the scene sweeps that, or a range of it is asked for.
+A scene that sweeps these is rated at its values, another one at fixed shares of its own. An expander is rated over its
+inlet instead of the speed where the scene sweeps that, or a range of it is requested.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from screwsim.study.datasheet.rated import Asked, Axis, faults_of, pressure_rati
 from screwsim.study.part_load import ENDS, GAS, RATIO, SPEED, controls, ratios
 
 SWING = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
-SPEEDS = (0.4, 0.6, 0.8, 1.0, 1.2)  # of an expander's own
+SPEEDS = (0.4, 0.6, 0.8, 1.0, 1.2)  # of an expander's own speed
 OUTLETS = (0.7, 0.85, 1.0, 1.2, 1.4)  # of its outlet pressure
 INLETS = (0.7, 0.85, 1.0, 1.15)  # of its inlet pressure, where both pressures vary
 EXAMPLES = {
@@ -22,18 +22,18 @@ EXAMPLES = {
     EVAPORATING: "80 degC..100 degC",
     CONDENSING: "30 degC..50 degC",
 }
-COUNT = 5  # values of a range
+COUNT = 5  # values per range
 
 
 def options_of(scene: Scene) -> dict[str, str]:
-    """Return the options that state the range of a line's pressure, or saturation temperature: option -> path."""
+    """Return the options that state the range of a line's pressure or saturation temperature: option -> path."""
     if scene.operation.evaporating_temperature is not None:
         return {"--evaporating": EVAPORATING, "--condensing": CONDENSING}
     return {"--suction": P_S, "--discharge": P_D}
 
 
 def asked_of(scene: Scene, ranges: Mapping[str, str | None], bounds: Sequence[Bound]) -> Asked:
-    """Return what of a scene is to be rated, by ranges of its lines' options; raise UsageError."""
+    """Return what is rated of a scene, given ranges of its lines' options; raise UsageError."""
     (first, inlet), (second, outlet) = options_of(scene).items()
     expands = scene.machine.expands
     beside = {SPEED, RATIO} if expands else {RATIO, *ENDS}

@@ -1,4 +1,4 @@
-"""The rating of a gas compressor or an expander as a sheet: what it says, draws and gives to programs."""
+"""The rating of a gas compressor or an expander as a sheet: its text, drawings and document."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -62,7 +62,7 @@ def _expands(rated: Rating) -> bool:
 
 
 def normal_factor(scene: Scene) -> float:
-    """Return what a mass flow [kg/s] is multiplied by for Nm³/h: R T_n/p_n, of the ideal gas."""
+    """Return the factor from a mass flow [kg/s] to Nm³/h: R T_n/p_n, for the ideal gas."""
     return HOUR * constants.gas_constant(scene.gas.name) * ZERO_CELSIUS / STANDARD_ATMOSPHERE
 
 
@@ -118,7 +118,7 @@ def _power_words(rated: Rating) -> str:
 
 
 def _columns(rated: Rating) -> tuple[Column, ...]:
-    """Return what each table is of; the first four are flow, power, efficiency and how the chambers fill."""
+    """Return the columns with a table each; the first four are flow, power, efficiency and filling of the chambers."""
     scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
     electrical = motor_of(scene) is not None
     flow = HOUR * (own.get(FLOW) or 1.0)
@@ -155,7 +155,7 @@ def _sides(rated: Rating) -> tuple[str, str]:
 
 
 def _words(rated: Rating) -> Iterator[str]:
-    """Yield what both axes are, in words."""
+    """Yield the meaning of both axes, in words."""
     for axis, side in zip((rated.asked.across, rated.asked.down), _sides(rated), strict=True):
         kind = "temperature" if axis.path.endswith("temperature") else "pressure"
         yield side if axis.path == SPEED else f"{side} {kind}"
@@ -200,6 +200,6 @@ def _document(rated: Rating) -> dict[str, Any]:
         "gas": scene.gas.name,
         "inlet_temperature": lines(scene).T_s,
         "pressure_ratio": pressure_ratio(scene),
-        "normal_volume": normal_factor(scene) / HOUR,  # m³ of a kilogram at 0 °C and 1.01325 bar, as an ideal gas
+        "normal_volume": normal_factor(scene) / HOUR,  # m³ per kilogram at 0 °C and 1.01325 bar, as an ideal gas
         **tables.document_of(rated, KEPT),
     }

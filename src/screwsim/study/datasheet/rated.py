@@ -1,7 +1,7 @@
-"""What any sheet over two quantities is made of: points over both, the envelope, part load by each control.
+"""Parts common to all sheets over two quantities: points over both, the envelope, part load by each control.
 
-Refrigeration machines go over evaporating temperature and condenser, gas compressors over both pressures, expanders
-over speed and outlet.
+The axes are evaporating temperature and condenser for refrigeration machines, both pressures for gas compressors, speed
+and outlet for expanders.
 """
 
 import math
@@ -25,11 +25,11 @@ from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 LEAST_LIFT = 10.0  # [K]
-LEAST_RATIO = 1.2  # of pressures, below which no point is taken
+LEAST_RATIO = 1.2  # of pressures, below which no point is computed
 
 
 class Axis(NamedTuple):
-    """An axis of the table: its path and values [SI], rising."""
+    """An axis of the table: its path and values [SI], ascending."""
 
     path: str
     values: tuple[float, ...]
@@ -43,13 +43,13 @@ class Asked(NamedTuple):
     down: Axis
     bounds: tuple[Bound, ...]
     controls: tuple[Control, ...]
-    ratios: tuple[float, ...] = ()  # built-in volume ratios among which each part load's best is found
+    ratios: tuple[float, ...] = ()  # built-in volume ratios from which the best is found at each part load
     aim: Aim = REFRIGERATION
 
 
 @dataclass(frozen=True)
 class Rating:
-    """The results: at the scene's own point, by the numbers on both axes, of each control; the envelope."""
+    """Results: at the scene's own point, by the indices on both axes, of each control; and the envelope."""
 
     asked: Asked
     own: Result
@@ -59,12 +59,12 @@ class Rating:
 
     @property
     def ok(self) -> bool:
-        """Tell whether every point closed that there can be."""
+        """Whether every possible point closed."""
         return self.own.status == "ok" and all(result.status == "ok" for result in self.points.values())
 
 
 def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
-    """Return a scene without its sweep; raise UsageError where that varies other than `known` paths, told by `over`."""
+    """Return a scene without its sweep; raise UsageError, naming `over`, where it varies paths other than `known`."""
     others = [path for path in scene.sweep if path not in known]
     if others or scene.joints:
         path = others[0] if others else scene.joints[0].paths[0]
@@ -76,7 +76,7 @@ def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
 
 
 def faults_of(base: Scene, values: dict[str, float]) -> list[str]:
-    """Return what keeps values from fitting into a scene."""
+    """Return why values do not fit into a scene."""
     return [str(fault) for fault in cross_check(with_values(base, values))]
 
 
@@ -101,7 +101,7 @@ def spread(first: float, last: float, count: int) -> tuple[float, ...]:
 
 
 def rating(asked: Asked, jobs: int | None = None, progress: Progress | None = None) -> Rating:
-    """Return the rating of what is asked for; columns of the table and controls are computed by `jobs` workers."""
+    """Return the rating; columns of the table and controls are computed by `jobs` workers."""
     (own,) = simulate_many([asked.scene], trace=False)
     full = own.performance.get(asked.aim.load) if own.status == "ok" else None
     count, many = len(asked.across.values), len(asked.controls) if full else 0
@@ -120,14 +120,14 @@ def rating(asked: Asked, jobs: int | None = None, progress: Progress | None = No
 
 
 class _Part(NamedTuple):
-    """What one worker computes: the column of the table, or what a control does."""
+    """Part computed by one worker: a column of the table, or the results of a control."""
 
     column: Sequence[Result | None] = ()
     load: PartLoad | None = None
 
 
 def _part(asked: Asked, full: float | None, number: int) -> _Part:
-    """Return a column by the number of its value, behind these what a control does."""
+    """Return a column by the index of its value; indices beyond the columns are those of controls."""
     count = len(asked.across.values)
     if number >= count:
         return _Part(load=part_load(asked.scene, asked.controls[number - count], full, LOADS, asked.ratios, asked.aim))
@@ -138,7 +138,7 @@ def _part(asked: Asked, full: float | None, number: int) -> _Part:
 
 
 def _case(asked: Asked, across: float, down: float) -> Scene | Result | None:
-    """Return the scene of a point; why there is none, or nothing where lift or pressure ratio is too small for one."""
+    """Return the scene of a point; a failed result where it is invalid, None for too small a lift or pressure ratio."""
     values = {asked.across.path: across, asked.down.path: down}
     if asked.aim == REFRIGERATION and asked.down.path == CONDENSING and down - across < LEAST_LIFT:
         return None
@@ -150,7 +150,7 @@ def _case(asked: Asked, across: float, down: float) -> Scene | Result | None:
 
 
 def pressure_ratio(scene: Scene) -> float:
-    """Return the higher pressure of a scene's lines over the lower, as the machine is meant to turn."""
+    """Return the higher over the lower pressure of a scene's lines, in the direction that the machine is meant for."""
     at = lines(scene)
     return at.p_s / at.p_d if scene.machine.expands else at.p_d / at.p_s
 

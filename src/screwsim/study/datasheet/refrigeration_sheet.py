@@ -1,7 +1,7 @@
-"""The rating of a refrigeration machine as a sheet: what it says, draws and gives to programs.
+"""The rating of a refrigeration machine as a sheet: its text, drawings and document.
 
-A scene that sweeps these temperatures is rated at their values, one that does not at steps around its own point. Where
-a gas cooler takes the condenser's place, its pressure takes that of the condensing temperature.
+A scene that sweeps these temperatures is rated at their values, another one at steps around its own point. Where a gas
+cooler replaces the condenser, its pressure replaces the condensing temperature.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,9 +25,9 @@ HEATING, HEATING_COPS = "heating_capacity", ("heating_cop", "electrical_heating_
 SHAFT, ELECTRICAL = ("shaft_power", "cop"), ("electrical_power", "electrical_cop")
 KILOWATTS = 1e5  # a capacity, where the scene's own point has none
 STEP = 5.0  # [K] between temperatures of a table
-BELOW, ABOVE = 15.0, 10.0  # [K] of the scene's own temperatures, over which a table goes by itself
+BELOW, ABOVE = 15.0, 10.0  # [K] around the scene's own temperatures: default range of a table
 SHARES = (0.85, 0.9, 0.95, 1.0, 1.05, 1.1)  # of a gas cooler's pressure
-MOST = 12  # values on an axis of a table
+MOST = 12  # values per axis of a table
 KEPT = (
     CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
     "volumetric_efficiency",
@@ -39,7 +39,7 @@ MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 is applied
 
 
 def refrigeration_sheet(rated: Rating, heating: bool = False) -> Sheet:
-    """Return the sheet of a rating, of a heat pump with what its condenser gives."""
+    """Return the sheet of a rating; for a heat pump with the heat of its condenser."""
     scene = rated.asked.scene
     return Sheet(
         heading="Refrigeration compressor, rating by evaporating and condensing temperature",
@@ -109,7 +109,7 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
 
 
 def asked_of(scene: Scene, evaporating: str | None, condensing: str | None, bounds: Sequence[Bound]) -> Asked:
-    """Return what of a scene is to be rated; raise UsageError where it varies something else, or a range is none."""
+    """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
     base = without_sweep(scene, {EVAPORATING, second, RATIO, *ENDS}, over)
@@ -147,7 +147,7 @@ def own_point(rated: Rating) -> str:
 
 
 def columns_of(rated: Rating) -> tuple[Column, ...]:
-    """Return what each table is of: capacity, power, COP, flow, discharge temperature, duty of an oil cooler."""
+    """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil cooler duty."""
     scene, own = rated.asked.scene, rated.own.performance
     kw = tables.decimals_of(KW * (own.get(CAPACITY) or KILOWATTS))
     flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
@@ -165,7 +165,7 @@ def columns_of(rated: Rating) -> tuple[Column, ...]:
 
 
 def heating_columns(rated: Rating) -> tuple[Column, ...]:
-    """Return what the tables of a heat pump have more: heating capacity, and its COP by the same power."""
+    """Return the additional columns of a heat pump: heating capacity, and its COP on the same power."""
     kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or KILOWATTS))
     motor = motor_of(rated.asked.scene) is not None
     word = "electrical" if motor else "shaft"
@@ -176,7 +176,7 @@ def heating_columns(rated: Rating) -> tuple[Column, ...]:
 
 
 def tables_of(rated: Rating, heating: bool) -> Iterator[Table]:
-    """Yield all tables of the sheet, where asked for with those of heating."""
+    """Yield all tables of the sheet, with those of heating where requested."""
     condensing = rated.asked.down.path == CONDENSING
     columns = columns_of(rated)
     shown = (*columns, *heating_columns(rated)) if heating else columns

@@ -6,12 +6,12 @@ from typing import Any
 
 from screwsim.results.warned import kind_of
 
-COLUMNS, LETTERS = 7, 11  # of a table beside which another has room
+COLUMNS, LETTERS = 7, 11  # limits of a table that leaves room for another one beside it
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of a sheet: its title, a note below it, heads and rows; the first `left` columns are words."""
+    """A table of a sheet: title, heads and rows, a note below it; the first `left` columns are words."""
 
     title: str
     heads: Sequence[str]
@@ -22,13 +22,13 @@ class Table:
 
     @property
     def wide(self) -> bool:
-        """Tell whether it asks for the width of a page: by itself, by its columns, or by words in them."""
+        """Whether it needs the full width of a page: by request, by its columns, or by long cells."""
         return self.across or len(self.heads) > COLUMNS or any(len(cell) > LETTERS for row in self.rows for cell in row)
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve to draw: points, and its name where there are several."""
+    """A curve to draw: its points, and its name where there are several."""
 
     x: Sequence[float]
     y: Sequence[float]
@@ -37,7 +37,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Curves over one another: a title, the meaning of both axes with their units; `from_zero` of the x axis."""
+    """Curves in one diagram: a title, the labels of both axes with units; `from_zero` applies to the x axis."""
 
     title: str
     x_label: str
@@ -48,9 +48,9 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A data sheet: a heading, lines of (what, value), tables, what is judged, notes, drawings.
+    """A data sheet: a heading, lines of (what, value), tables, a verdict, notes, drawings.
 
-    `document` is the same for programs, SI units; `ok` tells that all points closed. `verdict` holds (what, text,
+    `document` is the same for programs, in SI units; `ok` means that all points closed. `verdict` holds (what, text,
     whether it is good or None).
     """
 
@@ -66,9 +66,9 @@ class Sheet:
 
 
 def told(points: Sequence[tuple[str, Sequence[str]]]) -> Iterator[str]:
-    """Yield what points of a sheet warn of, (where, warnings) each: words that differ by their numbers alone once.
+    """Yield the warnings of a sheet's points, (where, warnings) each; those that differ only by numbers once.
 
-    Said is the first of them, with its place where it is not that of every point, and at how many others it is so.
+    The first of them is given, with its place unless it holds for every point, and the number of other points.
     """
     found: dict[str, list[tuple[str, str]]] = {}
     for where, warnings in points:

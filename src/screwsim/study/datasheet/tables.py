@@ -1,7 +1,6 @@
-"""Tables of a sheet over two quantities, each a figure's: what they say of it, part load, envelope.
+"""Tables of a sheet over two quantities: one per figure, part load, envelope.
 
-Beside them the lines and notes that sheets of several kinds share: motor, oil, limits, the highest of figures, what
-points warn of.
+Also the lines and notes that sheets of several kinds share: motor, oil, limits, highest figures, warnings of points.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,11 +20,11 @@ KW, HOUR, PERCENT = 1e-3, 3600.0, 100.0
 NONE, BLANK, MARK = "–", "\u00a0", "*"
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
-Place = tuple[int, int]  # numbers on the axes across and down
+Place = tuple[int, int]  # indices on the axes across and down
 
 
 class Column(NamedTuple):
-    """A figure as a sheet has it: its name, its title with the unit, factor from SI, decimals; of `celsius` in °C."""
+    """A figure in a sheet: its name, its title with the unit, factor from SI, decimals; with `celsius` in °C."""
 
     figure: str
     title: str
@@ -34,23 +33,23 @@ class Column(NamedTuple):
     celsius: bool = False
 
     def value(self, found: Mapping[str, Any]) -> float | None:
-        """Return its number among figures [SI], None where it has none."""
+        """Return the column's value among figures [SI], None where it has none."""
         value = found.get(self.figure)
         return None if value is None else celsius(value) if self.celsius else self.factor * value + 0.0
 
     def cell(self, found: Mapping[str, Any]) -> str:
-        """Return its number as a sheet writes it."""
+        """Return the column's value as text."""
         value = self.value(found)
         return NONE if value is None else f"{value + 0.0:.{self.decimals}f}"
 
 
 def decimals_of(size: float) -> int:
-    """Return the decimals of a column by the size of its value at the scene's own point."""
+    """Return the decimals of a column, from the size of its value at the scene's own point."""
     return next((decimals for decimals, least in enumerate((1000.0, 20.0, 2.0)) if size >= least), 3)
 
 
 def shown_at(axis: Axis, value: float) -> str:
-    """Return a value of an axis in words: °C, rpm of a speed, or bar."""
+    """Return a value of an axis in words: in °C, in rpm for a speed, or in bar."""
     if axis.path.endswith("temperature"):
         return f"{celsius(value):.4g} °C"
     return quantity("rad s-1" if axis.path.endswith("speed") else "Pa", value)
@@ -90,7 +89,7 @@ def tables_of(rated: Rating, columns: Sequence[Column], side: str) -> Iterator[T
 def part_load_table(
     rated: Rating, columns: Sequence[tuple[str, Column]], best: tuple[str, Column], note: str
 ) -> Iterator[Table]:
-    """Yield the table of part loads: columns by their heads, and the best built-in ratio with its column."""
+    """Yield the table of part loads: columns with their heads, and the best built-in ratio with its column."""
     scene = rated.asked.scene
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
     heads += ["best Vi", best[0]] if rated.asked.ratios else []
@@ -108,7 +107,7 @@ def part_load_table(
 
 
 def envelope_table(rated: Rating, first: str, side: str) -> Iterator[Table]:
-    """Yield the table of the envelope: `first` heads the values across, `side` is what lies within limits."""
+    """Yield the table of the envelope: `first` heads the values across, `side` names the quantity within limits."""
     asked = rated.asked
     if not rated.reach:
         return
@@ -125,7 +124,7 @@ def _end(axis: Axis, value: float) -> str:
 
 
 def part_load_note(rated: Rating, load: str, best: str) -> str:
-    """Return what a part load is a share of, and of what the best built-in volume ratio gives most."""
+    """Return the note on what a part load is a share of, and what the best built-in volume ratio maximises."""
     note, ratios = f"load: {load}", rated.asked.ratios
     if not ratios:
         return note
@@ -135,7 +134,7 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
 
 
 def _missed(rated: Rating) -> str:
-    """Return at which built-in volume ratios no best was looked for, and why; empty where it was at all of them."""
+    """Return at which built-in volume ratios no best one was sought, and why; empty where there are none."""
     missed = {ratio: why for each in rated.loads for step in each.steps for ratio, why in step.missed.items()}
     if not missed:
         return ""
@@ -147,7 +146,10 @@ def _missed(rated: Rating) -> str:
 def drawing(
     rated: Rating, column: Column, x_label: str, by: str, rows: Sequence[tuple[str, Sequence[tuple[float, Place]]]]
 ) -> Iterator[Drawing]:
-    """Yield a figure of a column: a curve a row (name, [(x, place)]) with two points of it, the first named `by` it."""
+    """Yield a drawing of a column, with one curve per row (name, [(x, place)]) of two points or more.
+
+    `by` precedes the name of the first curve.
+    """
     curves = []
     for name, places in rows:
         known = [(x, rated.points[place]) for x, place in places if place in rated.points]
@@ -160,26 +162,26 @@ def drawing(
 
 
 def part_load_drawing(rated: Rating, column: Column, title: str) -> Iterator[Drawing]:
-    """Yield a figure over the load, a curve of each control; nothing where none has two points."""
+    """Yield a drawing over the load, with one curve per control; nothing where none has two points."""
     parts = [each for each in rated.loads if len(each.curve) > 1]
     if parts:
         yield Drawing(title, "load [%]", title, [_load_curve(each, column) for each in parts])
 
 
 def _load_curve(each: PartLoad, column: Column) -> Curve:
-    """Return a column over the load of a control."""
+    """Return the curve of a column over the load of a control."""
     steps = sorted({step.load: step for step in (*each.curve, *each.steps) if has(step.result, column)}.items())
     y = [column.value(step.result.performance) or 0.0 for _, step in steps]
     return Curve([100.0 * load for load, _ in steps], y, each.control.name)
 
 
 def has(result: Result, column: Column) -> bool:
-    """Tell whether a result has a column's figure."""
+    """Return whether a result has a column's figure."""
     return result.status == "ok" and result.performance.get(column.figure) is not None
 
 
 def kept(result: Result, names: Sequence[str]) -> dict[str, Any]:
-    """Return what a sheet's document keeps of a result."""
+    """Return the parts of a result that a sheet's document keeps."""
     found = {name: result.performance[name] for name in names if name in result.performance}
     said = {"status": result.status, "message": result.message, "warnings": list(result.warnings)}
     return {**said, **found}
@@ -228,14 +230,14 @@ def _best(step: Step, names: Sequence[str]) -> dict[str, Any]:
 
 
 def machine_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
-    """Yield what the machine displaces, and its speed."""
+    """Yield the displacement of the machine, and its speed."""
     speed = shown_value(scene, "operation.speed", scene.operation.speed)
     if found:
         yield "machine", f"{quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
 
 
 def power_lines(scene: Scene, found: Mapping[str, Any], gives: bool = False) -> Lines:
-    """Yield what the motor, or the generator, is rated at and how far the scene's point loads it."""
+    """Yield the rating of the motor or generator, and its load at the scene's point."""
     motor = motor_of(scene)
     if motor is not None:
         load = 100.0 * abs(found["shaft_power"]) / motor.rated_power if found else 0.0
@@ -244,13 +246,13 @@ def power_lines(scene: Scene, found: Mapping[str, Any], gives: bool = False) -> 
 
 
 def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
-    """Yield where the oil comes from, how much, how warm, and the duty of its cooler."""
+    """Yield source, flow and temperature of the oil, and the duty of its cooler."""
     if scene.oil_supply is not None:
         yield "oil", _oil(scene, found)
 
 
 def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
-    """Yield the limits, and the highest of figures over the table."""
+    """Yield the limits, and the highest values of figures over the table."""
     stated = ", ".join(f"{bound.words} ({bound.source})" for bound in rated.asked.bounds)
     yield "limits", stated or "none stated (--limit 'discharge_temperature<110 degC')"
     highest = [f"{shown_name(name)} {_highest(rated, name)}" for name in figures if _highest(rated, name)]
@@ -264,7 +266,7 @@ def control_line(rated: Rating) -> Lines:
 
 
 def cooled(scene: Scene) -> bool:
-    """Tell whether oil is taken heat from: by a cooler, or by what states its temperature."""
+    """Return whether heat is taken from the oil: by a cooler, or by a stated oil temperature."""
     separator = scene.effects.get("separator")
     supply = scene.oil_supply
     stated = supply is not None and supply.temperature is not None
@@ -296,7 +298,7 @@ def _highest(rated: Rating, figure: str) -> str:
 
 
 def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
-    """Yield what points failed of or warn of, once each and where; `own` is the scene's point in words."""
+    """Yield failures and warnings of points, each once with its place; `own` is the scene's point in words."""
     every = [(own, rated.own)]
     every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]
     for each in rated.loads:

@@ -21,7 +21,7 @@ from screwsim.study.seek.trials import Trials
 from screwsim.study.spans import Span
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
-LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, below times the load: range of a part load
+LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
 UNCOMPUTED = "not simulated: another operating point has no result"
 COP = "cop"
 

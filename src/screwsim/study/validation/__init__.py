@@ -1,7 +1,8 @@
-"""Validation: each published reference beside what we compute, with a verdict that can be `fails`.
+"""Validation: published references beside computed values, with verdicts that can be `fails`.
 
 A source is a folder `validation/<name>/` of the checkout: data with their source and uncertainty, scenes, and
-`compare.py` with one function, `compare(here: Path) -> Comparison`. Whatever such a module needs stands here.
+`compare.py` with one function, `compare(here: Path) -> Comparison`. This package has everything that such a module
+needs.
 """
 
 from screwsim.study.validation.discrepancy import compared, model_errors

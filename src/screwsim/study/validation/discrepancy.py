@@ -1,7 +1,7 @@
-"""The error of the model as a validation states it: E = S - D figure by figure, and what it is uncertain by.
+"""Model error by validation: E = S − D for each figure, and its uncertainty.
 
-Points to which a parameter was fitted are kept apart: the interval of a figure is that of the others alone. Nothing is
-added to the numerical error, or to what the inputs make of a figure.
+Points to which a parameter was fitted are kept apart: the interval of a figure comes from the others alone. It is not
+combined with the numerical error or the uncertainty of the inputs.
 
 Source: ASME V&V 20-2009, section 1.5: the error of the model lies in E - u_val ... E + u_val, u_val^2 = u_num^2 +
 u_input^2 + u_D^2, here with the coverage factor 2.
@@ -24,7 +24,7 @@ PARTS = {"numerical": "u_num", "inputs": "u_input", "stated": "u_D"}
 
 
 def is_relative(figure: str) -> bool:
-    """Tell whether the error of a figure is told over its size: of all but efficiencies and temperatures."""
+    """Return whether the error of a figure is relative to its size: true except for efficiencies and temperatures."""
     about = declared(figure)
     return about.scale != EFFICIENCY and about.units != "K"
 
@@ -39,7 +39,7 @@ def compared(
     stated: Mapping[str, float] | None = None,
     fitted: bool = False,
 ) -> list[Compared]:
-    """Return the comparison of a solved point with figures of a source [SI], which may state standard uncertainties."""
+    """Return the comparison of a solved point with figures of a source [SI] and their standard uncertainties."""
     by_inputs = with_uncertainty(scene, result).uncertainty.get("figures", {}) if scene.uncertain else {}
     at = conditions_of(scene, result.performance)
     return [
@@ -60,12 +60,12 @@ def compared(
 
 
 def numerical_of(result: Result, figure: str) -> float | None:
-    """Return the estimated numerical error [SI] of a figure, taken as a standard uncertainty; None where none is."""
+    """Return the estimated numerical error [SI] of a figure, taken as its standard uncertainty; None without one."""
     return error_in_unit(figure, result.performance, result.error)
 
 
 def interval(point: Compared) -> tuple[float, float, float]:
-    """Return E of a point, and the ends between which the error of the model lies; of the source's value, or [SI]."""
+    """Return E of a point, and the ends of the interval of the model error; relative to the source's value, or [SI]."""
     over = abs(point.theirs) if is_relative(point.figure) else 1.0
     found = (point.ours - point.theirs) / over
     u_val = math.sqrt(sum(part * part for part in _parts(point).values() if part is not None)) / over
@@ -77,7 +77,7 @@ def _parts(point: Compared) -> dict[str, float | None]:
 
 
 def model_errors(points: Sequence[Compared], source: str, citation: str) -> dict[str, Any]:
-    """Return of each machine of a source what its points say of the error of the model, JSON types only."""
+    """Return the model error of each machine of a source by its points, in JSON types only."""
     machines = dict.fromkeys(point.machine for point in points)
     return {
         name: {
@@ -99,7 +99,7 @@ def _figures(points: Sequence[Compared]) -> Iterator[tuple[str, dict[str, Any]]]
 
 
 def _told(points: Sequence[Compared]) -> dict[str, Any] | None:
-    """Return number of points, mean of E, and the interval that holds those of all points; None without any."""
+    """Return number of points, mean of E, and the interval that covers those of all points; None without any."""
     found = [interval(point) for point in points]
     if not found:
         return None
@@ -109,7 +109,7 @@ def _told(points: Sequence[Compared]) -> dict[str, Any] | None:
 
 
 def _range(points: Sequence[Compared]) -> dict[str, Any]:
-    """Return of each condition the ends, or the words, among some points."""
+    """Return the ends of each condition, or its words, over some points."""
     found: dict[str, Any] = {}
     for name in dict.fromkeys(name for point in points for name in point.at):
         values = [point.at[name] for point in points if name in point.at]

@@ -1,4 +1,4 @@
-"""What a comparison says: rows with a verdict, panels of its figure; its table as text, the line that sums it up."""
+"""Record of a comparison: rows with verdicts, panels of its figure; its table as text, and a summary line."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -24,12 +24,12 @@ _INDENT = "    "
 
 
 class NotRun(Exception):
-    """Say in one line why a source could not be compared."""
+    """Error with the reason, in one line, why a source could not be compared."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity: ours and theirs, numbers in `unit` or words, how sure the source is, and what that means.
+    """One quantity: computed and reference value, numbers in `unit` or words, with uncertainty and verdict.
 
     `uncertainty` is in `unit` (for exact and cross-code rows it is the tolerance), None where the source gives none;
     `basis` says where it comes from.
@@ -56,7 +56,7 @@ class Row:
 class Series:
     """One curve or set of points of a figure; `theirs` are drawn as points with error bars, ours as lines.
 
-    With `upper` it is a band from y to there, in the colour of the curve at the same place among ours.
+    With `upper` it is a band from y to there, in the colour of the curve at the same position among ours.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Series:
     y: Sequence[float]
     theirs: bool = False
     error: float | None = None
-    points: bool = False  # ours, as separate points
+    points: bool = False  # our values, drawn as separate points
     upper: Sequence[float] | None = None
 
 
@@ -81,10 +81,10 @@ class Panel:
 
 @dataclass(frozen=True)
 class Compared:
-    """One figure of one point of a machine, ours and the source's in SI units, with their standard uncertainties.
+    """One figure at one point of a machine, ours and the source's in SI units, with their standard uncertainties.
 
-    `inputs` is that of ours by the tolerances of the scene, `stated` the source's own: None where nobody states one.
-    `fitted` points are those that a parameter was fitted to. `at` are the conditions (`study.model_error`).
+    `inputs` is ours due to the tolerances of the scene, `stated` the source's own: None where it is not stated.
+    `fitted` points are those to which a parameter was fitted. `at` are the conditions (`study.model_error`).
     """
 
     machine: str
@@ -101,9 +101,9 @@ class Compared:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What one source says and what we compute; `about` says in a sentence or two how to read it.
+    """Comparison of one source with computed values; `about` says in a sentence or two how to read it.
 
-    `points` are what of it states the error of the model, figure by figure.
+    `points` are those from which the model error follows, figure by figure.
     """
 
     title: str
@@ -126,9 +126,9 @@ def equal(
     note: str = "",
     comparable: bool = True,
 ) -> Row:
-    """Return the row of a number: holds within the uncertainty, fails outside it, no verdict where there is none.
+    """Return the row of a number: holds within the uncertainty, fails outside it, no verdict without one.
 
-    `comparable` is False where the source is about another machine: the difference is shown, and nothing is concluded.
+    `comparable` is False where the source is about another machine: the difference is shown without a conclusion.
     """
     verdict = "no verdict"
     if uncertainty is not None and comparable:
@@ -137,12 +137,12 @@ def equal(
 
 
 def trend(quantity: str, ours: str, theirs: str, holds: bool, *, note: str = "", kind: str = "published") -> Row:
-    """Return the row of something told in words: a sign, an order, a saturation."""
+    """Return the row of a statement in words: a sign, an order, a saturation."""
     return Row(quantity, ours, theirs, kind, "holds" if holds else "fails", note=note)
 
 
 def shown(value: float | str | None, digits: int = 4) -> str:
-    """Return a value of a row as people read it."""
+    """Return a value of a row as text."""
     if value is None:
         return "–"
     if isinstance(value, str):
@@ -155,7 +155,7 @@ def _line(cells: Mapping[str, str]) -> str:
 
 
 def row_text(row: Mapping[str, Any]) -> list[str]:
-    """Return the lines of one row: what is too long for its column stands below."""
+    """Return the lines of one row; text too long for its column goes below."""
     uncertainty = shown(row["uncertainty"], 2)
     cells = {**row, "ours": shown(row["ours"]), "theirs": shown(row["theirs"]), "±": uncertainty}
     widths, below = dict(_COLUMNS), []
@@ -182,7 +182,7 @@ def source_text(name: str, source: Mapping[str, Any]) -> str:
 
 
 def errors_report(errors: Mapping[str, Any]) -> str:
-    """Return the error of the model by machine and figure, as ASME V&V 20 states it."""
+    """Return the model error by machine and figure, as ASME V&V 20 states it."""
     lines = ["error of the model: E = ours - theirs; between the ends it lies at all points (E ± 2 u_val, ASME V&V 20)"]
     for name, each in errors.items():
         lines += textwrap.wrap(f"{name}: {range_text(each['range'])}", WIDTH)
@@ -206,7 +206,7 @@ def _error_lines(figure: str, told: Mapping[str, Any]) -> list[str]:
 
 
 def summary(document: Mapping[str, Any]) -> str:
-    """Return how the verdicts are spread, in one sentence."""
+    """Return the counts of the verdicts, in one sentence."""
     rows = [row for source in document["sources"].values() for row in source["rows"]]
     judged = [row for row in rows if row["kind"] in JUDGED and row["verdict"] != "no verdict"]
     held = sum(row["verdict"] == "holds" for row in judged)

@@ -1,4 +1,4 @@
-"""The sources of a checkout: which there are and what they ask for, running them, and a document of what they found."""
+"""Sources of a checkout: which there are and what they need, running them, and a document of their findings."""
 
 import importlib.util
 import sys
@@ -33,7 +33,7 @@ DIED = "its worker died (run this source alone)"
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one source: the comparison, or why there is none; time [s]."""
+    """Result of one source: the comparison, or why there is none; time [s]."""
 
     name: str
     comparison: Comparison | None
@@ -42,9 +42,9 @@ class Outcome:
 
 
 def folder_of(wanted: str | Path | None = None) -> Path:
-    """Return the folder of the sources: the wanted one, or `validation/` of the checkout or package that is running.
+    """Return the folder of the sources: the wanted one, or `validation/` of the running checkout or package.
 
-    The sources are programs: none is looked for where the user happens to work. Raises UsageError where there is none.
+    The sources are programs, so none is searched for in the working directory. Raises UsageError where there is none.
     """
     if wanted is not None:
         folder = Path(wanted)
@@ -64,7 +64,7 @@ def folder_of(wanted: str | Path | None = None) -> Path:
 
 
 def _checkout() -> Path | None:
-    """Return the checkout of which the running package is the source; None of an installed one."""
+    """Return the checkout whose source is the running package; None for an installed one."""
     root = PACKAGE.parents[1]
     try:
         project = tomllib.loads(read_text(root / "pyproject.toml"))
@@ -82,9 +82,9 @@ def names_of(folder: Path) -> list[str]:
 def run_sources(
     folder: Path, names: Sequence[str] = (), progress: Progress | None = None, jobs: int | None = 1
 ) -> list[Outcome]:
-    """Return what became of the named sources (default: all), `jobs` at a time (None: as many as cores).
+    """Return the results of the named sources (default: all), run `jobs` at a time (None: as many as cores).
 
-    Raises UsageError for a name that is none.
+    Raises UsageError for an unknown name.
     """
     known = names_of(folder)
     for name in names:
@@ -119,7 +119,7 @@ def _run(folders: tuple[Path, ...], number: int) -> Outcome:
 
 
 def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """Return everything as one document: the same for the same results, so without times."""
+    """Return everything as one document; it has no times, so that equal results give equal documents."""
     sources: dict[str, Any] = {}
     counts: dict[str, int] = dict.fromkeys(VERDICTS, 0)
     for outcome in outcomes:
@@ -127,7 +127,7 @@ def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
             sources[outcome.name] = {"status": "not run", "reason": outcome.reason, "rows": [], "panels": []}
             continue
         told = asdict(outcome.comparison)
-        del told["points"]  # of them `errors_of` tells
+        del told["points"]  # `errors_of` reports these
         sources[outcome.name] = {"status": "ok", **told}
         for row in outcome.comparison.rows:
             counts[row.verdict] += 1
@@ -135,7 +135,7 @@ def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
 
 
 def errors_of(outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """Return by machine what the sources say of the error of the model; nothing of those that compare no figures."""
+    """Return the model errors by machine; nothing for sources that compare no figures."""
     found: dict[str, Any] = {}
     for outcome in outcomes:
         if outcome.comparison is not None:
@@ -156,7 +156,7 @@ def solved(
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a CSV file whose lines `#` say where its numbers come from. Raises NotRun."""
+    """Return the rows of a CSV file whose lines starting with `#` state the source of its numbers. Raises NotRun."""
     try:
         return read_sheet(path).records()
     except (BadSheet, Unreadable) as fault:
