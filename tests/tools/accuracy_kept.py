@@ -27,9 +27,9 @@ from screwsim.simulate import simulate  # noqa: E402
 PAPER, REAL = str(ROOT / "configs" / "paper" / "point.yaml"), str(ROOT / "tests" / "plain" / "r134a.yaml")
 DRY = ("oil_heat", "oil_pump", "hydromechanical", "end_face_leakage", "interlobe_leakage")
 RADAU_EVERY = 10
-BEYOND = 10**6  # numbers of a structure's scenes after which another is drawn for one that makes no sense
+BEYOND = 10**6  # stride of indices: where a scene makes no sense, another one of its structure is drawn
 
-Drawn = tuple[str, Scene, dict[str, Any]]  # structure, scene, and what was drawn of it
+Drawn = tuple[str, Scene, dict[str, Any]]  # structure, scene, and the values drawn
 
 
 def structures() -> dict[str, Scene]:
@@ -43,7 +43,7 @@ def structures() -> dict[str, Scene]:
 
 
 def around_the_paper(scenes: int, seed: int) -> Iterator[Drawn]:
-    """Yield as many scenes, taken from the structures in turn."""
+    """Yield so many scenes, taken from the structures in turn."""
     random, kinds = np.random.default_rng(seed), list(structures().items())
     for index in range(scenes):
         name, base = kinds[index % len(kinds)]
@@ -51,7 +51,7 @@ def around_the_paper(scenes: int, seed: int) -> Iterator[Drawn]:
 
 
 def of_all_effects(scenes: int, seed: int, names: Sequence[str] = tuple(effects_space.STRUCTURES)) -> Iterator[Drawn]:
-    """Yield as many scenes of all effects, taken from the structures of their space in turn."""
+    """Yield so many scenes of all effects, taken from the structures of their space in turn."""
     for index in range(scenes):
         number, kind = divmod(index, len(names))
         yield _that_makes_sense(names[kind], seed, number)
@@ -74,7 +74,7 @@ def sample(
     radau: float = RADAU,
     asked: Reference = reference,
 ) -> list[Kept]:
-    """Return the outcome of scenes, some judged by scipy's Radau with a tolerance of its steps."""
+    """Return the outcomes of scenes, some judged by scipy's Radau with a given step tolerance."""
     found = []
     for index, (name, scene, changes) in enumerate(scenes):
         one = kept(scene, changes, radau if index % radau_every == radau_every - 1 else None, asked)
@@ -85,7 +85,7 @@ def sample(
 
 
 def work(accuracies: Sequence[float], scenes: int, seed: int) -> np.ndarray:
-    """Return evaluations of the right-hand side, a row a scene around the paper's, a column an accuracy."""
+    """Return evaluations of the right-hand side: a row per scene around the paper's, a column per accuracy."""
     rows = []
     for _, scene, _ in around_the_paper(scenes, seed):
         results = [simulate(with_values(scene, {"numerics.accuracy": each}), trace=False) for each in accuracies]

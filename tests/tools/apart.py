@@ -1,4 +1,4 @@
-"""A process of its own in the time of a fork: from one that has imported the package, and nothing of the tests."""
+"""A separate process at the cost of a fork, from one that has imported the package but nothing of the tests."""
 
 import multiprocessing
 import os
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 
 class Ended(NamedTuple):
-    """How a process ended (−N: by signal N), and what it printed."""
+    """How a process ended (−N: by signal N), and its output."""
 
     code: int
     out: str
@@ -30,14 +30,14 @@ def _begin(call: Callable[..., object], arguments: tuple, place: str, variables:
 
 
 def command(*arguments: str) -> int:
-    """Be `screwsim ARGUMENTS…`."""
+    """Run `screwsim ARGUMENTS…`."""
     from screwsim.cli import exit_code
 
     return exit_code(arguments)
 
 
 def command_for_speed(*arguments: str) -> int:
-    """Be `screwsim ARGUMENTS…`, which compiles for speed."""
+    """Run `screwsim ARGUMENTS…` with code compiled for speed."""
     from screwsim.codegen.modules import for_speed
 
     with for_speed():
@@ -45,7 +45,7 @@ def command_for_speed(*arguments: str) -> int:
 
 
 def begun(call: Callable[..., object], *arguments: object, folder: Path, **variables: str) -> BaseProcess:
-    """Start a call in a process of its own, which works where this one does; it prints into files of a folder."""
+    """Start a call in a separate process with the same working directory; its output goes to files in a folder."""
     for name in ("out", "err"):
         (folder / name).touch()
     told = call, arguments, os.getcwd(), os.environ | variables, str(folder)
@@ -55,7 +55,7 @@ def begun(call: Callable[..., object], *arguments: object, folder: Path, **varia
 
 
 def ended(call: Callable[..., object], *arguments: object, timeout: float = 120.0, **variables: str) -> Ended:
-    """Call in a process of its own and wait for its end; one that takes too long is killed, and fails."""
+    """Run a call in a separate process and wait for its end; one that takes too long is killed, and fails."""
     with tempfile.TemporaryDirectory() as name:
         process = begun(call, *arguments, folder=Path(name), **variables)
         process.join(timeout)

@@ -1,9 +1,9 @@
-"""Dew and bubble points of every blend beside teqp: tests/fluid/blends_teqp.json. Run: blends_against_teqp.py [NAME].
+"""Dew and bubble points of every blend against teqp: tests/fluid/blends_teqp.json. Run: blends_against_teqp.py [NAME].
 
-At 0.7, 0.8 and 0.9 of the highest temperature of two phases, or as cold as they are known: how far teqp's pressures of
-the liquid and of the vapour that we find, and its fugacities of each component in both, are from one another, and the
-pressure of our tables of the dew and bubble line from teqp's of that vapour; relative. (teqp's own iterations fail for
-blends of a wide glide.) A run that was ended goes on where it was.
+At 0.7, 0.8 and 0.9 of the highest two-phase temperature, or at the lowest known one: relative differences between
+teqp's pressures of the liquid and the vapour that we find, between its fugacities of each component in both, and
+between the pressure in our tables of the dew and bubble line and teqp's for that vapour. (teqp's own iterations fail
+for blends with a wide glide.) An interrupted run continues where it was.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def row(fluid: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Write the rows of those that are not stored yet, or those of the blends named."""
+    """Write the rows of blends that are not stored yet, or of those named."""
     sys.path.append(str(ROOT / "tests" / "tools"))
     from closed_blends import known
 

@@ -1,8 +1,8 @@
-"""A closed chamber on every blend: by how much its entropy changes in a turn. Run: closed_blends.py [NAME ...].
+"""A closed chamber with every blend: the change of its entropy over a turn. Run: closed_blends.py [NAME ...].
 
-The chamber of `tests/laws/test_blends.py`, every opening shut, dry (`two_phase: refuse`) and, from vapour into the dome
-and back, wet (`equilibrium`). Writes `tests/laws/closed_blends.json`, a row a blend and kind, each as it comes: a run
-that was ended goes on where it was; blends that are named are done again. Entropy counts over R.
+The chamber of `tests/laws/test_blends.py` with all openings shut, dry (`two_phase: refuse`) and wet (`equilibrium`),
+from vapour into the dome and back. Writes `tests/laws/closed_blends.json`, one row per blend and kind, as they come: an
+interrupted run continues where it was; named blends are done again. Entropy is given over R.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from screwsim.simulate import simulate  # noqa: E402
 SHUT = {"effects": {}, "machine.volume.min": "300 cm^3", "numerics": {"accuracy": 1e-4, "rtol": 1e-10}}
 KINDS = {"dry": ("refuse", 0.75, (10.0, 30.0, 60.0, 100.0)), "wet": ("equilibrium", 0.85, (1.0, 5.0, 15.0, 30.0))}
 DENSER = 1.2  # than the dew point: a wet start for blends whose isentropes do not cross their dew line from outside
-LEAST_SHARE = 0.02  # of the turn that a wet chamber spends on each side of its dew line, or in the dome
+LEAST_SHARE = 0.02  # share of the turn that a wet chamber must spend on each side of its dew line, or in the dome
 
 
 def changes(fluid: str, two_phase: str, p: float, state: dict[str, Any]) -> dict[str, Any]:
@@ -49,7 +49,7 @@ def changes(fluid: str, two_phase: str, p: float, state: dict[str, Any]) -> dict
 
 
 def turn(fluid: str, kind: str) -> dict[str, Any]:
-    """Return what a turn of the chamber does to its entropy, from the first state that leaves it what it is."""
+    """Return the entropy change of the chamber over a turn, from the first initial state that works."""
     two_phase, reduced, superheats = KINDS[kind]
     lines, told = saturation(fluid), ""
     p = constants.dew_pressure(fluid, max(reduced * lines.T_c, 1.02 * lines.T_low))
@@ -76,7 +76,7 @@ def turn(fluid: str, kind: str) -> dict[str, Any]:
 
 
 def wet_turn(fluid: str, p: float) -> dict[str, Any]:
-    """Return the same of one turn that begins wet."""
+    """Return the same for a turn that begins wet."""
     border = blend_border(fluid)
     assert border is not None
     problem = problem_of(make(changes(fluid, "equilibrium", p, {"superheat": "1 K"})))
@@ -110,7 +110,7 @@ def known() -> list[str]:
 
 
 def main() -> None:
-    """Turn the chambers that are not stored yet, or those of the blends named."""
+    """Run the chambers that are not stored yet, or those of the blends named."""
     rows = json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
     for name in sys.argv[1:] or known():
         if name in rows and not sys.argv[1:]:

@@ -53,29 +53,29 @@ SHIPPED = {
     "r134a's machine": "configs/r134a/point.yaml",
 }
 NAMES = (*SHIPPED, *effects_space.STRUCTURES)
-OF_CONFIGS = 1000  # the first number of scenes around all that is shipped
+OF_CONFIGS = 1000  # first number of the scenes around all shipped ones
 NO_SCENES = (".fit.yaml", ".stages.yaml")
 CLOSINGS = "histories", "coupled"
 OFF = 0.1  # of a number, in a random scene
-STEP = 3e-4  # of a number, in differences; of an angle a tenth: a percent of it is several degrees
+STEP = 3e-4  # of a number, step of differences; for an angle a tenth of it: a percent of an angle is several degrees
 MANY = np.array((1.0, 2.0, 4.0))
 GOOD = 1e-5
-KINK = 30.0  # times what the reference is uncertain by, by which both sides differ ...
+KINK = 30.0  # times the uncertainty of the reference by which both sides differ at a kink ...
 BENT = 1e-3  # ... and times the slope
 LEAST = 1e-2  # percent per percent
-RTOL, TOLERANCE = 3e-9, 1e-10  # of a step and of a change, of reference cycles
-FINER = FINE._replace(error=0.03 * FINE.error, ring=0.2 * FINE.ring, wider=0.6)  # to tell what is owed to slices
+RTOL, TOLERANCE = 3e-9, 1e-10  # of a step and of a change, for reference cycles
+FINER = FINE._replace(error=0.03 * FINE.error, ring=0.2 * FINE.ring, wider=0.6)  # shows errors that are due to slices
 FIXED = ("machine.rotor", "effects.blow_hole.opens", "effects.blow_hole.closes")  # angles that belong to the machine
 LIMITS = (1e-5, 1e-4, 1e-3, 1e-2)
 ANGLES = ("opens", "phi_A", "phi_B", "phi_C", "closes", "opens_moved")
 COLUMNS = ("scene", "base", "closing", "path", "figure", "value", "exact", "differences", "error", "own", "jump")
 COLUMNS = (*COLUMNS, "left", "right", "reason")
 Row = dict[str, Any]
-_SIDE = np.linalg.inv(np.vander(np.append(0.0, MANY), increasing=True))[1]  # weights of a difference to one side
+_SIDE = np.linalg.inv(np.vander(np.append(0.0, MANY), increasing=True))[1]  # weights of a one-sided difference
 
 
 def scene_of(number: int, seed: int, accuracy: float | None = None) -> tuple[str, str, Scene]:
-    """Return the name of what a scene is drawn around, its closing, and the scene."""
+    """Return the name of the scene that others are drawn around, its closing, and the drawn scene."""
     names = NAMES if number < OF_CONFIGS else configs()
     random, name = np.random.default_rng((seed, number)), names[number % len(names)]
     closing = CLOSINGS[(number + number // len(names)) % 2]
@@ -93,13 +93,13 @@ def scene_of(number: int, seed: int, accuracy: float | None = None) -> tuple[str
 
 @cache
 def configs() -> tuple[str, ...]:
-    """Return the scenes that are shipped, by their places in the repository."""
+    """Return the shipped scenes, by their paths in the repository."""
     every = sorted((ROOT / "configs").rglob("*.yaml"))
     return tuple(str(each.relative_to(ROOT)) for each in every if not each.name.endswith(NO_SCENES))
 
 
 def drawn(scene: Scene, random: np.random.Generator) -> Scene:
-    """Return a scene with other numbers: angles by a degree, temperatures by two kelvin, others by a tenth."""
+    """Return a scene with other numbers: angles changed by up to a degree, temperatures by 2 K, others by a tenth."""
     for _ in range(100):
         changes = {}
         for path, value in moving(scene).items():
@@ -119,7 +119,7 @@ def drawn(scene: Scene, random: np.random.Generator) -> Scene:
 
 
 def moving(scene: Scene) -> dict[str, float]:
-    """Return the numbers [SI] of a scene that it takes: those of another kind of part may not even be stated."""
+    """Return the numbers [SI] of a scene that may be changed: those of another kind of part may not even be stated."""
     values, _ = numeric_paths(scene)
     return {path: value for path, value in values.items() if value and not cross_check(shifted(scene, path, STEP))}
 
@@ -130,10 +130,10 @@ def shifted(scene: Scene, path: str, by: float) -> Scene:
 
 
 class Exact:
-    """The exact derivatives of a scene, as `sensitivities` has them."""
+    """Exact derivatives of a scene, as `sensitivities` computes them."""
 
     def __init__(self, scene: Scene) -> None:
-        """Solve it; raise UsageError with the reason where differences of cycles stand in."""
+        """Solve the scene; raise UsageError with the reason where `sensitivities` would use differences of cycles."""
         self.scene, self.series, self.values = scene, Series(), numeric_paths(scene)[0]
         self.problem, search = steady(problem_of(scene, self.series), self.series)
         why = solving._refused(self.problem)
@@ -155,7 +155,7 @@ class Exact:
 
 
 def rows(scene: Scene, paths: Sequence[str], of_numbers: float = STEP) -> Iterator[Row]:
-    """Yield a row for each figure and path of a scene, by differences over a step of numbers."""
+    """Yield a row for each figure and path of a scene, with differences over a step of numbers."""
     exact = Exact(scene)
     slopes = exact.slopes(paths)
     other = leased(exact.problem)
@@ -185,7 +185,7 @@ def rows(scene: Scene, paths: Sequence[str], of_numbers: float = STEP) -> Iterat
 
 
 def judged(scene: Scene, found: list[Row], exact: Exact | None = None, quick: bool = False) -> None:
-    """Write the error and the reason of a miss into each row."""
+    """Add the error, and for a miss its reason, to each row."""
     for row in found:
         row["error"] = _error(row, row["exact"])
         row["reason"] = ""
@@ -217,7 +217,7 @@ def _error(row: Row, exact: float) -> float:
 
 
 def again(scene: Scene, found: list[Row]) -> Exact:
-    """Find the exact derivatives of a scene's rows anew."""
+    """Compute the exact derivatives of a scene's rows again."""
     exact = Exact(scene)
     slopes = exact.slopes(list(dict.fromkeys(row["path"] for row in found)))
     for row in found:
@@ -238,7 +238,7 @@ def read(files: Sequence[str]) -> dict[int, list[Row]]:
 
 
 def told(pairs: Sequence[Row]) -> None:
-    """Print what was found to stderr."""
+    """Print a summary to stderr."""
     misses = [row for row in pairs if row["reason"]]
     sure = [row for row in pairs if row["own"] <= GOOD]
     print(f"{len(pairs)} pairs of {len({row['scene'] for row in pairs})} scenes", file=sys.stderr)
@@ -266,7 +266,7 @@ def written(file: str, found: Sequence[Row]) -> None:
 
 
 def arguments() -> argparse.Namespace:
-    """Return what is asked."""
+    """Return the arguments."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenes", type=int, nargs="?", default=len(NAMES))
     parser.add_argument("paths", type=int, nargs="?", default=4, help="numbers of each scene")
@@ -304,7 +304,7 @@ def of_scene(asked: argparse.Namespace, number: int, old: list[Row]) -> list[Row
 
 
 def main() -> None:
-    """Write the rows of random scenes, and a summary on stderr."""
+    """Write the rows of random scenes, and a summary to stderr."""
     asked = arguments()
     old, pairs = read(asked.again), []
     for number in sorted(old) or range(asked.first, asked.first + asked.scenes):

@@ -1,4 +1,4 @@
-"""A law over a table as one test: rows of a millisecond each cost several as tests of their own."""
+"""A law over a table as one test: separate tests would cost several milliseconds per row."""
 
 import inspect
 from collections.abc import Callable, Iterable
@@ -10,10 +10,10 @@ Test = Callable[..., None]
 
 
 def each_row(names: str | tuple[str, ...], values: Iterable[Any], ids: object = None) -> Callable[[Test], Test]:
-    """Return what asks a test of every row, as `pytest.mark.parametrize` does, but in one test.
+    """Return a decorator that runs a test for every row, as `pytest.mark.parametrize` does, but as one test.
 
-    All rows are asked, and each that fails is told with what failed; a table without rows fails. `ids` name rows in
-    reports of pytest: here their values do.
+    All rows run, and each failure is reported with its row; a table without rows fails. `ids` name rows in pytest's
+    reports: here their values do.
     """
     keys = [name.strip() for name in names.split(",")] if isinstance(names, str) else list(names)
     table = [tuple(row) if len(keys) > 1 else (row,) for row in values]

@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 from true_error import warns  # noqa: E402
 
-FINER = 40.0  # the wanted accuracy over that of the solution that is believed
+FINER = 40.0  # the wanted accuracy over that of the trusted solution
 RPM, BAR = math.pi / 30.0, 1e5
 SPEED, RATIO = "operation.speed", "oil_supply.ratio"
 CONDENSING, EVAPORATING = "operation.condensing_temperature", "operation.evaporating_temperature"
@@ -38,7 +38,7 @@ VALVE = "discharge_valve: {area: 12 cm^2, pressure: 0.1 bar}"
 
 @dataclass(frozen=True)
 class Kind:
-    """A shipped scene, what changes it, and between what numbers are drawn: evenly in their logarithms, or not."""
+    """A shipped scene, its changes, and the ranges of drawn numbers: in logarithms, or evenly."""
 
     file: str
     drawn: dict[str, tuple[float, float]]
@@ -105,14 +105,14 @@ def _drawn(kind: Kind, random: np.random.Generator) -> dict[str, float]:
 
 
 def off(found: Result, scene: Scene) -> tuple[str, float] | None:
-    """Return the figure of a result that is off by most, and by how much; None where nothing finer closes."""
+    """Return the figure of a result with the largest error, and that error; None where nothing finer closes."""
     finer = replace(scene.numerics, accuracy=scene.numerics.accuracy / FINER, error="none")
     true = simulate(replace(scene, numerics=finer), trace=False)
     return worst(relative_errors(found.performance, Figures(true.performance))) if true.status == "ok" else None
 
 
 def made(kind: Kind, seed: int, count: int) -> dict[str, Any]:
-    """Return what became of a course: how many were ok, compared and beyond, and the worst."""
+    """Return the outcome of a course: how many scenes were ok, compared and beyond, and the worst."""
     scenes, row = course(kind, seed, count), {"scenes": count, "ok": 0, "compared": 0, "warned": 0, "worst": 0.0}
     beyond: list[dict[str, Any]] = []
     for number, (scene, found) in enumerate(zip(scenes, simulate_many(scenes, trace=False), strict=True)):
@@ -141,7 +141,7 @@ def made(kind: Kind, seed: int, count: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Solve the courses asked for, print a line of each and store the outcome."""
+    """Solve the requested courses, print a line for each and store the outcome."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(KINDS)} (default: all)")
     parser.add_argument("--seeds", type=int, default=8, help="courses of each kind")

@@ -49,7 +49,7 @@ NO_ANSWER = "no answer"  # of the finer solutions, or they differ
 
 
 def one(index: int, seed: int) -> tuple[Row, Scene | None, Result | None]:
-    """Return the row of one scene, and what it was."""
+    """Return the row of one scene, the scene and its result."""
     structure, number = effects_space.structure_of(index)
     row = dict.fromkeys(COLUMNS) | {"index": index, "structure": structure}
     row, scene, result = search.solved(row, lambda: effects_space.scene_of(structure, seed, number))
@@ -57,17 +57,17 @@ def one(index: int, seed: int) -> tuple[Row, Scene | None, Result | None]:
 
 
 def checked(index: int, check: int) -> bool:
-    """Tell whether the true error of a scene is asked for: of each structure every so many scenes."""
+    """Return whether the true error of a scene is computed: for every `check`-th scene of each structure."""
     return bool(check) and effects_space.structure_of(index)[1] % check == 0
 
 
 def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
-    """Solve scenes and send (index, row) of each, the row None when it is begun."""
+    """Solve scenes and send (index, None) at the beginning of each, (index, row) at its end."""
     for index in indices:
         pipe.send((index, None))
         row, scene, result = one(index, seed)
         if checked(index, check) and row["status"] == "ok" and scene and result:
-            pipe.send((index, row | {"true": NO_ANSWER}))  # what is known, should the finer ones not come back
+            pipe.send((index, row | {"true": NO_ANSWER}))  # the known part, should the finer solutions not return
             known, row["true_figure"], true = true_error(scene, result)
             row["true"] = true if known in ("ok", ANOTHER) else NO_ANSWER
             if known == ANOTHER:
@@ -77,7 +77,7 @@ def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
 
 
 def lost(index: int, status: str, message: str) -> Row:
-    """Return the row of a scene that ended its process or had no end."""
+    """Return the row of a scene that ended its process or hung."""
     row = {"index": index, "structure": effects_space.structure_of(index)[0], "status": status, "message": message}
     return dict.fromkeys(COLUMNS) | row
 
@@ -123,7 +123,7 @@ def space() -> str:
 
 
 def _turn(index: int, jobs: int) -> tuple[int, int, int]:
-    """Return when a scene is due: so that every job, which takes each of so many, has the structures by turns."""
+    """Return the order in which scenes are due: every job, which takes one of so many, gets the structures in turn."""
     structure, number = divmod(index, effects_space.EACH)
     return structure // jobs, number, structure % jobs
 

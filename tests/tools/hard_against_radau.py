@@ -51,7 +51,7 @@ from screwsim.solve.accurately import solve  # noqa: E402
 GUESS, OWN, TIGHTENED, FOLLOWED = COLD, "own cycle", "own cycle, tightened", "own cycle, followed for a life"
 DAMPED, SOUGHT = "own cycle, damped", "own cycle, sought"
 FINER = 1e-2  # accuracy of scipy's cycle over the case's
-LOOSER = 1e-2  # tolerance of a step over that accuracy, where no finer one gets through
+LOOSER = 1e-2  # tolerance of a step over that accuracy, where no finer one succeeds
 TRIES = (
     ("scipy-radau", GUESS, OF_STEPS),
     ("scipy-radau", OWN, OF_STEPS),
@@ -62,18 +62,18 @@ TRIES = (
     ("scipy-bdf", TIGHTENED, OF_STEPS),
     ("scipy-lsoda", FOLLOWED, LOOSER),
 )
-BALANCED = 0.1  # bound on its balances over that accuracy: they are as good as its steps, not kept to rounding
-NOISE = 10.0  # tolerance of a cycle that pitches leave: each multiplies the noise of the steps
-STAGES = 3  # in which the own cycle is closed more tightly
+BALANCED = 0.1  # bound on the balances over that accuracy: they are as good as the steps, not kept to rounding
+NOISE = 10.0  # tolerance of a cycle closed by pitches: each pitch multiplies the noise of the steps
+STAGES = 3  # stages in which the own cycle is closed more tightly
 
 
 def read() -> dict[str, Any]:
-    """Return what is stored."""
+    """Return the stored rows."""
     return json.loads(RADAU.read_text(encoding="utf-8")) if RADAU.exists() else {}
 
 
 def from_guess(case: Case, scene: Scene, method: str, of_steps: float) -> tuple[str, Figures, float | None]:
-    """Return status and figures of the case closed afresh, finer, by one of scipy's methods."""
+    """Return status and figures of the case closed from the start, more finely, by one of scipy's methods."""
     accuracy = scene.numerics.accuracy
     tight = {"accuracy": FINER * accuracy, "rtol": of_steps * accuracy, "integrator": method, "closing": "coupled"}
     changes = {path: value for path, value in case.changes.items() if not path.startswith("numerics")}
@@ -82,7 +82,7 @@ def from_guess(case: Case, scene: Scene, method: str, of_steps: float) -> tuple[
 
 
 def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tuple[str, Figures, float | None]:
-    """Return status, figures and last change under one of scipy's methods from where the case itself closed."""
+    """Return status, figures and last change under one of scipy's methods, starting from the case's closed cycle."""
     problem, accuracy = problem_of(scene), scene.numerics.accuracy
     machinery = leased(problem)
     own = solve(problem, machinery)
@@ -116,7 +116,7 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
 
 
 def followed(problem: Problem, machinery: Machinery, wanted: Wanted, y: np.ndarray) -> CycleSolution:
-    """Return what one life makes of all chambers, without closing: ok where they come back within the accuracy."""
+    """Return all chambers after one life, without closing: ok where they return within the accuracy."""
     began, q, c = y.copy(), np.zeros(0), machinery.composition
     c.P[c.widths] = wanted.widths
     for _ in range(c.chambers):
@@ -132,7 +132,7 @@ def followed(problem: Problem, machinery: Machinery, wanted: Wanted, y: np.ndarr
 
 
 def attempts(case: Case, limit: float) -> Iterator[dict[str, Any]]:
-    """Yield the row that each try gives, up to the first that closes."""
+    """Yield the row of each try, up to the first that closes."""
     scene = make(case.changes)
     accuracy = scene.numerics.accuracy
     found = simulate(scene, trace=False)
@@ -158,8 +158,8 @@ def attempts(case: Case, limit: float) -> Iterator[dict[str, Any]]:
 def difference(found: Result, better: Figures, pv: float, start: str) -> float:
     """Return the larger relative difference of work and trapped mass.
 
-    Work below the least one is rounding. A chamber that is only followed gives back what it takes up, and its work is
-    none: it is over m p/ρ.
+    Work below `least` is rounding. A chamber that is only followed gives back the work that it takes up, so its work is
+    zero: the difference is then relative to m p/ρ.
     """
     least = (1.0 if start == FOLLOWED else LEAST_WORK) * better.trapped_mass * pv
     errors = relative_errors(found.performance, better, least_work=least)
@@ -167,7 +167,7 @@ def difference(found: Result, better: Figures, pv: float, start: str) -> float:
 
 
 def main() -> None:
-    """Compare what is not stored yet, and what is named."""
+    """Compare the cases that are not stored yet, and those named."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--limit", type=float, default=600.0, help="seconds of processor time that a try may take")
     parser.add_argument("names", nargs="*", metavar="CASE", help="cases to be done again")

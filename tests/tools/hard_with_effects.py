@@ -35,7 +35,7 @@ from screwsim.inputs.faults import SceneError  # noqa: E402
 from screwsim.simulate import simulate, warm_up  # noqa: E402
 
 DEAREST = 1_000_000  # evaluations that a case may take without the effects
-LIMIT = 90  # processor seconds of a case
+LIMIT = 90  # processor seconds per case
 REAL = ", real gas"
 BY_DEW_POINTS = {"gas.two_phase", "operation.evaporating_temperature"}
 ON_REAL = (  # cases of an ideal gas that R134a's equation of state covers, too
@@ -124,7 +124,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     },
     "separator": {"effects.separator": {}},
     "separator, no cooler": {"effects.separator": {}, "oil_supply.temperature": DROP},
-    "motor": {"effects.motor": {"rated_power": "1 MW", "efficiency": 0.921}},  # what drives the dearest case
+    "motor": {"effects.motor": {"rated_power": "1 MW", "efficiency": 0.921}},  # sized for the most demanding case
     "air_package": {
         "effects.motor": {"rated_power": "1 MW"},
         "effects.air_package": {
@@ -149,7 +149,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     },
 }
 NEEDS_REAL = {"liquid_injection", "droplets, two phases"}
-LIMITS = (  # what the message of a run says that ends at a limit of the machine or of the gas's equation
+LIMITS = (  # parts of the messages of runs that end at a limit of the machine or of the gas's equation
     "hydraulic lock",
     "warm rotors touch",
     "the motor stalls",
@@ -166,7 +166,7 @@ SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "
 
 
 def chosen(name: str = "none") -> list[Any]:
-    """Return the cases for an effect, one of each set of changes but for the oil's transport."""
+    """Return the cases for an effect, one for each set of changes apart from the oil's transport."""
     if name.endswith(REAL):
         return [*_with_real_gas()]
     found: dict[str, Any] = {}
@@ -203,7 +203,7 @@ def rows() -> list[str]:
 
 
 def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
-    """Return what became of a case with an effect: status, and of what is ok balances over the bound, evaluations."""
+    """Return the outcome of a case with an effect: status and, if ok, largest balance over its bound, evaluations."""
     changes = {**CARRIED, **{path: value for path, value in effect.items() if path not in case.changes}}
     changes |= {path: value for path, value in case.changes.items() if path != "oil.transport"}
     if effect.get("effects.oil_heat") is DROP and any(path.startswith("effects.oil_heat") for path in case.changes):
@@ -222,7 +222,7 @@ def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
         return {"status": "not finite", "message": ""}
     if result.status == "ok":
         b = result.balance
-        # of little oil as a share of the trapped gas, as it decides on the status (M39); without any it is of nothing
+        # with little oil relative to the trapped gas, which decides on the status (M39); without oil to nothing
         ratio = result.performance.get("oil_ratio") or 1.0
         oil = b.oil_mass * min(1.0, ratio) if result.performance.get("oil_mass_flow") else 0.0
         found["balance"] = float(f"{max(b.mass, b.energy, b.entropy, oil) / b.bound:.3g}")
@@ -245,12 +245,12 @@ def solve(name: str, anew: bool) -> None:
 
 
 def stored() -> dict[str, dict[str, Any]]:
-    """Return what is stored: outcomes by effect and case."""
+    """Return the stored outcomes, by effect and case."""
     return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
 
 
 def at_a_limit(outcome: dict[str, Any]) -> bool:
-    """Tell whether a run failed at one of the `LIMITS`, and says so."""
+    """Return whether a run failed at one of the `LIMITS`, and says so."""
     return outcome["status"] == "failed" and any(words in outcome["message"] for words in LIMITS)
 
 
@@ -273,7 +273,7 @@ def row(name: str, outcomes: dict[str, dict[str, Any]]) -> str:
 
 
 def table() -> str:
-    """Return the table of what is stored."""
+    """Return the table of the stored outcomes."""
     known = stored()
     head = (
         "effect",

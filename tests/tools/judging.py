@@ -1,4 +1,4 @@
-"""What scripts that solve many hard scenes ask of each: an end in time, and numbers that can be."""
+"""Checks common to scripts that solve many hard scenes: a time limit, and numbers that are possible."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Stopped(Exception):
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Raise Stopped where the work takes more of the processor's time; between calls of compiled code alone."""
+    """Raise Stopped where the work takes more processor time; only between calls of compiled code."""
 
     def stop(*_: Any) -> None:
         raise Stopped
@@ -32,7 +32,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 def finite(result: Result) -> bool:
-    """Tell whether every number of a result is finite, and every pressure, temperature and mass positive."""
+    """Return whether every number of a result is finite, and every pressure, temperature and mass positive."""
     tables = (result.performance, result.balance, result.error, result.ledger, result.numerics)
     numbers = [value for table in tables for value in table.values() if isinstance(value, float)]
     traces = [trace for name, trace in result.cycle.items() if name != "oil_temperature"]

@@ -1,10 +1,10 @@
-"""What another method finds of a scene that stays as it is: kept in `tests/stored`, found anew by scripts/test --all.
+"""Results of another method for a fixed scene: kept in `tests/stored`, computed again by scripts/test --all.
 
-Another method takes long, and what it finds changes with the equations alone. A test that names what it wants gets the
-stored numbers where scripts/test runs without --all. Anywhere else they are found anew and have to be the stored ones:
-what the code under test is held against is then never older than the last complete run. Where the equations, or what is
-asked, have changed: SCREWSIM_KNOWN=write python -m pytest -n0 FILE stores what the tests of a file ask for
-(first remove the subject's file, where nothing else writes it).
+Another method takes long, and its results change only with the equations. A test that uses `known` gets the stored
+numbers where scripts/test runs without --all. Anywhere else they are computed again and must agree with the stored
+ones: the reference of the code under test is then never older than the last complete run. Where the equations or the
+question have changed, SCREWSIM_KNOWN=write python -m pytest -n0 FILE stores what the tests of a file need (first remove
+the subject's file, where nothing else writes it).
 """
 
 import hashlib
@@ -18,18 +18,19 @@ from typing import Any
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "stored"
-HOW = "SCREWSIM_KNOWN"  # 'stored': taken as they are; 'write': found and stored; else found and compared
-LETTERS = 16  # of a digest
-DIGITS = 12  # of a number that is stored
-NOTHING = 1e-9  # so small a number is zero
+HOW = "SCREWSIM_KNOWN"  # 'stored': used as they are; 'write': computed and stored; else computed and compared
+LETTERS = 16  # characters of a digest
+DIGITS = 12  # of a stored number
+NOTHING = 1e-9  # numbers below it count as zero
 
-Numbers = Mapping[str, Any]  # of figures, or texts
+Numbers = Mapping[str, Any]  # numbers of figures, or texts
 
 
 def known(subject: str, what: str, asked: str, find: Callable[[], Numbers], within: float) -> dict[str, Any]:
-    """Return what `find` finds of what is `asked`, a text of all that decides on it, from the file of a subject.
+    """Return the result of `find` for the question `asked`, a text with everything that determines it.
 
-    Numbers found anew may differ from the stored ones by `within` of themselves. `what` is for readers of the file.
+    It is kept in the file of a `subject`. Numbers computed again may differ from the stored ones by `within` of
+    themselves. `what` is for readers of the file.
     """
     file = FOLDER / f"{subject}.json"
     rows = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}

@@ -1,4 +1,4 @@
-"""Figures of much finer solutions, and of other integrators, as they are stored (`known`)."""
+"""Stored figures of much more accurate solutions, and of other integrators (`known`)."""
 
 from types import SimpleNamespace
 
@@ -9,11 +9,11 @@ from screwsim.outputs import Figures
 from screwsim.scene import Scene, scene_text
 from screwsim.simulate import simulate
 
-ANEW = 0.1  # of the wanted accuracy: how far a reference may be another when it is found again
+ANEW = 0.1  # of the wanted accuracy: allowed change of a reference that is computed again
 
 
 def known_reference(scene: Scene, radau: float | None = None) -> tuple[str, Figures]:
-    """Return status and figures of a scene's reference, stored or found anew; arguments are those of `reference`."""
+    """Return status and figures of a scene's reference, stored or computed; arguments are those of `reference`."""
 
     def find() -> dict[str, object]:
         status, figures = reference(scene, radau)
@@ -25,10 +25,10 @@ def known_reference(scene: Scene, radau: float | None = None) -> tuple[str, Figu
 
 
 def known_solution(scene: Scene) -> SimpleNamespace:
-    """Return what has the `performance` of a scene with the integrator and accuracy that it asks for, stored or anew.
+    """Return an object with the `performance` of a scene by its own integrator and accuracy, stored or computed.
 
-    For what others are held against: scipy's Radau, or a solution far more accurate than theirs. Found again it may
-    differ by its own accuracy: processors give other last bits, and so other steps.
+    It is a reference for others: scipy's Radau, or a solution far more accurate than theirs. Computed again it may
+    differ by its own accuracy: other processors give other last bits, and so other steps.
     """
     asked = scene.numerics
 

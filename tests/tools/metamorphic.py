@@ -33,17 +33,17 @@ from screwsim.study.stages.read import Chain, Intercooler  # noqa: E402
 from screwsim.study.sweep import run_sweep  # noqa: E402
 
 BOTH_ERR = 2.0  # two results that are each within the wanted accuracy differ by at most twice as much
-LEAST = 0.1  # volumetric efficiency below which the flow passes through zero: its share of a filling is judged
-WIDER = 1.25  # a gap, over another one
+LEAST = 0.1  # volumetric efficiency below which the flow passes through zero: then its share of a filling is judged
+WIDER = 1.25  # factor of a gap
 GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
-UNITS = {  # of a path: what a number in SI is in another unit
+UNITS = {  # of a path: functions from a number in SI to a text in another unit
     "operation.discharge.pressure": lambda p: f"{p / 6894.757293168361!r} psi",
     "operation.condensing_temperature": lambda T: f"{T * 1.8 - 459.67!r} degF",
     "operation.evaporating_temperature": lambda T: f"{T - 273.15!r} degC",
     "operation.speed": lambda w: f"{w * 30.0 / np.pi!r} rpm",
     "effects.tip_leakage.gap": lambda x: f"{x / 0.0254!r} inch",
 }
-SIZES = {  # of configs/paper: the power of the size with which each input goes in machines that are alike
+SIZES = {  # of configs/paper: exponents by which inputs scale with the size of similar machines
     "machine.rotor_diameter": 1,
     "machine.rotor_length": 1,
     "machine.volume.max": 3,
@@ -55,23 +55,23 @@ SIZES = {  # of configs/paper: the power of the size with which each input goes 
     "effects.blow_hole.area": 2,
     "effects.end_face_leakage.gap": 1,
     "effects.end_face_leakage.length": 1,
-    "effects.oil_heat.heat_transfer_coefficient": -1,  # h A t goes as the mass, its surface too where droplets stay
+    "effects.oil_heat.heat_transfer_coefficient": -1,  # h A t scales as the mass, so do droplets' surfaces
     "operation.speed": -1,
 }
 DRY = ("oil=null", "oil_supply=null", *(f"effects.{name}=off" for name in ("oil_heat", "oil_pump", "hydromechanical")))
 OF_STAGES = ("volumetric_efficiency", "isothermal_efficiency", "discharge_temperature", "shaft_power", "gas_mass_flow")
 STAGE = 1.3, 3.0  # pressure ratio of a stage without oil
-NEXT_TO_NONE = 1e-14, 1e-9  # relative humidities of air as good as dry
+NEXT_TO_NONE = 1e-14, 1e-9  # relative humidities of air that is practically dry
 BALANCES = ("mass", "energy", "oil_mass", "entropy")
 OF_LEDGER = "exergy_destroyed_"
-LAWLESS = f"{OF_LEDGER}{NOT_CONSERVED}"  # by `oil.transport: paper` oil leaves with another energy than it has
+LAWLESS = f"{OF_LEDGER}{NOT_CONSERVED}"  # with `oil.transport: paper` oil leaves with another energy than it has
 WALLS = ("wall_heat", "cylinder_heat")
 WARMING = ("separator", "hydromechanical", "mechanical", "oil_pump", "oil_drag", "bearings", "oil_lift")
 ALIKE = ("volumetric_efficiency", "isothermal_efficiency", "discharge_temperature", "peak_pressure", "specific_power")
 
 
 class NotAsked(Exception):
-    """The scene says nothing of the law."""
+    """The scene says nothing about the law."""
 
 
 def drawn(kind: str, seed: int) -> Scene:
@@ -80,25 +80,25 @@ def drawn(kind: str, seed: int) -> Scene:
 
 
 def solved(scene: Scene, trace: bool = False) -> Result:
-    """Return the result of a scene that is ok and warns of nothing."""
+    """Return the result of a scene that is ok and has no warnings of its accuracy."""
     return believed(simulate(scene, trace=trace), scene)
 
 
 def believed(found: Result, scene: Scene) -> Result:
-    """Return a result that claims its accuracy."""
+    """Return a result that claims its accuracy; raise NotAsked for any other."""
     if found.status != "ok" or warns(found, scene.numerics.accuracy):
         raise NotAsked(found.status)
     return found
 
 
 def apart(one: Result, other: Result, accuracy: float) -> tuple[float, str]:
-    """Return by how much two results of one machine differ at most, over what their errors allow, and in what."""
+    """Return the largest difference of two results of one machine, over the allowed one, and its figure."""
     name, most = worst(relative_errors(one.performance, other.performance))
     return most / (BOTH_ERR * accuracy), name
 
 
 def same(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, str]:
-    """Return infinity and a figure that is not the same to the bit, or none."""
+    """Return infinity and a figure that differs in any bit; zero and '' without one."""
     names = [name for name in {**one, **other} if not _equal(one.get(name), other.get(name))]
     return (float("inf"), names[0]) if names else (0.0, "")
 
@@ -271,7 +271,7 @@ LAWS: dict[str, Callable[[str, int], tuple[float, str]]] = {
 
 
 def asked(law: str, kind: str, seed: int) -> dict[str, Any]:
-    """Return what became of a draw: how far it is from the law, in what, or why it says nothing of it."""
+    """Return the outcome of a draw: distance from the law and its figure, or why it says nothing about it."""
     row: dict[str, Any] = {"law": law, "kind": kind, "seed": seed}
     try:
         off, name = LAWS[law](kind, seed)
@@ -281,7 +281,7 @@ def asked(law: str, kind: str, seed: int) -> dict[str, Any]:
 
 
 def outcome(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return of each law how many draws met it, and those that did not."""
+    """Return for each law the counts of its draws, and those that violated it."""
     found: dict[str, Any] = {}
     for law in dict.fromkeys(row["law"] for row in rows):
         of_law = [row for row in rows if row["law"] == law]
@@ -296,7 +296,7 @@ def outcome(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Draw scenes for each law and print what became of them."""
+    """Draw scenes for each law and print the outcomes."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("laws", nargs="*", help=f"of {', '.join(LAWS)}; all where none is named")
     parser.add_argument("--seeds", type=int, default=8)

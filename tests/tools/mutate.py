@@ -28,17 +28,17 @@ sys.path.insert(0, str(HERE))
 import mutate_space  # noqa: E402
 import search  # noqa: E402
 
-MEMORY = 1_500_000_000  # [byte] that a worker may take beside what it has when it begins
+MEMORY = 1_500_000_000  # [byte] that a worker may use in addition to its initial memory
 PACKAGES = ("numpy", "h5py", "ruamel.yaml", "matplotlib")
 
 
 def _size() -> int:
-    """Return the memory that this process addresses [byte]."""
+    """Return the size of this process's address space [byte]."""
     return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 
 
 def work(pipe: Any, numbers: list[int], folder: Path, seed: int) -> None:
-    """Read mutants and send (number, None) when one is begun, (number, row) when it is done."""
+    """Read mutants and send (number, None) at the beginning of each, (number, row) at its end."""
     place = folder / f"work-{os.getpid()}"
     place.mkdir()
     os.chdir(place)
@@ -59,7 +59,7 @@ def row_of(number: int, kind: str, how: str, answers: Iterable[str], wrong: Iter
 
 
 def lost(number: int, status: str, what: str) -> dict[str, Any]:
-    """Return the row of a mutant that ended its process or had no end."""
+    """Return the row of a mutant that ended its process or hung."""
     kind = mutate_space.KINDS[number % len(mutate_space.KINDS)]
     return row_of(number, kind, f"{kind} ?", (), (what,)) | {"peak_MB": 0}
 
@@ -74,7 +74,7 @@ def rows_of(numbers: list[int], jobs: int, seed: int, limit: float) -> Iterator[
 
 
 def digest() -> str:
-    """Return the digest of what makes and reads the mutants."""
+    """Return the digest of the files that make and read the mutants."""
     return search.digest(*(HERE / name for name in SPACE))
 
 
@@ -109,7 +109,7 @@ def asked() -> argparse.Namespace:
 
 
 def kept(path: Path | None) -> list[dict[str, Any]]:
-    """Return the rows of a file; none where there is none."""
+    """Return the rows of a file; none where it does not exist."""
     if path is None or not path.exists():
         return []
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]

@@ -1,4 +1,4 @@
-"""Arrays that are near each other, as `pytest.approx` has it, but all elements at once: that takes 20 µs for each."""
+"""Comparison of arrays as by `pytest.approx`, but of all elements at once: that takes 20 µs for each element."""
 
 from typing import Any
 
@@ -6,10 +6,10 @@ import numpy as np
 
 
 def assert_near(found: Any, wanted: Any, rel: float = 1e-6, abs: float = 1e-12) -> None:
-    """Assert that each element is as wanted, to a fraction of itself or a difference, whichever is more."""
+    """Assert that each element is as wanted, within a relative or an absolute tolerance, whichever is larger."""
     found, wanted = np.asarray(found), np.asarray(wanted)
     assert found.shape == wanted.shape
-    with np.errstate(invalid="ignore"):  # of infinite ones
+    with np.errstate(invalid="ignore"):  # for infinite elements
         near = np.abs(found - wanted) <= np.maximum(rel * np.abs(wanted), abs)
     far = np.argwhere(~(near | (found == wanted)))
     told = ", ".join(f"{tuple(at)}: {found[tuple(at)]}, not {wanted[tuple(at)]}" for at in far[:3].tolist())

@@ -1,4 +1,4 @@
-"""What searches share: processes that one item may end or hold up, the table of their rows, what a summary tells."""
+"""Parts common to searches: worker processes that an item may end or block, the table of rows, the summary."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from screwsim.scene import Scene
 from screwsim.simulate import simulate
 
 Row = dict[str, Any]
-Work = Callable[[Any, list[int]], None]  # sends (item, None) when one is begun, then (item, what is known of it)
-Lost = Callable[[int, str, str], Row]  # the row of an item, status and message, of which nothing is known
+Work = Callable[[Any, list[int]], None]  # sends (item, None) when an item is begun, then (item, row)
+Lost = Callable[[int, str, str], Row]  # row of an item without a result, from its status and message
 TRY = "the cycle closed only with "
 
 
 class Worker:
-    """One process that does its items in turn, and is begun again behind one that ends it."""
+    """One process that works on its items in turn, and is restarted behind an item that ends it."""
 
     def __init__(self, items: list[int], work: Work, lost: Lost) -> None:
         self.items, self.work, self.lost_row = items, work, lost
@@ -48,7 +48,7 @@ class Worker:
         far.close()
 
     def receive(self) -> Row | None:
-        """Return the row of a finished item, if one was; the row of the item at which the process ended."""
+        """Return the row of a finished item, if there is one; or the row of the item at which the process ended."""
         try:
             item, row = self.pipe.recv()
         except EOFError:
@@ -62,7 +62,7 @@ class Worker:
         return None
 
     def lost(self, status: str, message: str) -> Row:
-        """Return the row of the item at hand, which has no end, and go on with the next in a new process."""
+        """Return the row of the current item, which has no end, and continue with the next in a new process."""
         self.process.kill()
         self.process.join()
         if self.at is None:
@@ -92,7 +92,7 @@ def rows_of(items: list[int], jobs: int, limit: float, work: Work, lost: Lost) -
 
 
 def solved(row: Row, make: Callable[[], Scene]) -> tuple[Row, Scene | None, Result | None]:
-    """Return the row of one scene, and what it was; what crashes has the status `crashed`."""
+    """Return the row of one scene, the scene and its result; a crash gives the status `crashed`."""
     scene = result = None
     started = time.monotonic()
     try:
@@ -108,18 +108,18 @@ def solved(row: Row, make: Callable[[], Scene]) -> tuple[Row, Scene | None, Resu
             row["status"] = "not finite"
     except SceneError as fault:
         row |= {"status": "refused", "message": str(fault)}
-    except Exception:  # noqa: BLE001  what is looked for
+    except Exception:  # noqa: BLE001 - these are searched for
         row |= {"status": "crashed", "message": traceback.format_exc(limit=-2)}
     return row | {"seconds": round(time.monotonic() - started, 3)}, scene, result
 
 
 def digest(*files: Path) -> str:
-    """Return the digest of what items are drawn from, which tells tables of different spaces apart."""
+    """Return the digest of the files that items are drawn from, which tells tables of different spaces apart."""
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:12]
 
 
 def read(path: Path) -> list[Row]:
-    """Return the rows of a table, numbers as numbers."""
+    """Return the rows of a table, with numbers converted."""
     if not path.exists():
         return []
     with path.open(newline="", encoding="utf-8") as file:
@@ -127,7 +127,7 @@ def read(path: Path) -> list[Row]:
 
 
 def number(text: str) -> Any:
-    """Return a number where the text is one, None where there is none."""
+    """Return a text as a number where it is one, None for an empty text."""
     for kind in (int, float):
         try:
             return kind(text)
@@ -137,7 +137,7 @@ def number(text: str) -> Any:
 
 
 def append(table: Path, columns: Sequence[str], rows: Iterable[Row], begun: bool, every: int) -> None:
-    """Append rows to a table, begun or not, as they come; tell on stderr what came after each so many."""
+    """Append rows to a table as they come, with a header unless begun; report on stderr after every `every` rows."""
     with table.open("a", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, columns)
         if not begun:
@@ -158,7 +158,7 @@ def largest(rows: Iterable[Row], key: str) -> Row:
 
 
 def made(command: str, seed: int, space: str, packages: Sequence[str]) -> Row:
-    """Return how a summary was made: by which command, from which space, with which versions."""
+    """Return the provenance of a summary: its command, space, and versions."""
     versions = {name: importlib.metadata.version(name) for name in ("screwsim", *packages)}
     versions["python"] = platform.python_version()
     return {"command": f"tests/tools/{command}", "seed": seed, "space": space, "versions": versions}
@@ -177,13 +177,13 @@ def statuses(rows: list[Row], structures: Iterable[str]) -> Row:
 
 
 def not_ok(rows: list[Row]) -> dict[str, list[int]]:
-    """Return the scenes of each status that asks for a look."""
+    """Return the scenes of each status that needs a look."""
     found = sorted({row["status"] for row in rows} - {"ok", "refused", "failed"})
     return {status: [row["index"] for row in rows if row["status"] == status] for status in found}
 
 
 def tell(summary: Row, file: Path | None, names: Sequence[str]) -> None:
-    """Write a summary where a file is named, and print some of it."""
+    """Write a summary to a file if one is given, and print parts of it."""
     if file:
         file.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
     print(json.dumps({name: summary[name] for name in names}, indent=1))

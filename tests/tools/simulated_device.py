@@ -1,4 +1,4 @@
-"""A GPU that is this processor: the text of a device compiled for it, its threads one after the other."""
+"""A GPU simulated on this processor: the device's code is compiled for it, and its threads run one by one."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ RESULTS = 3  # of a turn
 
 @cache
 def _entry(module: Module, name: str, kinds: tuple[Kind, ...], numbers: tuple[tuple[int, int], ...]) -> Any:
-    """Return the machine code of a thread; a module has the hash of its text for a name, and there is one of it."""
+    """Return the machine code of a thread, once per module; a module's name is the hash of its text."""
     symbol = f"simulated.{name}"
     _, text = DeviceLibrary(read(module.text), dict(numbers)).entry(name, kinds, symbol)
     return machine.loaded(machine.compiled(text, fast=True), symbol)
 
 
 class Simulated:
-    """Memory is this process's; what lies there when it is handed out is no number."""
+    """Device whose memory is that of this process; new memory is filled with NaN."""
 
     def __init__(self) -> None:
         self.held: dict[int, Array] = {}

@@ -1,6 +1,6 @@
-"""Is the wanted accuracy kept? The true error of a scene's figures: how far they are from a much finer solution.
+"""Whether the wanted accuracy is kept: the true error of a scene's figures, from a much more accurate solution.
 
-`drawn` draws scenes around a given one: of its structure (so that nothing is compiled anew), with other numbers: speed,
+`drawn` draws scenes around a given one, of its structure (so that nothing is compiled anew), with other numbers: speed,
 pressures, gaps, ports, oil, dead volume, and the wanted accuracy itself.
 """
 
@@ -23,23 +23,23 @@ from screwsim.study.accuracy.solving import WorkLimit, solve, way
 from screwsim.study.each import Warm
 
 RPM = 2.0 * math.pi / 60.0
-FINER = 2e-2, 5e-3, 1e-3  # accuracies of finer solutions over the wanted one: as many as it takes until two agree
-KNOWN = 0.1  # of the wanted accuracy: the difference of these two up to which the true error is known
+FINER = 2e-2, 5e-3, 1e-3  # accuracies of finer solutions over the wanted one: tried until two agree
+KNOWN = 0.1  # of the wanted accuracy: largest difference of these two at which the true error is known
 RADAU_FINER = 1e-3  # accuracy of the independent reference over the wanted one
-FINEST, COARSEST = 1e-9, 1e-8  # but it is wanted within these
+FINEST, COARSEST = 1e-9, 1e-8  # limits of that accuracy
 RADAU = 1e-10  # tolerance of its steps
-WIDTH = 1e-2  # of its regularisation over its accuracy: as good as none
+WIDTH = 1e-2  # of its accuracy: regularisation, practically none
 LIMIT = 120.0  # [s] for it
 ACCURACIES = 1e-5, 1e-2  # drawn evenly in logarithms
-TRIES = 200  # draws until one makes sense
-ANOTHER = "another cycle"  # status of a reference that came to one: the machine has several
-APART = 10.0  # wanted accuracies between cycles that may be two
+TRIES = 200  # draws until one is valid
+ANOTHER = "another cycle"  # status of a reference that reached another one: the machine has several
+APART = 10.0  # wanted accuracies: distance from which on two cycles may be different ones
 Reference = Callable[[Scene, float | None], tuple[str, Figures]]
-JUDGED = 0.05  # of the wanted accuracy: estimates of smaller errors matter to nobody
+JUDGED = 0.05  # of the wanted accuracy: estimates of smaller errors do not matter
 
 
 class Kept(NamedTuple):
-    """One scene: what was wanted, what the solver estimated, what is true, and of which figure."""
+    """One scene: wanted accuracy, estimated and true error, and the figure of the latter."""
 
     status: str
     wanted: float
@@ -71,7 +71,7 @@ _ABSOLUTE = {
 }
 _ANGLES = {"machine.discharge_port.opens": (590.0, 690.0), "machine.discharge_port.phi_C": (610.0, 700.0)}
 RATIOS = 1.5, 12.0  # of pressures
-SUPERHEAT = 5.0, 30.0  # [K], where the scene gives one
+SUPERHEAT = 5.0, 30.0  # [K], where the scene states one
 
 
 def drawn(scene: Scene, random: np.random.Generator) -> tuple[Scene, dict[str, Any]]:
@@ -109,18 +109,18 @@ def _log_uniform(random: np.random.Generator, low: float, high: float) -> float:
 
 
 def reference(scene: Scene, radau: float | None = None) -> tuple[str, Figures]:
-    """Return status and figures of the reference: scipy's Radau where a tolerance of its steps is given."""
+    """Return status and figures of the reference: by scipy's Radau where its step tolerance is given."""
     return _by_coupling(scene) if radau is None else _by_radau(scene, radau)
 
 
 def true_error(
     scene: Scene, result: Result, radau: float | None = None, asked: Reference = reference
 ) -> tuple[str, str, float]:
-    """Return status of the reference, the figure that differs most from it and by how much, NaN where it has none.
+    """Return status of the reference, the figure that differs most from it and by how much, NaN without one.
 
-    Finer solutions that begin anew may come to another cycle of a machine that has two, as gaps that pass oil or gas
-    give it: where they lie far away, those begun from the scene's own cycle are asked, and the status is `ANOTHER`
-    where they stay on it.
+    Finer solutions from a cold start may reach another cycle of a machine that has two, as gaps that pass oil or gas
+    cause it: where they lie far away, solutions from the scene's own cycle are used, and the status is `ANOTHER` where
+    they stay on it.
     """
     status, better = asked(scene, radau)
     if status != "ok":
@@ -152,8 +152,9 @@ def _by_coupling(scene: Scene, simulated: Callable[[Scene], Result] | None = Non
 
 
 def _by_radau(scene: Scene, rtol: float) -> tuple[str, Figures]:
-    """Return status and figures of coupled chambers under scipy's Radau, at least a thousand times finer, with hardly
-    any regularisation.
+    """Return status and figures of coupled chambers under scipy's Radau, with hardly any regularisation.
+
+    It is a thousand times finer than wanted, within `FINEST` and `COARSEST`.
     """
     accuracy = scene.numerics.accuracy
     fine = min(max(RADAU_FINER * accuracy, FINEST), COARSEST)
@@ -167,7 +168,7 @@ def _by_radau(scene: Scene, rtol: float) -> tuple[str, Figures]:
 
 
 def kept(scene: Scene, changes: dict[str, Any], radau: float | None = None, asked: Reference = reference) -> Kept:
-    """Return how a scene's figures compare with its reference: Radau where a tolerance of its steps is given."""
+    """Return how a scene's figures compare with its reference: Radau where its step tolerance is given."""
     result, wanted = simulate(scene, trace=False), scene.numerics.accuracy
     status, name, true = result.status, "", math.nan
     if status == "ok":
@@ -179,23 +180,23 @@ def kept(scene: Scene, changes: dict[str, Any], radau: float | None = None, aske
 
 
 def warns(result: Result, wanted: float) -> bool:
-    """Tell whether a result warns that its errors are above the wanted accuracy, or that none could be estimated."""
+    """Return whether a result warns that its errors exceed the wanted accuracy, or that none could be estimated."""
     return bool(inaccurate(wanted, Figures(result.error)))
 
 
 def estimates_over_errors(found: list[Kept]) -> list[float]:
-    """Return estimated over true error of scenes that are ok, where that is above `JUDGED` of the wanted one."""
+    """Return estimated over true errors of ok scenes whose true error exceeds `JUDGED` of the wanted accuracy."""
     solved = [each for each in found if each.status == "ok"]
     return [each.estimated / each.true for each in solved if each.true > JUDGED * each.wanted and each.estimated > 0.0]
 
 
 def shares_within_or_warned(found: list[Kept], most: float) -> float:
-    """Return the share of scenes whose true error is within so many times the wanted accuracy, or that warn of it."""
+    """Return the share of scenes whose true error is within `most` times the wanted accuracy, or that warn of it."""
     return float(np.mean([each.warned or each.ratio <= most for each in found]))
 
 
 def account(found: list[Kept]) -> str:
-    """Return what a sample shows, in lines."""
+    """Return a summary of a sample, in lines."""
     solved = [each for each in found if each.status == "ok"]
     ratios = np.array([each.ratio for each in solved])
     lines = [f"{len(found)} scenes, {len(solved)} ok"]
