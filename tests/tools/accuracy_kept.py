@@ -1,8 +1,8 @@
-"""Draw scenes at random and tell whether the wanted accuracy is kept. Run: accuracy_kept.py [SCENES] [SEED] [-v].
+"""Draw random scenes and report whether the wanted accuracy is kept. Run: accuracy_kept.py [SCENES] [SEED] [-v].
 
-The scenes are those of `tests/tools/effects_space.py`, all effects between them; with the word `paper` they lie around
-configs/paper and tests/plain/r134a.yaml, whose accuracies are all drawn. Every tenth is judged by scipy's Radau. See
-docs/explanation/accuracy.md.
+The scenes are those of `tests/tools/effects_space.py`, which together have all effects; with the word `paper` they lie
+around configs/paper and tests/plain/r134a.yaml, and each has a random accuracy. Every tenth is judged by scipy's Radau.
+See docs/explanation/accuracy.md.
 """
 
 from __future__ import annotations

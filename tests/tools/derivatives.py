@@ -4,16 +4,17 @@
         [-o PAIRS] [--misses MISSES]
     python tests/tools/derivatives.py --again PAIRS … [-o …] [--misses …]
 
-Scenes are drawn around shipped ones and the structures of `effects_space`, from `OF_CONFIGS` on around all of
-configs/ (without their drives), their numbers up to a tenth off, closed by histories and by coupled chambers in turn.
-A few numbers of each are taken, and each figure's derivative is held against differences of cycles closed at `RTOL` a
-step with the same regularisation, what lies around the machine closed with each. Central differences over one, two
-and four times `STEP` are extrapolated twice (Richardson); by what both results differ the reference is uncertain
-(`own`). Errors count over the slope, or over `LEAST` percent per percent where it is less. A pair that errs by more
-than `GOOD` is listed with its reason: `kink` where differences to both sides disagree, `reference` where that is no
-better itself, `slices` where finer slices bring it nearer, else `unexplained`. `--quick` tries none of these: `open`.
-`--again` finds the exact derivatives anew beside the references that a file holds. What a miss owes to the rounding of
-the reference a longer `--step` tells, which has less of it.
+Scenes are drawn around shipped ones and the structures of `effects_space`, from number `OF_CONFIGS` on around all of
+configs/ (without their drives). Their numbers differ by up to a tenth; they are closed by waveform relaxation
+(`histories`) and by coupled chambers in turn. A few numbers of each scene are chosen, and each figure's derivative is
+compared with differences of cycles closed with the step tolerance `RTOL` and the same regularisation; the surroundings
+of the machine are solved again for each. Central differences over one, two and four times `STEP` are extrapolated twice
+(Richardson); the difference of both results is the uncertainty of the reference (`own`). Errors are relative to the
+slope, or to `LEAST` percent per percent where it is smaller. A pair with an error above `GOOD` is listed with its
+reason: `kink` where the differences to both sides disagree, `reference` where that is no better itself, `slices` where
+finer slices reduce the error, else `unexplained`. With `--quick` the last two are not tried: `open`. `--again` computes
+the exact derivatives again for the references in a file. A longer `--step` shows which misses are due to rounding of
+the reference, as it reduces that.
 """
 
 from __future__ import annotations

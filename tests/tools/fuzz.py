@@ -1,10 +1,10 @@
 """Solve random scenes of the whole scene space and store what became of them. Run: fuzz.py [--count 20000] [--jobs 2].
 
-Writes `fuzz-SEED-SPACE.csv`, one row a scene, and goes on where it holds scenes already; `--outcome FILE` sums up all
+Writes `fuzz-SEED-SPACE.csv`, one row per scene, and skips scenes that it holds already; `--outcome FILE` sums up all
 its rows: counts per status and structure, the worst balances, errors and counts of evaluations, the scenes that are
-neither ok, refused nor failed. The scene space is that of `fuzz_space.py`. A share of the scenes that are ok
-is solved again by coupled chambers under scipy's Radau. Each worker is a process: one that dies, or takes longer with a
-scene than `--limit`, costs that scene only.
+neither ok, refused nor failed. The scene space is that of `fuzz_space.py`. A share of the scenes that are ok is solved
+again by coupled chambers under scipy's Radau. Each worker is a process: if it dies, or takes longer than `--limit` for
+a scene, only that scene is lost.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ SPACES: dict[str, Any] = {"fuzz_space": fuzz_space, "fluid_space": fluid_space}
 FILES = {"fuzz_space": ("fuzz_space.py",), "fluid_space": ("fluid_space.py", "fuzz_space.py")}
 FIRST = "fuzz_space"
 NO_ANSWER = "no answer"  # of Radau
-UNEXPLAINED = "check port areas"  # what is said of an integration that stopped for no reason that is known
+UNEXPLAINED = "check port areas"  # in the message of an integration that stopped for an unknown reason
 PACKAGES = ("numpy", "scipy", "llvmlite", "coolprop")
-PER_GAS = ("oil_ratio", "oil_flow_ratio")  # oil figures over the gas, which next to no oil leaves open
+PER_GAS = ("oil_ratio", "oil_flow_ratio")  # oil figures relative to the gas, undetermined with next to no oil
 
 
 def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
@@ -66,13 +66,13 @@ def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
     if radau.status != "ok":
         return "", NO_ANSWER
     errors = relative_errors(result.performance, radau.performance)
-    if (radau.balance.get("oil_mass") or 0.0) > accuracy:  # next to no oil, which Radau's cycle has not settled
+    if (radau.balance.get("oil_mass") or 0.0) > accuracy:  # next to no oil, for which Radau's cycle has not converged
         errors = Figures({name: size for name, size in errors.items() if name not in PER_GAS})
     return worst(errors)
 
 
 def one(index: int, seed: int, drawn_from: str = FIRST) -> tuple[Row, Scene | None, Result | None]:
-    """Return the row of one scene, and what it was."""
+    """Return the row of one scene, the scene and its result."""
     of = SPACES[drawn_from]
     structure, shares = of.drawn(seed, index)
     row = dict.fromkeys(COLUMNS) | {"index": index, "structure": structure}
@@ -80,19 +80,19 @@ def one(index: int, seed: int, drawn_from: str = FIRST) -> tuple[Row, Scene | No
 
 
 def work(pipe: Any, indices: list[int], seed: int, check: int, drawn_from: str) -> None:
-    """Solve scenes and send (index, row) of each, the row None when it is begun."""
+    """Solve scenes and send (index, None) at the beginning of each, (index, row) at its end."""
     for index in indices:
         pipe.send((index, None))
         row, scene, result = one(index, seed, drawn_from)
         if check and index % check == 0 and row["status"] == "ok" and scene and result:
-            pipe.send((index, row | {"radau": NO_ANSWER}))  # what is known, should Radau not come back
+            pipe.send((index, row | {"radau": NO_ANSWER}))  # the known part, should Radau not return
             row["radau_figure"], row["radau"] = against_radau(scene, result)
         pipe.send((index, row))
     pipe.close()
 
 
 def lost(index: int, status: str, message: str, seed: int, drawn_from: str) -> Row:
-    """Return the row of a scene that ended its process or had no end."""
+    """Return the row of a scene that ended its process or hung."""
     row = {"index": index, "structure": SPACES[drawn_from].drawn(seed, index)[0], "status": status, "message": message}
     return dict.fromkeys(COLUMNS) | row
 

@@ -1,11 +1,11 @@
 """Solve random scenes that hold all effects between them, and store what became of them. Run: fuzz_effects.py.
 
 The scenes are those of `tests/tools/effects_space.py`: few structures, as each is compiled, many numbers for each. It
-asks what `fuzz.py` asks of its own space: that nothing crashes or hangs, that figures are finite and balances close.
-And it asks whether estimates hold: the true error of every third scene that is ok (`--check`) is asked of the function
-that `accuracy_kept.py` asks, by coupled chambers at a fiftieth of the wanted accuracy and finer, until two solutions
-differ by at most a tenth of it; where none do, nothing is known. Writes `fuzz-effects-SEED-SPACE.csv` and goes on where
-it holds scenes already; `--outcome FILE` sums up all its rows.
+checks the same as `fuzz.py` for its own space: that nothing crashes or hangs, that figures are finite and balances
+close. It also checks the error estimates: the true error of every third scene that is ok (`--check`) comes from the
+function that `accuracy_kept.py` uses, with coupled chambers at a fiftieth of the wanted accuracy and finer, until two
+solutions differ by at most a tenth of it; where none do, it is unknown. Writes `fuzz-effects-SEED-SPACE.csv` and skips
+scenes that it holds already; `--outcome FILE` sums up all its rows.
 """
 
 from __future__ import annotations

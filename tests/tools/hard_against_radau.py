@@ -1,13 +1,13 @@
 """Solve every hard case that is ok again by coupled chambers under scipy's Radau, and store how far the two differ.
 
-Run: hard_against_radau.py [--limit 600] [CASE ...]. `tests/hard` does it for some; this script for the others, each try
-within `--limit` seconds of processor time. Radau begins from the cold guess as the case itself does; where that does
-not close, from the case's own closed cycle, which it has to keep or to leave for its own; then from that cycle closed
-more tightly, then with damping. Where none of these ends the chambers are followed for one life from there, and must
-come back within the accuracy; then BDF is asked, and LSODA with coarser steps. `tests/hard/against_radau.json` holds a
-row a case: the larger relative difference of work and trapped mass, the accuracy that was asked for, from where which
-method closed with what tolerance of a step over that accuracy, and what the last pitch (or the life) still changed. It
-goes on where it holds cases already; cases that are named are done again.
+Run: hard_against_radau.py [--limit 600] [CASE ...]. `tests/hard` does this for some cases, this script for the others,
+each try within `--limit` seconds of processor time. Radau starts from the cold guess as the case itself does; where
+that does not close, from the case's own closed cycle, which it either keeps or leaves for its own; then from that cycle
+closed more tightly, then with damping. Where none of these succeeds, the chambers are followed for one life from there,
+and must return within the accuracy; then BDF is tried, and LSODA with coarser steps. `tests/hard/against_radau.json`
+holds a row per case: the larger relative difference of work and trapped mass, the wanted accuracy, the method and start
+that closed, its step tolerance over that accuracy, and the change in the last pitch (or life). Stored cases are
+skipped; named ones are done again.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Solve random scenes twice, stated in two ways that mean the same, and ask laws of them that no solver is needed for.
 
-Run: metamorphic.py [LAW …] [--seeds 8] [--outcome FILE]. Each law draws a scene of fuzz_courses.KINDS by
-its seed and returns how far it is from being met, over what the wanted accuracy allows: at most 1 where it is met. A
-scene that is not ok, or that warns, says nothing of a law and is counted as not asked. Prints a line a draw.
+Run: metamorphic.py [LAW …] [--seeds 8] [--outcome FILE]. Each law draws a scene of fuzz_courses.KINDS by its seed and
+returns its violation over the one that the wanted accuracy allows: at most 1 where the law holds. A scene that is not
+ok, or that warns, says nothing about a law and counts as not asked. Prints a line per draw.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def _equal(one: Any, other: Any) -> bool:
 
 
 def other_units(kind: str, seed: int) -> tuple[float, str]:
-    """A scene in psi, degF, rpm and inch is that in SI."""
+    """A scene in psi, degF, rpm and inch gives the same results as in SI units."""
     scene = drawn(kind, seed)
     values = {path: _value(scene, path) for path in UNITS}
     changes = [f"{path}={UNITS[path](value)}" for path, value in values.items() if value is not None]
@@ -121,7 +121,7 @@ def other_units(kind: str, seed: int) -> tuple[float, str]:
 
 
 def sweep_in_another_order(kind: str, seed: int) -> tuple[float, str]:
-    """The points of a course that runs backwards are those of the course."""
+    """A course run backwards gives the same points."""
     scenes = course(KINDS[kind], seed, 5)
     forth = list(simulate_many(scenes, trace=False))
     back = list(simulate_many(scenes[::-1], trace=False))[::-1]
@@ -135,7 +135,7 @@ def sweep_in_another_order(kind: str, seed: int) -> tuple[float, str]:
 
 
 def file_of_one_point(kind: str, seed: int) -> tuple[float, str]:
-    """A sweep of one point, read from its file, is the run, to the bit."""
+    """A sweep of one point, read from its file, equals the run bit for bit."""
     scene = drawn(kind, seed)
     alone = solved(scene)
     with tempfile.TemporaryDirectory() as folder:
@@ -147,14 +147,14 @@ def file_of_one_point(kind: str, seed: int) -> tuple[float, str]:
 
 
 def closed_otherwise(kind: str, seed: int) -> tuple[float, str]:
-    """The way in which a cycle is closed does not show."""
+    """The results do not depend on the closing method."""
     scene = drawn(kind, seed)
     coupled = replace(scene, numerics=replace(scene.numerics, closing="coupled"))
     return apart(solved(scene), solved(coupled), scene.numerics.accuracy)
 
 
 def wider_gap(kind: str, seed: int) -> tuple[float, str]:
-    """A wider gap does not raise the flow."""
+    """A wider gap does not increase the flow."""
     scene = drawn(kind, seed)
     there = [f"effects.{name}.gap" for name in GAPS]
     values = {path: _value(scene, path) for path in there}
@@ -169,7 +169,7 @@ def wider_gap(kind: str, seed: int) -> tuple[float, str]:
 
 
 def nothing_destroys_entropy(kind: str, seed: int) -> tuple[float, str]:
-    """No effect of a machine takes entropy out of the world, and all of its balances close."""
+    """No effect of a machine destroys entropy, and all of its balances close."""
     scene = drawn(kind, seed)
     found = solved(scene, trace=True)
     bound = scene.numerics.accuracy
@@ -185,10 +185,10 @@ def nothing_destroys_entropy(kind: str, seed: int) -> tuple[float, str]:
 
 
 def _given(scene: Scene, found: Result, entry: str) -> bool:
-    """Tell whether an entry may be negative, as what lines, plenums or walls held at their state take or give.
+    """Return whether an entry may be negative, as that of lines, plenums or walls held at a fixed state.
 
-    To a line or plenum goes that of heat, below T_0 a sink of cold that costs nothing, and of oil, counted from
-    injected oil at the pressure of its source (M54); walls give that of the heat by which they warm the gas (M171).
+    A line or plenum receives the exergy of heat, which below T_0 is a free source of cold, and of oil, counted from
+    injected oil at the pressure of its source (M54); walls supply that of the heat with which they warm the gas (M171).
     """
     name = entry.removeprefix(OF_LEDGER)
     if name in WALLS and (found.ledger[f"energy_moved_{name}"] or 0.0) > 0.0:
@@ -197,7 +197,7 @@ def _given(scene: Scene, found: Result, entry: str) -> bool:
 
 
 def of_another_size(kind: str, seed: int) -> tuple[float, str]:
-    """Machines of one shape at one tip speed work alike: those of configs/paper, whose laws know no viscosity."""
+    """Machines of one shape and tip speed perform equally: those of configs/paper, whose laws have no viscosity."""
     if kind != "paper":
         raise NotAsked("its laws know viscosity")
     scene, size = drawn(kind, seed), float(np.exp(np.random.default_rng(seed).uniform(np.log(0.5), np.log(2.0))))
@@ -211,7 +211,7 @@ def of_another_size(kind: str, seed: int) -> tuple[float, str]:
 def of_two_equal_stages(kind: str, seed: int) -> tuple[float, str]:
     """Two machines of one shape without oil, cooled to the suction gas between, share the pressure ratio equally.
 
-    At one tip speed the flow goes as p L²: a second stage smaller by √π takes what the first gives at π p_s.
+    At one tip speed the flow scales as p L²: a second stage smaller by √π takes the flow of the first at π p_s.
     """
     if kind != "paper":
         raise NotAsked("its laws know viscosity")
@@ -237,7 +237,7 @@ def of_two_equal_stages(kind: str, seed: int) -> tuple[float, str]:
 
 
 def next_to_no_water(kind: str, seed: int) -> tuple[float, str]:
-    """Air as good as dry is dry air, by the equations of moist air."""
+    """Practically dry air gives the results of dry air, by the equations of moist air."""
     if kind not in ("paper", "air"):
         raise NotAsked("no ideal gas, or one that knows more of its fluid")
     humidity = float(np.exp(np.random.default_rng(seed).uniform(*np.log(NEXT_TO_NONE))))

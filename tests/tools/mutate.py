@@ -1,10 +1,10 @@
 """Read mutated files and store what became of them. Run: mutate.py [--count 2400] [--seed 1] [--jobs 2].
 
 Results files, scenes, fits, tables and parts of sweeps (tests/tools/mutate_space.py) are changed at random and read as
-the commands read them, each in a worker process with bounded memory and a limit of time. Required: an answer in one
-line, no internal error, no end of the process, no hang, no warning of a library, nothing executed and nothing told that
-the file does not hold. `--rows FILE` keeps a line a mutant, and a run goes on where it holds some already; `--outcome
-FILE` stores the counts of all of them; `--only N` reads one mutant and prints how that ended.
+the commands read them, each in a worker process with limited memory and time. Required: an answer in one line, no
+internal error, no crash, no hang, no warning of a library, nothing executed, and nothing disclosed that the file does
+not hold. `--rows FILE` keeps a line per mutant, and mutants that it holds already are skipped; `--outcome FILE` stores
+the counts of all of them; `--only N` reads one mutant and prints how that ended.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Solve the carried point of validation/plain by plain.py anew: python tests/tools/plain_figures.py
 
-Writes tests/validation/plain_figures.json: its figures in SI units, and a digest of plain.py and of the numbers that it
-was given. Takes some 20 s; tests compare the package with what is kept, and `scripts/test --all` solves it again.
+Writes tests/validation/plain_figures.json: its figures in SI units, and a digest of plain.py and of its input numbers.
+Takes some 20 s; tests compare the package with the stored figures, and `scripts/test --all` solves it again.
 """
 
 import hashlib
@@ -20,20 +20,20 @@ REMEDY = "plain.py or its point has changed since its figures were kept: python 
 
 
 def carried(module: ModuleType) -> Any:
-    """Return the point whose oil is carried, of the points of validation/plain."""
+    """Return the point of validation/plain whose oil is carried along."""
     (point,) = [point for point in module.points(PLAIN) if "carried" in point.name]
     return point
 
 
 def digest(machine: Any) -> str:
-    """Return a digest of plain.py and of a machine to twelve digits: gases differ by platform beyond."""
+    """Return a digest of plain.py and of a machine's numbers to twelve digits: beyond, gases differ by platform."""
     numbers = {name: f"{value:.12g}" for name, value in vars(machine).items()}
     text = (PLAIN / "plain.py").read_text(encoding="utf-8")
     return hashlib.sha256(f"{json.dumps(numbers, sort_keys=True)}\n{text}".encode()).hexdigest()
 
 
 def solved_now(module: ModuleType) -> dict[str, Any]:
-    """Return what is kept, solved now: digest and figures [SI units]."""
+    """Return the content of the stored file, solved now: digest and figures [SI units]."""
     machine = module.machine_of(load(*carried(module).asked))
     return {"digest": digest(machine), "figures": module.plain_figures(machine)}
 

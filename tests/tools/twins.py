@@ -1,8 +1,8 @@
 """Solve random scenes and their twins at a speed that differs by 1e-12 of itself, and ask how far the two are apart.
 
-Run: twins.py SEED [--first N]. Closings that end where chance leads them show so without a finer solution: their twins
-differ by more than both tell. The scenes are those of `effects_space.py`. Prints a line for each scene whose twins have
-another status, or figures that are farther apart than the wanted accuracy and the errors of both, without a warning.
+Run: twins.py SEED [--first N]. Closings whose end depends on rounding show this without a finer solution: their twins
+differ by more than both error estimates. The scenes are those of `effects_space.py`. Prints a line for each scene whose
+twin has another status, or figures that differ by more than the wanted accuracy and both errors, without a warning.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SECONDS = 60.0  # for a scene, and for its twin
 
 
 def apart(scene: Scene) -> str:
-    """Return in what a scene and its twin are apart, an empty text where they are not."""
+    """Return in words how a scene and its twin differ, an empty text where they agree."""
     accuracy, operation = scene.numerics.accuracy, scene.operation
     twin = replace(scene, operation=replace(operation, speed=operation.speed * (1.0 + APART)))
     with limited(SECONDS):

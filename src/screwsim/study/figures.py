@@ -9,7 +9,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, case
 from screwsim.scene.fields import unknown
 
-# Small letters, without blanks, underscores and hyphens; what may mean two figures ('eta', 'power', 'w') is not here
+# Lower case, without blanks, underscores and hyphens; symbols that may mean two figures ('eta', 'w') are left out
 _SYMBOLS = {
     "volumetric_efficiency": "λ lambda ηv etav etavol",
     "isentropic_efficiency": "ηs etas etais ηis",

@@ -188,7 +188,7 @@ def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> di
 def _differences(
     scene: Scene, values: Mapping[str, float], jobs: int | None, progress: Progress | bool | None
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
-    """Return the derivatives of figures by path as differences of closed cycles, and why some have none."""
+    """Return the derivatives of figures by path as differences of closed cycles, and why some paths have none."""
     if not values:
         return {}, {}
     numerics = scene.numerics

@@ -79,7 +79,7 @@ class Parts:
                 f"{self.output}: another {self.study} is writing it (wait for it, or choose another -o)"
             ) from None
         except (ImportError, OSError):
-            pass  # no locks on this system or disk: two sweeps at once only do the same work twice
+            pass  # no locks on this system or disk: two sweeps at once merely do the same work twice
 
     def close(self) -> None:
         """Release the folder; its parts stay, and a folder without parts is removed."""

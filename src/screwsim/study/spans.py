@@ -57,8 +57,8 @@ class Span:
 def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
     """Return the spans of texts PATH=LOW..HIGH, or PATH alone; raise UsageError in one line.
 
-    Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema; with `ranged` the
-    schema's does not count, and a range must be stated.
+    Without a stated range it is that of `sizes` (a catalogue), of the sweep's axis, or of the schema, which does
+    not count with `ranged`.
     """
     found: dict[str, Span] = {}
     for text in texts:

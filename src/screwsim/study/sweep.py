@@ -163,7 +163,7 @@ def sweep(
     try:
         import xarray  # noqa: F401 - only whether it is there
     except ImportError:
-        file = Path(tempfile.mkdtemp(prefix="screwsim-")) / "sweep.h5"  # stays: Results reads when asked
+        file = Path(tempfile.mkdtemp(prefix="screwsim-")) / "sweep.h5"  # kept: Results reads it lazily
         return open_results(run_sweep(scene, file, jobs=jobs, progress=progress, **options).path)
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=progress, **options)
@@ -190,7 +190,7 @@ class _Sweep:
         self._many = many
         self._warm_up = beside.warming(warm_up)
         self._beside = beside
-        self._angle = np.empty(0)  # the grid of the traces: chambers live longer in some cases, which is refused
+        self._angle = np.empty(0)  # common grid of the traces: cases with longer lives of chambers are refused
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
         self._wanted = wanted_of(scene)
@@ -257,7 +257,7 @@ class _Sweep:
                 task = partial(run_packed, packed(job), self._wanted)
                 settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
         except UsageError:
-            self._watch.look()  # a worker that started after a file changed here finds another one, and is not to blame
+            self._watch.look()  # a worker that started after a file changed here reads another one through no fault of its own
             raise
         finally:
             self._progress.stop()

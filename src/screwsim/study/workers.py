@@ -155,9 +155,9 @@ def stop(executor: Executor) -> None:
         executor.shutdown(wait=False, cancel_futures=True)
         _kill(processes.values(), results)  # they hold nothing: only this process writes files
         return
-    try:  # dask's knows no `cancel_futures`: it cancels them in any case
+    try:  # dask's executor has no `cancel_futures`: it cancels them in any case
         executor.shutdown(wait=False)
-    except Exception as error:  # by its name, as below: of a lost scheduler there is nothing to cancel
+    except Exception as error:  # known by its name, as below: with a lost scheduler there is nothing to cancel
         if type(error).__name__ != "ClosedClientError":
             raise
 

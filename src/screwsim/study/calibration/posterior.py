@@ -220,7 +220,7 @@ def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _C
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DEMove(gamma0=1.0), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, problem.size, problem, vectorize=True, moves=moves)
     sampler.random_state = np.random.RandomState(found.fit.seed).get_state()
-    # not DESnookerMove: in emcee 3.1.6 its acceptance is not that of its steps, and intervals come out too narrow
+    # not DESnookerMove: in emcee 3.1.6 its acceptance does not match its steps, and intervals come out too narrow
     while True:
         states = sampler.run_mcmc(states, min(STEPS, most), skip_initial_state_check=True)
         done = sampler.iteration

@@ -20,7 +20,7 @@ from screwsim.study.datasheet.sheet import Table
 
 POWER, OPTION = "package_input_power", "--profile"
 MINUTE, HOUR, KWH, WHOLE = 60.0, 3600.0, 3.6e6, 8760.0  # s, s, J, h
-NEAR = 1e-3  # of full flow, by which a demand may be above it and still be met
+NEAR = 1e-3  # of full flow: excess of a demand that still counts as met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
 _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
