@@ -257,7 +257,7 @@ class _Sweep:
                 task = partial(run_packed, packed(job), self._wanted)
                 settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
         except UsageError:
-            self._watch.look()  # a worker that started after a file changed here reads another one through no fault of its own
+            self._watch.look()  # a worker that started after a file changed here reads the changed one
             raise
         finally:
             self._progress.stop()
