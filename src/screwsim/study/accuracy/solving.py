@@ -146,7 +146,7 @@ def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Extent:
-    """Amount of cases that are tried."""
+    """Scope of a study: the accuracies and sizes that are tried, and limits of time."""
 
     asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of our own method
     scipy_asked: tuple[float, ...] = (1e-2, 1e-4, 1e-6)
