@@ -12,7 +12,7 @@ from screwsim.results.schema import MODEL_ERROR
 from screwsim.scene.model_errors import range_text
 from screwsim.scene.types import COVERAGE
 
-TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # by which inputs
+TOLD = ("isothermal_efficiency", "isentropic_efficiency", "gas_mass_flow", "shaft_power", "cop")  # shown with inputs
 NOTHING = 1e-6  # of a figure: smaller intervals are ignored
 MOST, LEAST = 3, 0.01  # number of inputs listed for a figure, their least share of its variance
 
