@@ -139,7 +139,7 @@ def short(path: str) -> str:
 
 
 def summary(runs: list[dict]) -> list[list[str]]:
-    """Return a row a fault: draws, right first, among the first two, said to be alike, mean probability, taken for."""
+    """Return a row per fault: draws, right first, among two, said alike, sure and wrong, probability, taken for."""
     rows = []
     for fault in dict.fromkeys(each["fault"] for each in runs):
         of = [each for each in runs if each["fault"] == fault]

@@ -36,7 +36,7 @@ TARGET = PAPER / "fits.csv"
 RPM, D = 2.0 * np.pi / 60.0, 3.0
 SPEEDS = (250.0, 5000.0)  # [rpm] of A6, range of Fig. 1
 A5, A5_WIDTH, A6, A6_WIDTH = 0.68, 0.005, 0.44, 0.02
-MARGINS = (0.004, 0.05, 0.05, 0.05)  # of A2 (efficiency), A3 (curvature, drop), A4 (ratio; logarithms but the first)
+MARGINS = (0.004, 0.05, 0.05, 0.05)  # A2 (efficiency), A3 (curvature, drop), A4 (ratio); the last three in logarithms
 WIDTHS = (0.004, 0.05, 0.05, 0.05)  # shortfalls that count as one
 TOLD = "(least squares to A5, A6 and the orderings; row: of admissible.csv, where it began; cost: sum of squares)"
 STEP, LOST, CHEAP = 0.01, 5.0, ("numerics.accuracy=1e-4", "numerics.error=none")

@@ -114,7 +114,7 @@ def check_place(output: Path) -> None:
 
 
 def base_point(scene: Scene, file: str) -> Scene:
-    """Return the scene without its sweep, as stored with the result; report on stderr that it had one."""
+    """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
     from screwsim.scene import scene_text

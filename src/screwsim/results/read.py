@@ -1,4 +1,4 @@
-"""Results from HDF5: figures by name, read on demand; anything else in a file is ignored."""
+"""Results from HDF5: figures by name, read on demand; nothing but results is taken from a file."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
 MEANT = "is it meant?"
-LEFT = 1e-3  # share of its largest volume that a table may keep at its ends: the displacement is off by as much
+LEFT = 1e-3  # share of the largest volume that a table's smallest may have: the displacement is off by as much
 OTHER_HAND = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
 SCALED = 0.01  # relative deviation allowed between a table's largest volume and the stated one
@@ -126,7 +126,7 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield warnings about a table of volumes: one that does not end at zero, has a jumpy slope, or is rescaled."""
+    """Yield warnings about a table of volumes that never reaches zero, whose slope jumps, or that is rescaled."""
     law = getattr(scene.machine, "volume", None)  # a user-defined machine may have anything here
     if isinstance(law, VolumeLaw) and law.file is not None:
         angles, volumes = read_curve(str(law.file), VOLUME)

@@ -1,4 +1,4 @@
-"""Values that follow from others: of the machine by `machine.derived`, and the speed from the rotors' tip speed.
+"""Values that follow from others: machine sizes (`machine.stated`), and the speed from that of the rotors' tips.
 
 They are filled in when a scene is read and when a case of a sweep is made; `Derived` values are not written to files.
 """
